@@ -1,0 +1,1 @@
+"""When heel and toe of each foot are planted."""

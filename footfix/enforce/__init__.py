@@ -1,0 +1,1 @@
+"""Holding plants where they are planted: targets, inverse kinematics, root-only correction."""

@@ -1,0 +1,54 @@
+"""Correction: what enforcement wants changed, as data; one function applies it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, frozen
+from footfix.motion.kinematics import forward
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """What is to change in a clip.
+
+    Args:
+        root: the joint whose place is shifted.
+        root_shift: (F, 3) [m] in the world.
+        joints: the joints whose rotations are replaced.
+        rotations: (F, len(joints), 4) xyzw their new local rotations; where nothing is to change, the very
+            numbers of the clip, so that what did not need changing stays the same to the digit.
+        residual: (F, E) [m] how far each sole point stays from where its plant wants it; zero outside plants.
+    """
+
+    root: int
+    root_shift: Floats
+    joints: tuple[int, ...]
+    rotations: Floats
+    residual: Floats
+
+    def __post_init__(self) -> None:
+        for name in ("root_shift", "rotations", "residual"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+
+def apply(clip: Clip, correction: Correction) -> Clip:
+    """The corrected clip. Frames and joints that the correction leaves alone keep their very numbers."""
+    positions, rotations = clip.positions, clip.rotations
+    moved = np.any(correction.root_shift != 0.0, axis=1)
+    if np.any(moved):
+        shift = correction.root_shift[moved]
+        parent = int(clip.skeleton.parents[correction.root])
+        if parent >= 0:  # the shift is in the world, the channel in the parent's frame
+            turn = forward(clip.frames(np.flatnonzero(moved)), [parent]).rotation(parent)
+            shift = rotation.rotate(rotation.inverse(turn), shift)
+        positions = positions.copy(order="K")
+        positions[moved, correction.root] += shift
+    if correction.joints:
+        rotations = rotations.copy(order="K")
+        for k, joint in enumerate(correction.joints):
+            rotations[:, joint] = correction.rotations[:, k]
+    return replace(clip, positions=positions, rotations=rotations)

@@ -1,0 +1,53 @@
+"""The one exception root of the package, and what each kind means to a caller and to a shell.
+
+An error is written for a person: where (file, line, frames, joint), what is wrong, what to do next.
+"""
+
+from __future__ import annotations
+
+
+class FootfixError(Exception):
+    """Root of all errors that footfix raises on purpose."""
+
+    exit_code = 3
+
+
+class UsageError(FootfixError):
+    """The command line or the settings make no sense; nothing has been done."""
+
+    exit_code = 2
+
+
+class InputError(FootfixError):
+    """An input can't be used: it is no BVH, is damaged, or holds nothing this tool can work on."""
+
+    def __init__(
+        self, what: str, *, file: str = "", line: int | None = None, column: int | None = None, hint: str = ""
+    ) -> None:
+        self.what, self.file, self.line, self.column, self.hint = what, file, line, column, hint
+        super().__init__(what, file, line, column, hint)  # all of them, so that it survives pickling
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _rebuild, (type(self), self.what, self.file, self.line, self.column, self.hint)
+
+    def __str__(self) -> str:
+        place = ":".join(str(part) for part in (self.file, self.line, self.column) if part not in ("", None))
+        return (f"{place}: " if place else "") + self.what + (f"; {self.hint}" if self.hint else "")
+
+    def within(self, file: str) -> InputError:
+        """The same error, saying which file it is about."""
+        return type(self)(self.what, file=file, line=self.line, column=self.column, hint=self.hint)
+
+
+class NoLegsError(InputError):
+    """The skeleton has no legs that could be found, so there are no feet to plant."""
+
+
+class OutputError(FootfixError):
+    """A result could not be written; whatever stood in its place still does."""
+
+
+def _rebuild(
+    kind: type[InputError], what: str, file: str, line: int | None, column: int | None, hint: str
+) -> InputError:
+    return kind(what, file=file, line=line, column=column, hint=hint)

@@ -1,0 +1,1 @@
+"""Doors: files to values and back."""

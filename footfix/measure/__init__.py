@@ -1,0 +1,1 @@
+"""What a clip's feet do, in numbers."""

@@ -1,0 +1,1 @@
+"""Arrays: skeletons, clips, contacts, rotations, kinematics, smoothing."""

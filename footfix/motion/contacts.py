@@ -1,0 +1,114 @@
+"""Contacts: which effector is planted when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from footfix.motion.clip import Bools, Floats
+from footfix.notes import Note
+
+Part = Literal["heel", "toe"]
+Wish = Literal["force", "forbid"]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One stretch of frames in which an effector is planted.
+
+    Args:
+        start: the first frame in contact.
+        end: the first frame after it.
+        confidence: how likely it is right, 0 to 1.
+        position: (x, y, z) [m] where it is planted, if that is known or asked for.
+        wish: set by a person or a label file: "force" is enforced whatever it costs, "forbid" says that
+            there is no contact here whatever the detector thinks.
+    """
+
+    start: int
+    end: int
+    confidence: float = 1.0
+    position: tuple[float, float, float] | None = None
+    wish: Wish | None = None
+
+
+@dataclass(frozen=True)
+class Effector:
+    """A sole point by name, and when it is planted.
+
+    Args:
+        name: leg name and part, `left_heel`.
+        side: "left", "right", or the leg's own name on a figure with more legs.
+        part: "heel" or "toe".
+        joint: name of the joint that carries the point.
+        contacts: in order of time, not overlapping.
+    """
+
+    name: str
+    side: str
+    part: Part
+    joint: str
+    contacts: tuple[Contact, ...] = ()
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The contacts of a clip.
+
+    Args:
+        frames: frames of the clip.
+        frame_time: [s].
+        effectors: in the order of the rig: left heel, left toe, right heel, right toe.
+        method: which detector found them, "labels" where they were given.
+        notes: what the detector has to tell.
+    """
+
+    frames: int
+    frame_time: float
+    effectors: tuple[Effector, ...]
+    method: str = "labels"
+    notes: tuple[Note, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(effector.name for effector in self.effectors)
+
+    def __getitem__(self, name: str) -> Effector:
+        for effector in self.effectors:
+            if effector.name == name:
+                return effector
+        raise KeyError(name)
+
+    def mask(self) -> Bools:
+        """(F, E) True where an effector is planted; forbidden stretches are not contacts."""
+        mask = np.zeros((self.frames, len(self.effectors)), dtype=np.bool_)
+        for e, effector in enumerate(self.effectors):
+            for contact in effector.contacts:
+                if contact.wish != "forbid":
+                    mask[contact.start : contact.end, e] = True
+        return mask
+
+    def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
+        """The same effectors with the contacts of a mask (F, E).
+
+        `confidence` (F, E), if given, is averaged over each contact.
+        """
+        effectors = tuple(
+            replace(
+                effector,
+                contacts=tuple(
+                    Contact(a, b, 1.0 if confidence is None else float(confidence[a:b, e].mean()))
+                    for a, b in runs(mask[:, e])
+                ),
+            )
+            for e, effector in enumerate(self.effectors)
+        )
+        return replace(self, effectors=effectors)
+
+
+def runs(mask: Bools) -> list[tuple[int, int]]:
+    """The stretches `[start, end)` in which a mask (F,) is True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

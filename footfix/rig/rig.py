@@ -1,0 +1,102 @@
+"""Rig: what of a skeleton stands on the floor, and how large it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import Contacts, Effector, Part
+from footfix.motion.kinematics import Pose, forward
+from footfix.notes import Note
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One leg, by joint index.
+
+    Args:
+        name: "left", "right", or the config's own name ("front_left").
+        side: "left" or "right"; the name on figures where sides mean nothing.
+        hip, knee, ankle: the joints at the top of the thigh, at the knee and at the ankle.
+        toe: the joint at the ball of the foot, None where the skeleton has none.
+        chain: every joint from hip to ankle, both included: (hip, knee, ankle) on a plain leg, more with
+            twist bones or on animal legs.
+    """
+
+    name: str
+    side: str
+    hip: int
+    knee: int
+    ankle: int
+    toe: int | None
+    chain: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class SolePoint:
+    """A point of the sole, fixed in the frame of a joint of the foot.
+
+    Args:
+        name: leg name and part, `left_heel`.
+        leg: index into `Rig.legs`.
+        part: "heel", or "toe" (the ball of the foot).
+        joint: the joint it is fixed to.
+        offset: (x, y, z) [m] in that joint's frame.
+    """
+
+    name: str
+    leg: int
+    part: Part
+    joint: int
+    offset: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Rig:
+    """What of a skeleton stands on the floor. One figure of a file; a file may hold several.
+
+    Args:
+        root: the joint that carries the figure's travel through the world.
+        pelvis: the joint the legs hang from.
+        legs: left before right on a biped.
+        soles: for each leg its heel, then its toe.
+        leg_length: [m] from hip joint to ankle along the bones, mean of the legs.
+        floor: [m] height of the floor that most of the clip stands on.
+        notes: how each of these was guessed, and what is doubtful.
+    """
+
+    root: int
+    pelvis: int
+    legs: tuple[Leg, ...]
+    soles: tuple[SolePoint, ...]
+    leg_length: float
+    floor: float
+    notes: tuple[Note, ...] = ()
+    origins: Mapping[str, str] = field(default_factory=dict)
+
+    def joints(self) -> tuple[int, ...]:
+        """The joints that detection and enforcement look at: root, pelvis, leg chains, toes, sole points."""
+        wanted = {self.root, self.pelvis}
+        for leg in self.legs:
+            wanted.update(leg.chain)
+            if leg.toe is not None:
+                wanted.add(leg.toe)
+        wanted.update(sole.joint for sole in self.soles)
+        return tuple(sorted(wanted))
+
+    def pose(self, clip: Clip) -> Pose:
+        """Forward kinematics of `joints()`."""
+        return forward(clip, self.joints())
+
+    def tracks(self, pose: Pose) -> tuple[Floats, ...]:
+        """For each sole point its (F, 3) [m] track in the world."""
+        return tuple(pose.point(sole.joint, sole.offset) for sole in self.soles)
+
+    def no_contacts(self, clip: Clip) -> Contacts:
+        """The effectors of this rig, nothing in contact."""
+        names = clip.skeleton.names
+        effectors = tuple(
+            Effector(sole.name, self.legs[sole.leg].side, sole.part, names[sole.joint]) for sole in self.soles
+        )
+        return Contacts(len(clip), clip.frame_time, effectors)
