@@ -46,7 +46,7 @@ def test_window_is_odd_and_long_enough() -> None:
 
 def noisy_clip() -> Clip:
     t = np.arange(300) / 120
-    turn = Rotation.from_euler("y", 8.0 * t + RNG.normal(0, 0.01, 300)).as_quat()
+    turn = Rotation.from_euler("y", (8.0 * t + RNG.normal(0, 0.01, 300))[:, None]).as_quat()
     turn *= np.where(RNG.random(300) < 0.5, -1, 1)[:, None]
     turn[0] = [0, 0, 0, 1]
     still = np.tile([0.0, 0.0, 0.0, 1.0], (300, 1))
