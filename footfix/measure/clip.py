@@ -1,0 +1,209 @@
+"""Measures of a whole clip: one definition each, with its source."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.measure.plants import NOTICED_MM, PlantMeasure, floor_levels, measure_plants
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import Contacts
+from footfix.motion.kinematics import Pose, forward
+from footfix.rig.rig import Rig
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What the feet of a clip do, in numbers; the unit is in the name.
+
+    A skate figure always stands beside `coverage`: lifting a foot off the floor is no cure.
+
+    Args:
+        plants: contacts counted.
+        plants_over_21mm: how many of them slide farther than viewers notice (Prazak 2011).
+        share_over_21mm: the same as a share of the plants.
+        slide_mm: the worst plant's slide.
+        slide_median_mm: the median plant's.
+        yaw_deg: the worst plant's turn about the vertical.
+        coverage: share of effector-frames in contact.
+        skate_cm_s: mean horizontal speed of effectors in contact.
+        skate_worst_cm_s: highest horizontal speed of an effector in contact.
+        penetration_mm: deepest of all planted points below their floor.
+        float_mm: highest of all planted points above their floor.
+        skating_ratio: GMD / OmniControl's foot skating ratio of the toes, over all frames.
+        weighted_skate_cm_s: mean of v (2 - 2^(h / H)) over sole points and frames, H = 3.3 cm.
+        phys_penetrate_mm, phys_float_mm, phys_skate_mm: PhysDiff's three, over the sole points.
+        jitter_100m_s3: mean third difference of joint positions [10^2 m/s^3].
+        peak_acceleration_m_s2: 99.9th percentile of knee and ankle acceleration relative to the pelvis.
+        peak_knee_speed_deg_s: 99.9th percentile of the knees' angular speed.
+    """
+
+    plants: int
+    plants_over_21mm: int
+    share_over_21mm: float
+    slide_mm: float
+    slide_median_mm: float
+    yaw_deg: float
+    coverage: float
+    skate_cm_s: float
+    skate_worst_cm_s: float
+    penetration_mm: float
+    float_mm: float
+    skating_ratio: float
+    weighted_skate_cm_s: float
+    phys_penetrate_mm: float
+    phys_float_mm: float
+    phys_skate_mm: float
+    jitter_100m_s3: float
+    peak_acceleration_m_s2: float
+    peak_knee_speed_deg_s: float
+
+
+def measure(
+    clip: Clip, rig: Rig, contacts: Contacts, *, levels: Sequence[Floats] | None = None, pose: Pose | None = None
+) -> tuple[Measures, tuple[PlantMeasure, ...]]:
+    """Measures a clip against its contacts.
+
+    Args:
+        clip: the motion.
+        rig: its legs and sole points.
+        contacts: which sole points are planted when.
+        levels: the height of the floor under each contact [m], for each effector (contacts,); found from
+            the plants themselves where it is not given.
+        pose: forward kinematics of `rig.joints()`, if it is at hand.
+
+    Returns:
+        The measures of the clip, and those of every plant.
+    """
+    pose = rig.pose(clip) if pose is None else pose
+    levels = floor_levels(rig, contacts, pose) if levels is None else levels
+    plants = measure_plants(clip, rig, contacts, pose, levels)
+    slides = np.array([plant.slide_mm for plant in plants])
+    weights = np.array([max(plant.end - plant.start - 1, 0) for plant in plants])
+    speeds = np.array([plant.speed_cm_s for plant in plants])
+    tracks = rig.tracks(pose)
+    floor = float(rig.floor)
+    penetrate, floating, skate = physdiff(tracks, floor)
+    toes = [track for sole, track in zip(rig.soles, tracks, strict=True) if sole.part == "toe"]
+    return (
+        Measures(
+            plants=len(plants),
+            plants_over_21mm=int(np.sum(slides > NOTICED_MM)),
+            share_over_21mm=float(np.mean(slides > NOTICED_MM)) if len(slides) else 0.0,
+            slide_mm=float(slides.max(initial=0.0)),
+            slide_median_mm=float(np.median(slides)) if len(slides) else 0.0,
+            yaw_deg=max((plant.yaw_deg for plant in plants), default=0.0),
+            coverage=float(contacts.mask().mean()) if len(clip) and contacts.effectors else 0.0,
+            skate_cm_s=float(np.average(speeds, weights=weights)) if weights.sum() else 0.0,
+            skate_worst_cm_s=max((plant.peak_speed_cm_s for plant in plants), default=0.0),
+            penetration_mm=max((plant.penetration_mm for plant in plants), default=0.0),
+            float_mm=max((plant.float_mm for plant in plants), default=0.0),
+            skating_ratio=skating_ratio(toes, floor, clip.frame_time),
+            weighted_skate_cm_s=weighted_skate(tracks, floor, clip.frame_time),
+            phys_penetrate_mm=penetrate,
+            phys_float_mm=floating,
+            phys_skate_mm=skate,
+            jitter_100m_s3=jitter(clip),
+            peak_acceleration_m_s2=peak_acceleration(rig, pose, clip.frame_time),
+            peak_knee_speed_deg_s=peak_knee_speed(rig, pose, clip.frame_time),
+        ),
+        plants,
+    )
+
+
+def _horizontal_steps(track: Floats) -> Floats:
+    """(F - 1,) [m] how far a track (F, 3) [m] goes over the floor from frame to frame."""
+    return np.asarray(np.hypot(np.diff(track[:, 0]), np.diff(track[:, 2])))
+
+
+def skating_ratio(toes: Sequence[Floats], floor: float, frame_time: float) -> float:
+    """Share of all frames in which a toe skates.
+
+    A toe skates where it is lower than 5 cm now and in the next frame and faster than 0.5 m/s now and in
+    the mean of 5 frames. Source: GMD (Karunratanakul 2023) and OmniControl (Xie 2024), who fix 20 fps.
+    """
+    if not toes or len(toes[0]) < 2:
+        return 0.0
+    skates = np.zeros(len(toes[0]) - 1, dtype=np.bool_)
+    for track in toes:
+        speed = _horizontal_steps(track) / frame_time  # [m/s]
+        padded = np.pad(speed, 2)
+        mean = sum(padded[k : k + len(speed)] for k in range(5)) / 5.0
+        low = track[:, 1] - floor < 0.05
+        skates |= low[:-1] & low[1:] & (speed > 0.5) & (mean > 0.5)
+    return float(skates.mean())
+
+
+def weighted_skate(tracks: Sequence[Floats], floor: float, frame_time: float, height: float = 0.033) -> float:
+    """Mean of v (2 - 2^(h / H)) over sole points and frames [cm/s], for 0 <= h < H; below the floor h is 0.
+
+    Source: Mode-adaptive neural networks (Zhang 2018), H = 3.3 cm as in later code.
+    """
+    if not tracks or len(tracks[0]) < 2:
+        return 0.0
+    total = 0.0
+    for track in tracks:
+        h = np.maximum(track[:-1, 1] - floor, 0.0)
+        weight = np.where(h < height, 2.0 - 2.0 ** (np.minimum(h, height) / height), 0.0)
+        total += float(np.mean(weight * _horizontal_steps(track)))
+    return 100.0 * total / len(tracks) / frame_time
+
+
+def physdiff(tracks: Sequence[Floats], floor: float, tolerance: float = 0.005) -> tuple[float, float, float]:
+    """Penetrate, float and skate [mm] of PhysDiff (Yuan 2023), over the sole points in place of vertices.
+
+    Penetrate and float are the mean depth and height of the lowest point beyond the tolerance [m], skate
+    the mean horizontal step of points at or below the floor in both of two frames.
+    """
+    if not tracks or not len(tracks[0]):
+        return 0.0, 0.0, 0.0
+    heights = np.stack([track[:, 1] for track in tracks]) - floor  # (E, F) [m]
+    lowest = heights.min(axis=0)
+    penetrate = float(np.mean(np.where(lowest < -tolerance, -lowest, 0.0)))
+    floating = float(np.mean(np.where(lowest > tolerance, lowest, 0.0)))
+    steps = np.stack([_horizontal_steps(track) for track in tracks])
+    on = (heights[:, :-1] <= tolerance) & (heights[:, 1:] <= tolerance)
+    count = on.sum(axis=0)
+    skate = np.where(count > 0, (steps * on).sum(axis=0) / np.maximum(count, 1), 0.0)
+    return 1000.0 * penetrate, 1000.0 * floating, 1000.0 * float(skate.mean()) if skate.size else 0.0
+
+
+def jitter(clip: Clip, block: int = 4096) -> float:
+    """Mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
+
+    Source: DNO (Karunratanakul 2024); others divide by 10 in place of 100. Taken in blocks of frames, so
+    that an hour of motion needs no more memory than a minute.
+    """
+    total, count = 0.0, 0
+    for start in range(0, len(clip) - 3, block):
+        positions = forward(clip.frames(slice(start, start + block + 3))).positions
+        jerk = np.diff(positions, n=3, axis=0)
+        total += float(np.sum(np.sqrt(np.einsum("fjk,fjk->fj", jerk, jerk))))
+        count += jerk.shape[0] * jerk.shape[1]
+    return total / count / clip.frame_time**3 / 100.0 if count else 0.0
+
+
+def peak_acceleration(rig: Rig, pose: Pose, frame_time: float) -> float:
+    """99.9th percentile of the acceleration of knees and ankles relative to the pelvis [m/s^2]."""
+    pelvis = pose.position(rig.pelvis)
+    joints = [joint for leg in rig.legs for joint in (leg.knee, leg.ankle)]
+    if len(pelvis) < 3 or not joints:
+        return 0.0
+    bends = [np.diff(pose.position(joint) - pelvis, n=2, axis=0) / frame_time**2 for joint in joints]
+    return float(np.percentile(np.linalg.norm(np.stack(bends), axis=-1), 99.9))
+
+
+def peak_knee_speed(rig: Rig, pose: Pose, frame_time: float) -> float:
+    """99.9th percentile of the angular speed at which the knees bend and stretch [deg/s]."""
+    speeds = []
+    for leg in rig.legs:
+        thigh = pose.position(leg.hip) - pose.position(leg.knee)
+        shin = pose.position(leg.ankle) - pose.position(leg.knee)
+        cross = np.linalg.norm(np.cross(thigh, shin), axis=1)
+        bend = np.arctan2(cross, np.einsum("fi,fi->f", thigh, shin))
+        speeds.append(np.abs(np.diff(bend)) / frame_time)
+    if not speeds or not speeds[0].size:
+        return 0.0
+    return float(np.degrees(np.percentile(np.concatenate(speeds), 99.9)))
