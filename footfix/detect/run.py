@@ -1,0 +1,61 @@
+"""detect(clip, rig, params): one detector over the motion proper of a clip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from footfix.detect.auto import AutoParams, auto
+from footfix.detect.threshold import ThresholdParams, threshold
+from footfix.detect.tracks import Finding, Tracks, tracks_of
+from footfix.motion.clip import Clip
+from footfix.motion.contacts import Contacts
+from footfix.rig.rig import Rig
+
+Method = Literal["auto", "threshold"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DetectParams:
+    """Which detector, and the parameters of each.
+
+    Args:
+        method: "auto" (ours), "threshold" (Kim & Neff), "adaptive" (Glardon et al.) or "lyard" (Lyard &
+            Magnenat-Thalmann).
+        threshold, auto: their parameters.
+    """
+
+    method: Method = "auto"
+    threshold: ThresholdParams = field(default_factory=ThresholdParams)
+    auto: AutoParams = field(default_factory=AutoParams)
+
+
+def detect(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Contacts:
+    """When heel and toe of each foot are planted.
+
+    Args:
+        clip: in metres, y up.
+        rig: its legs and sole points.
+        params: which detector.
+
+    Returns:
+        Contacts for each sole point of the rig, with notes on what is doubtful.
+    """
+    tracks = tracks_of(clip, rig)
+    finding = find(tracks, params)
+    # detectors answer heel, toe for each leg; the rig may list its sole points in another order
+    order = [2 * sole.leg + (sole.part == "toe") for sole in rig.soles]
+    confidence = None if finding.confidence is None else finding.confidence[:, order]
+    contacts = rig.no_contacts(clip).with_mask(finding.mask[:, order], confidence)
+    return replace(contacts, method=params.method, notes=finding.notes)
+
+
+def find(tracks: Tracks, params: DetectParams) -> Finding:
+    """The same on tracks alone."""
+    if len(tracks) < 2:
+        return Finding(np.zeros((len(tracks), 2 * len(tracks.feet)), dtype=np.bool_))
+    if params.method == "threshold":
+        return threshold(tracks, params.threshold)
+    return auto(tracks, params.auto)

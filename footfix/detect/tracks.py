@@ -1,0 +1,80 @@
+"""What all detectors look at: the tracks of sole points, hips and pelvis, over the motion proper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.kinematics import Pose
+from footfix.notes import Note
+from footfix.rig.rig import Rig
+
+GRAVITY = 9.81  # [m/s^2]
+
+
+@dataclass(frozen=True, eq=False)
+class Foot:
+    """One foot over time.
+
+    Args:
+        side: "left", "right", or the leg's own name.
+        hip, ankle, heel, toe: (F, 3) [m] tracks in the world, y up.
+    """
+
+    side: str
+    hip: Floats
+    ankle: Floats
+    heel: Floats
+    toe: Floats
+
+    @property
+    def soles(self) -> tuple[Floats, Floats]:
+        """Heel and toe."""
+        return self.heel, self.toe
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """What detectors look at.
+
+    Args:
+        pelvis: (F, 3) [m] track of the joint the legs hang from.
+        feet: in the order of the rig's legs.
+        leg_length: [m].
+        frame_time: [s].
+    """
+
+    pelvis: Floats
+    feet: tuple[Foot, ...]
+    leg_length: float
+    frame_time: float
+
+    def __len__(self) -> int:
+        return len(self.pelvis)
+
+    @property
+    def froude_speed(self) -> float:
+        """[m/s] sqrt(g l): walking speeds of large and small figures are alike in this unit."""
+        return float(np.sqrt(GRAVITY * self.leg_length))
+
+
+class Finding(NamedTuple):
+    """What a detector found: for each foot heel, then toe, in the order of the rig's legs."""
+
+    mask: Bools  # (F, 2 legs)
+    confidence: Floats | None = None  # (F, 2 legs), averaged over each contact
+    notes: tuple[Note, ...] = ()
+
+
+def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None) -> Tracks:
+    """The tracks of a clip, by forward kinematics (or from a pose that is already known)."""
+    pose = rig.pose(clip) if pose is None else pose
+    soles = {(sole.leg, sole.part): pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles}
+    feet = tuple(
+        Foot(leg.side, pose.position(leg.hip), pose.position(leg.ankle), soles[k, "heel"], soles[k, "toe"])
+        for k, leg in enumerate(rig.legs)
+    )
+    return Tracks(pose.position(rig.pelvis), feet, rig.leg_length, clip.frame_time)
