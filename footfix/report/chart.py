@@ -1,0 +1,56 @@
+"""A still picture of the feet: heights over time with contact bars, as SVG within the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from footfix.motion.clip import Floats
+from footfix.report.markup import text
+from footfix.report.motion import Motion
+
+_WIDTH, _LEFT, _ROW, _BAR, _POINTS = 960, 96, 84, 9, 480
+
+
+def chart(motion: Motion, contacts: Mapping[str, Any]) -> str:
+    """Height of every sole point over time, before and after, with its contacts under it."""
+    effectors = contacts.get("effectors") or ()
+    rows = []
+    heights = np.stack([motion.soles_before[..., 1], motion.soles_after[..., 1]]) - motion.floor  # (2, D, E) [m]
+    top = max(float(heights.max(initial=0.0)), 0.01)
+    bottom = min(float(heights.min(initial=0.0)), 0.0)
+    scale = (_ROW - _BAR - 22) / (top - bottom)
+    for e, effector in enumerate(effectors):
+        if e >= heights.shape[2]:
+            break
+        base = e * _ROW + _ROW - _BAR - 10 + bottom * scale
+        side = "left" if effector.get("side") == "left" else "right"
+        rows.append(f'<text x="0" y="{base - 4:.1f}">{text(str(effector.get("name", "")).replace("_", " "))}</text>')
+        rows.append(f'<path class="floor" d="M{_LEFT} {base:.1f}H{_WIDTH}"/>')
+        for contact in effector.get("contacts") or ():
+            x, width = _x(contact["start"], motion.frames), _x(contact["end"], motion.frames)
+            rows.append(
+                f'<rect class="{side}" x="{x:.1f}" y="{e * _ROW + _ROW - _BAR - 4}" width="{width - x:.1f}" '
+                f'height="{_BAR}" rx="2"/>'
+            )
+        for when, series in zip(("before", "after"), heights[..., e], strict=True):
+            rows.append(f'<path class="{when} {side}" d="{_path(series, motion, base, scale)}"/>')
+    height = max(len(effectors), 1) * _ROW
+    return (
+        f'<svg class="chart" viewBox="0 0 {_WIDTH} {height}" role="img" '
+        f'aria-label="Height of heels and toes over time, with contact bars">{"".join(rows)}</svg>'
+    )
+
+
+def _x(frame: float, frames: int) -> float:
+    return _LEFT + (_WIDTH - _LEFT) * frame / max(frames, 1)
+
+
+def _path(series: Floats, motion: Motion, base: float, scale: float) -> str:
+    pick = np.unique(np.linspace(0, len(series) - 1, min(_POINTS, len(series))).astype(np.intp))
+    return "M" + " ".join(
+        f"{_x(frame, motion.frames):.1f} {height:.1f}"
+        for frame, height in zip(pick * motion.step, base - scale * series[pick], strict=True)
+    )

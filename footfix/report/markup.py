@@ -1,0 +1,38 @@
+"""Text from strangers into HTML and JSON, so that it stays text.
+
+File and joint names come from wherever the clip came from. Besides the characters that mean something in
+HTML, the slash is written as a reference too: no name can then put an address into the page's source.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+_HTML = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;", "`": "&#96;", "/": "&#47;"}
+    | {chr(code): "\N{REPLACEMENT CHARACTER}" for code in (*range(9), 11, 12, *range(14, 32), 127)}
+)
+
+
+def text(value: object) -> str:
+    """A value as HTML text, safe within elements and within quoted attributes."""
+    clean = str(value).encode("utf-8", "replace").decode("utf-8")  # a lone surrogate can't be written
+    return clean.translate(_HTML)
+
+
+def name(value: object) -> str:
+    """A name from a file: isolated, so that its writing direction can't reorder the page around it."""
+    return f"<bdi>{text(value)}</bdi>"
+
+
+def embedded_json(value: Any) -> str:
+    """A document as JSON that can stand within a script element.
+
+    Plain ASCII, with no character that could end the element or a line of script; `json.loads` and
+    `JSON.parse` give back the very value.
+    """
+    dumped = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    for char in "<>&":
+        dumped = dumped.replace(char, f"\\u{ord(char):04x}")
+    return dumped.replace("/", "\\/")

@@ -1,0 +1,123 @@
+"""What the page needs of the motion: joints, sole points and their speeds, before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints, frozen
+from footfix.motion.kinematics import forward
+from footfix.rig.rig import Rig
+
+SHOWN_FRAMES = 7200  # as many as a page holds: a minute at 120 fps
+
+
+def display_frames(frames: int, most: int = SHOWN_FRAMES) -> Ints:
+    """The frames that a page shows: every one, or every n-th where there are more than `most`."""
+    return np.arange(0, frames, max(1, -(-frames // most)), dtype=np.intp)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A figure before and after, at the frames that are shown.
+
+    Args:
+        frames: frames of the whole clip.
+        step: every how many frames one is shown.
+        frame_time: [s] between frames of the clip.
+        names: (J,) joints; an End Site has an empty name.
+        parents: (J,) -1 for a root.
+        root: the joint that carries the figure's travel.
+        hips: the two joints at the top of the legs, right one last, so that the page knows the figure's
+            sides; empty where that can't be said.
+        soles: (E,) the joint that carries each sole point, in the order of the contacts' effectors.
+        sole_names: (E,) their names, `left_heel`.
+        joints_before, joints_after: (D, J, 3) [m] y up.
+        soles_before, soles_after: (D, E, 3) [m].
+        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of the sole points.
+        floor: [m] height of the floor.
+    """
+
+    frames: int
+    step: int
+    frame_time: float
+    names: tuple[str, ...]
+    parents: tuple[int, ...]
+    root: int
+    hips: tuple[int, ...]
+    soles: tuple[int, ...]
+    sole_names: tuple[str, ...]
+    joints_before: Floats
+    joints_after: Floats
+    soles_before: Floats
+    soles_after: Floats
+    speeds_before: Floats
+    speeds_after: Floats
+    floor: float
+
+    def __post_init__(self) -> None:
+        for key in ("joints", "soles", "speeds"):
+            for when in ("before", "after"):
+                object.__setattr__(self, f"{key}_{when}", frozen(getattr(self, f"{key}_{when}")))
+
+
+def film(before: Clip, after: Clip, rig: Rig, most: int = SHOWN_FRAMES) -> Motion:
+    """The motion of a page, from the clip before and after.
+
+    Args:
+        before, after: the clip as read and as written [m], y up.
+        rig: its legs and sole points.
+        most: frames that the page may hold.
+    """
+    shown = display_frames(len(before), most)
+    skeleton = before.skeleton
+    first = _points(before.frames(shown), rig)
+    second = first if after is before else _points(after.frames(shown), rig)
+    hips = tuple(leg.hip for side in ("left", "right") for leg in rig.legs if leg.side == side)
+    ends = skeleton.end_parents.tolist()
+    return Motion(
+        frames=len(before),
+        step=int(shown[1] - shown[0]) if len(shown) > 1 else 1,
+        frame_time=before.frame_time,
+        names=(*skeleton.names, *("" for _ in ends)),
+        parents=(*skeleton.parents.tolist(), *ends),
+        root=rig.root,
+        hips=hips if len(hips) == 2 else (),
+        soles=tuple(sole.joint for sole in rig.soles),
+        sole_names=tuple(sole.name for sole in rig.soles),
+        joints_before=first[0],
+        joints_after=second[0],
+        soles_before=first[1],
+        soles_after=second[1],
+        speeds_before=_speeds(before, rig, shown),
+        speeds_after=_speeds(after, rig, shown),
+        floor=rig.floor,
+    )
+
+
+def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
+    """(D, J, 3) joints and End Sites, and (D, E, 3) sole points, in the world [m]."""
+    pose = forward(clip)
+    skeleton = clip.skeleton
+    ends = [
+        pose.point(int(parent), offset)
+        for parent, offset in zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
+    ]
+    joints = np.concatenate([pose.positions, *(end[:, None] for end in ends)], axis=1)
+    soles = [pose.position(s.joint) + rotation.rotate(pose.rotation(s.joint), np.array(s.offset)) for s in rig.soles]
+    return joints, np.stack(soles, axis=1) if soles else np.zeros((len(clip), 0, 3))
+
+
+def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
+    """(D, E) [m/s] horizontal speed of the sole points, from the frames beside each shown one."""
+    if len(clip) < 2 or not rig.soles:
+        return np.zeros((len(shown), len(rig.soles)))
+    behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)
+    tracks: Sequence[Sequence[Floats]] = [
+        rig.tracks(rig.pose(clip.frames(frames))) for frames in (behind, ahead)
+    ]
+    steps = np.stack([b - a for a, b in zip(*tracks, strict=True)], axis=1)  # (D, E, 3) [m]
+    return np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]

@@ -1,0 +1,58 @@
+"""The verdict on a clip for a terminal: a few lines of plain text."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from footfix.report.verdict import Report, judge, measure_rows, number, source_name
+
+_SEVERITIES = ("error", "warning")
+
+
+def summarize(report: Report, *, verbose: bool = False) -> str:
+    """A few lines about one clip, ending without a newline.
+
+    Args:
+        report: the report document.
+        verbose: all measures and all notes, not only those that ask for a look.
+
+    Returns:
+        The name and the verdict, the numbers behind it, what was let go and why, and the notes.
+    """
+    verdict = judge(report)
+    lines = [f"{printable(source_name(report))}: {verdict.text}"]
+    rows = [row for row in measure_rows(report) if row.headline or verbose]
+    if verdict.plants:
+        lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm")
+    if verbose:
+        width = max((len(row.label) for row in rows), default=0)
+        lines += [f"  {row.label:<{width}}  {row.before:>8} -> {row.after:>8} {row.unit}" for row in rows]
+    elif rows:
+        figures = (f"{row.label[0].lower()}{row.label[1:]} {row.before} -> {row.after} {row.unit}" for row in rows)
+        lines.append("  " + ", ".join(figures))
+    drift = number((report.get("correction") or {}).get("root_path_drift_m"))
+    if drift is not None and drift >= 0.0005:
+        lines.append(f"  path of the root drifts by {100.0 * drift:.1f} cm")
+    lines += [f"  {line}" for line in released(report)]
+    for note in report.get("notes") or ():
+        severity = str(note.get("severity", "note"))
+        if verbose or severity in _SEVERITIES:
+            lines.append(f"  {severity}: {printable(str(note.get('text', '')))}")
+    return "\n".join(lines)
+
+
+def released(report: Report) -> list[str]:
+    """How many plants were let go wholly or in part, for each reason, as lines of text."""
+    plants: Sequence[Report] = report.get("plants") or ()
+    words = {"released": "let go", "partly": "held only in part"}
+    counts = Counter((str(p.get("outcome")), str(p.get("reason") or "")) for p in plants if p.get("outcome") in words)
+    return [
+        f"{count} {'plant' if count == 1 else 'plants'} {words[outcome]}" + (f": {printable(reason)}" if reason else "")
+        for (outcome, reason), count in counts.most_common()
+    ]
+
+
+def printable(text: str) -> str:
+    """Text from a stranger's file without control characters, so that it can't drive a terminal."""
+    return "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in text)

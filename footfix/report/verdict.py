@@ -1,0 +1,177 @@
+"""The verdict on a clip: what was wrong, is it good now, in one sentence and a few numbers.
+
+Everything here reads the report document (the contract's report file) and nothing else, so that the
+terminal, the page and the batch index say the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from footfix.measure.plants import NOTICED_MM
+
+Report = Mapping[str, Any]
+Tone = Literal["good", "fair", "bad", "quiet"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a person wants to know first.
+
+    Args:
+        tone: "good" (as it should be), "fair" (better, or needs a look), "bad" (could not be helped),
+            "quiet" (nothing to judge).
+        word: one word for a badge or a table.
+        text: one sentence, ending without a full stop.
+        plants: contacts judged.
+        over_before, over_after: how many of them slide farther than viewers notice.
+        worst_before, worst_after: [mm] the longest slide.
+    """
+
+    tone: Tone
+    word: str
+    text: str
+    plants: int = 0
+    over_before: int = 0
+    over_after: int = 0
+    worst_before: float = 0.0
+    worst_after: float = 0.0
+
+
+def number(value: Any) -> float | None:
+    """A number of the report, None where it has none."""
+    return float(value) if isinstance(value, int | float) and value == value else None
+
+
+def source_name(report: Report) -> str:
+    """The name of the clip's file."""
+    source = report.get("source")
+    return str((source.get("file") if isinstance(source, Mapping) else source) or "clip")
+
+
+def slides(plants: Sequence[Report], when: Literal["before", "after"]) -> list[float]:
+    """The slide of each plant [mm], 0 where it is not known."""
+    return [number(plant.get(f"slide_{when}_mm")) or 0.0 for plant in plants]
+
+
+def judge(report: Report) -> Verdict:
+    """The verdict on a clip, from its report document."""
+    if report.get("status") == "failed":
+        return Verdict("bad", "failed", "This clip could not be worked on")
+    plants: Sequence[Report] = report.get("plants") or ()
+    if not plants:
+        return Verdict("quiet", "no plants", "No footplants were found, so there was nothing to hold in place")
+    before, after = slides(plants, "before"), slides(plants, "after")
+    over_before = sum(slide > NOTICED_MM for slide in before)
+    over_after = sum(slide > NOTICED_MM for slide in after)
+    tone, word, text = _words(
+        report.get("status") == "unchanged", len(plants), over_before, over_after, max(before), max(after)
+    )
+    return Verdict(tone, word, text, len(plants), over_before, over_after, max(before), max(after))
+
+
+def _words(
+    unchanged: bool, plants: int, before: int, after: int, worst_before: float, worst_after: float
+) -> tuple[Tone, str, str]:
+    limit = f"{NOTICED_MM:g} mm"
+    if unchanged and not before:
+        every = "The one footplant stands" if plants == 1 else f"All {plants} footplants stand"
+        return "good", "fine as it was", f"{every} still: nothing needed doing"
+    if unchanged:
+        return "fair", "left alone", f"Left as it was, though {_of(before, plants)} {_slide(before)} more than {limit}"
+    if not before and not after:
+        change = f"the longest slide went from {worst_before:.0f} to {worst_after:.0f} mm"
+        return "good", "tidied", f"No footplant slid noticeably; {change}"
+    if not after:
+        return "good", "fixed", f"{_of(before, plants)} slid more than {limit}; now none does"
+    if after < before:
+        return "fair", "better", f"{_of(before, plants)} slid more than {limit}; {after} still {_do(after)}"
+    return "bad", "not helped", f"{_of(after, plants)} still {_slide(after)} more than {limit}"
+
+
+def _of(some: int, plants: int) -> str:
+    if plants == 1:
+        return "The one footplant"
+    return f"{'All' if some == plants else f'{some} of'} {plants} footplants"
+
+
+def _slide(count: int) -> str:
+    return "slides" if count == 1 else "slide"
+
+
+def _do(count: int) -> str:
+    return "does" if count == 1 else "do"
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How a measure of the report's `before` and `after` is shown.
+
+    Args:
+        key: its key in the report.
+        label: for people.
+        unit: "" where it has none.
+        scale: factor to that unit.
+        digits: decimals.
+        headline: whether it stands on the first screen.
+    """
+
+    key: str
+    label: str
+    unit: str
+    digits: int
+    scale: float = 1.0
+    headline: bool = False
+
+
+MEASURES = (
+    Measure("slide_mm", "Longest slide of a plant", "mm", 1),
+    Measure("slide_median_mm", "Median slide of the plants", "mm", 1, headline=True),
+    Measure("share_over_21mm", "Plants that slide more than 21 mm", "%", 0, 100.0),
+    Measure("yaw_deg", "Largest turn of a planted foot", "°", 1),
+    Measure("skate_cm_s", "Mean speed while planted", "cm/s", 1, headline=True),
+    Measure("skate_worst_cm_s", "Highest speed while planted", "cm/s", 1),
+    Measure("coverage", "Contact share of the clip", "%", 1, 100.0),
+    Measure("penetration_mm", "Deepest below the floor", "mm", 1, headline=True),
+    Measure("float_mm", "Highest above the floor while planted", "mm", 1),
+    Measure("skating_ratio", "Foot skating ratio (GMD, OmniControl)", "%", 2, 100.0),
+    Measure("weighted_skate_cm_s", "Height-weighted skate (MANN)", "cm/s", 2),
+    Measure("phys_penetrate_mm", "Penetrate (PhysDiff)", "mm", 2),
+    Measure("phys_float_mm", "Float (PhysDiff)", "mm", 2),
+    Measure("phys_skate_mm", "Skate (PhysDiff)", "mm", 2),
+    Measure("jitter_100m_s3", "Jitter", "10² m/s³", 2, headline=True),
+    Measure("peak_acceleration_m_s2", "Peak leg acceleration", "m/s²", 1),
+    Measure("peak_knee_speed_deg_s", "Peak knee speed", "°/s", 0),
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A measure before and after, ready to be printed.
+
+    Args:
+        label, unit: of the measure.
+        before, after: as text; "–" where it was not measured.
+        headline: whether it stands on the first screen.
+    """
+
+    label: str
+    unit: str
+    before: str
+    after: str
+    headline: bool
+
+
+def measure_rows(report: Report) -> list[Row]:
+    """The measures that the report holds, in a fixed order."""
+    before: Report = report.get("before") or {}
+    after: Report = report.get("after") or {}
+    rows = []
+    for measure in MEASURES:
+        pair = number(before.get(measure.key)), number(after.get(measure.key))
+        if pair != (None, None):
+            first, second = ("–" if v is None else f"{v * measure.scale:.{measure.digits}f}" for v in pair)
+            rows.append(Row(measure.label, measure.unit, first, second, measure.headline))
+    return rows
