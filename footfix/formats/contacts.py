@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -163,10 +164,10 @@ def _contact(entry: Mapping[str, Any], effector: str, name: str) -> Contact:
     ):
         raise InputError(f"{effector}: contact {start}-{end} has a confidence or place that is no number", file=name)
     said = entry.get("wish")
-    wishes: list[Wish] = [w for w in ("force", "forbid") if entry.get(w) is True or said == w]  # type: ignore[misc]
+    wishes: list[Wish] = [w for w in ("force", "forbid") if entry.get(w) is True or said == w]
     if len(wishes) > 1:
         raise InputError(f"{effector}: contact {start}-{end} is both forced and forbidden", file=name)
-    return Contact(start, end, min(max(confidence, 0.0), 1.0), position, wishes[0] if wishes else None)  # type: ignore[arg-type]
+    return Contact(start, end, min(max(confidence, 0.0), 1.0), position, wishes[0] if wishes else None)
 
 
 def _whole(value: Any) -> int:
@@ -277,7 +278,7 @@ def _in_order(contacts: tuple[Contact, ...], effector: str, frames: int, source:
             raise InputError(
                 f"{effector}: contact {contact.start}-{contact.end} does not fit a clip of {frames} frames", file=source
             )
-    for before, after in zip(ordered, ordered[1:], strict=False):
+    for before, after in pairwise(ordered):
         if after.start < before.end:
             raise InputError(
                 f"{effector}: contacts {before.start}-{before.end} and {after.start}-{after.end} overlap", file=source

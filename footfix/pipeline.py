@@ -1,0 +1,99 @@
+"""The order of the steps, on one screen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.detect.run import detect
+from footfix.enforce.correction import Correction, apply
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.run import enforce
+from footfix.measure.clip import Measures, measure
+from footfix.measure.plants import PlantMeasure
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import Contacts
+from footfix.motion.leadin import motion_proper
+from footfix.motion.smoothing import smooth_clip
+from footfix.notes import Note
+from footfix.rig.find import find_rig
+from footfix.rig.rig import Rig
+from footfix.settings import Settings
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What cleaning a clip gives.
+
+    Args:
+        clip: the corrected motion; the very clip that came in where nothing needed changing.
+        rig: legs, soles, scale and floor it was cleaned with.
+        contacts: which sole points are planted when.
+        plants: what became of each contact.
+        correction: what was changed, as data.
+        before, after: measures of the clip that came in and of the corrected one.
+        plants_before, plants_after: the same of every plant.
+        notes: what the steps have to tell.
+    """
+
+    clip: Clip
+    rig: Rig
+    contacts: Contacts
+    plants: tuple[Footplant, ...]
+    correction: Correction
+    before: Measures
+    after: Measures
+    plants_before: tuple[PlantMeasure, ...]
+    plants_after: tuple[PlantMeasure, ...]
+    notes: tuple[Note, ...] = ()
+
+
+def clean(
+    clip: Clip, settings: Settings | None = None, *, rig: Rig | None = None, contacts: Contacts | None = None
+) -> Result:
+    """Finds the footplants of a clip and takes the foot skate out.
+
+    Args:
+        clip: the motion, metres, y up.
+        settings: the parameters of all steps.
+        rig: legs and soles; found where it is not given.
+        contacts: which sole points are planted when; detected where they are not given.
+
+    Returns:
+        The corrected clip and all that was found on the way.
+
+    Raises:
+        NoLegsError: no legs were found, and no rig was given.
+    """
+    settings = settings or Settings()
+    rig = rig or find_rig(clip, settings.rig)
+    smoothed, smoothing_notes = clip, ()
+    if settings.smooth.channels:
+        smoothed, smoothing_notes = smooth_clip(clip, settings.smooth, motion_proper(clip))
+    contacts = contacts or detect(smoothed, rig, settings.detect)
+    enforcement = enforce(smoothed, rig, contacts, settings.enforce)
+    corrected = apply(smoothed, enforcement.correction)
+    levels = plant_levels(contacts, enforcement.plants)
+    before, plants_before = measure(clip, rig, contacts, levels=levels)
+    after, plants_after = (before, plants_before) if corrected is clip else measure(corrected, rig, contacts, levels=levels)
+    return Result(
+        corrected, rig, contacts, enforcement.plants, enforcement.correction, before, after, plants_before, plants_after,
+        notes=(*rig.notes, *smoothing_notes, *contacts.notes, *enforcement.notes),
+    )  # fmt: skip
+
+
+def plant_levels(contacts: Contacts, plants: tuple[Footplant, ...]) -> tuple[Floats, ...]:
+    """For each effector (contacts,) [m] the height its plants are held at: the floor they are measured against."""
+    height = {(plant.effector, plant.start): plant.target[1] for plant in plants}
+    return tuple(
+        np.array([height.get((effector.name, c.start), np.nan) for c in effector.contacts])
+        for effector in contacts.effectors
+    )
+
+
+def remeasured(result: Result, written: Clip) -> Result:
+    """The same result with `after` measured on another clip: what was written, read again."""
+    levels = plant_levels(result.contacts, result.plants)
+    after, plants_after = measure(written, result.rig, result.contacts, levels=levels)
+    return replace(result, after=after, plants_after=plants_after)

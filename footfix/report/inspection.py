@@ -1,0 +1,33 @@
+"""What `footfix inspect` says of a file, as text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from footfix.report.text import printable
+
+
+def describe(found: Mapping[str, Any], *, quiet: bool = False) -> str:
+    """The file in a few lines, then everything odd about it; with `quiet` only what is odd."""
+    source, rig = found["source"], found["rig"]
+    name = printable(str(source["file"]))
+    lines = []
+    if not quiet:
+        duration = source["frames"] * source["frame_time"]
+        lines.append(
+            f"{name}: {source['frames']} frames at {found['fps']:.4g} fps ({duration:.2f} s), {found['joints']} joints"
+        )
+        if rig is not None:
+            lines.append(
+                f"  1 unit is {rig['unit_m']:g} m, {rig['up']} is up, legs of {rig['leg_length_m']:.3f} m, "
+                f"floor at {rig['floor_m']:.3f} m, travels by {printable(rig['root'])}"
+            )
+            for leg in rig["legs"]:
+                chain = " > ".join(printable(str(leg[key])) for key in ("hip", "knee", "ankle", "toe") if leg[key])
+                lines.append(f"  {leg['name']} leg: {chain}")
+    for each in found["notes"]:
+        place = ":".join(str(each[key]) for key in ("line", "column") if key in each)
+        where = f"{name}:{place}" if place else name
+        lines.append(f"  {each['severity']} [{each['id']}] {where}: {printable(each['text'])}")
+    return "\n".join(lines)
