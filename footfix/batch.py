@@ -103,7 +103,9 @@ def _walk(folder: Path) -> Iterator[Path]:
                 yield Path(root) / name
 
 
-def plan(found: Sequence[Source], *, output: Path | None, in_place: bool, suffixes: Sequence[str], force: bool) -> tuple[Job, ...]:
+def plan(
+    found: Sequence[Source], *, output: Path | None, in_place: bool, suffixes: Sequence[str], force: bool
+) -> tuple[Job, ...]:
     """The jobs of a run, checked before any work.
 
     Args:
@@ -130,11 +132,15 @@ def plan(found: Sequence[Source], *, output: Path | None, in_place: bool, suffix
         for each in (target, *(stem.with_name(stem.name + suffix) for suffix in suffixes)):
             key = os.path.normcase(os.path.realpath(each))
             if key in owners:
-                raise UsageError(f"{owners[key]} and {source.path} would both write {each}; use -o with folders, or rename one")
+                raise UsageError(
+                    f"{owners[key]} and {source.path} would both write {each}; use -o with folders, or rename one"
+                )
             owners[key] = source.path
             if each.exists() and not force and not (in_place and each == target):
                 raise UsageError(f"{each} is there already; --force overwrites it")
-        if not in_place and any(os.path.realpath(target) == os.path.realpath(other.path) for other in found if other.path != STDIN):
+        if not in_place and any(
+            os.path.realpath(target) == os.path.realpath(other.path) for other in found if other.path != STDIN
+        ):
             raise UsageError(f"{target} is itself an input; write elsewhere, or say --in-place")
         jobs.append(Job(source.path, target, stem))
     return tuple(jobs)
@@ -163,14 +169,18 @@ def clean_one(job: Job, config: Any, labels: Any, *, dry_run: bool = False) -> F
             for path, content in files.items():
                 write_whole(path, content)
         data_out = outputs.bvh if job.target is None and not dry_run else b""
-        return FileResult(job.source, outputs.status, report=outputs.report, written=tuple(map(str, files)), data=data_out)
+        return FileResult(
+            job.source, outputs.status, report=outputs.report, written=tuple(map(str, files)), data=data_out
+        )
     except FootfixError as error:
         return FileResult(job.source, "failed", error=str(error))
     except OSError as error:
         return FileResult(job.source, "failed", error=f"{job.source}: {error.strerror or error}")
 
 
-def run(jobs: Sequence[Job], work: Callable[[Job], FileResult], done: Callable[[FileResult], None]) -> tuple[FileResult, ...]:
+def run(
+    jobs: Sequence[Job], work: Callable[[Job], FileResult], done: Callable[[FileResult], None]
+) -> tuple[FileResult, ...]:
     """Does the jobs one after the other; one that fails does not stop the others."""
     results = []
     for job in jobs:

@@ -19,8 +19,8 @@ from footfix.version import __version__
 
 if TYPE_CHECKING:
     from footfix.batch import FileResult
+    from footfix.config import Config
     from footfix.formats.contacts import Labels
-    from footfix.settings import Config
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -128,7 +128,11 @@ def clean(
     found = batch.sources(src)
     settings = _config(src, config, preset, sets, options)
     kind = settings.settings().report.kind
-    suffixes = [".contacts.json", *([".report.json"] if kind != "none" else []), *([".report.html"] if kind == "html" else [])]
+    suffixes = [
+        ".contacts.json",
+        *([".report.json"] if kind != "none" else []),
+        *([".report.html"] if kind == "html" else []),
+    ]
     jobs = batch.plan(found, output=output, in_place=in_place, suffixes=suffixes, force=force or dry_run)
     if as_json and any(job.target is None for job in jobs):
         raise UsageError("--json and a clip on standard output exclude each other; say where the clip goes with -o")
@@ -155,7 +159,9 @@ def clean(
 @click.argument("src", nargs=-1, required=True)
 @click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for the outputs.")
 @click.option("--format", "kind", type=click.Choice(["json", "csv", "npz"]), default="json", show_default=True)
-@click.option("--method", type=click.Choice(["auto", "threshold", "adaptive", "lyard"]), help="Detector (detect.method).")
+@click.option(
+    "--method", type=click.Choice(["auto", "threshold", "adaptive", "lyard"]), help="Detector (detect.method)."
+)
 @click.option("--labels", type=click.Path(exists=True, path_type=Path), help="Contacts to keep; the rest is detected.")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @shared
@@ -185,7 +191,9 @@ def detect(
                 say(f"  {note['severity']}: {note['text']}")
     if as_json:
         documents = [json.loads(result.data) if result.data else _plain(result) for result in results]
-        _print_json(documents[0] if len(documents) == 1 else {"format": "footfix-run", "version": 1, "files": documents})
+        _print_json(
+            documents[0] if len(documents) == 1 else {"format": "footfix-run", "version": 1, "files": documents}
+        )
     return _code(results)
 
 
@@ -211,7 +219,9 @@ def inspect(
             click.echo(describe(result.report, quiet=quiet))
     if as_json:
         documents = [dict(result.report) if result.report else _plain(result) for result in results]
-        _print_json(documents[0] if len(documents) == 1 else {"format": "footfix-run", "version": 1, "files": documents})
+        _print_json(
+            documents[0] if len(documents) == 1 else {"format": "footfix-run", "version": 1, "files": documents}
+        )
     return _code(results)
 
 
@@ -237,9 +247,9 @@ def settings(
 def _config(
     src: tuple[str, ...], config: Path | None, preset: str | None, sets: tuple[str, ...], options: dict[str, Any]
 ) -> Config:
-    from footfix.settings import load_config
+    from footfix.config import load_config
 
-    places = [os.path.abspath(each if Path(each).is_dir() else Path(each).parent) for each in src if each != "-"]
+    places = [str((Path(each) if Path(each).is_dir() else Path(each).parent).absolute()) for each in src if each != "-"]
     try:
         near = Path(os.path.commonpath(places)) if places else Path.cwd()
     except ValueError:  # inputs on several drives have no common parent

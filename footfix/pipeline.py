@@ -76,7 +76,9 @@ def clean(
     corrected = apply(smoothed, enforcement.correction)
     levels = plant_levels(contacts, enforcement.plants)
     before, plants_before = measure(clip, rig, contacts, levels=levels)
-    after, plants_after = (before, plants_before) if corrected is clip else measure(corrected, rig, contacts, levels=levels)
+    after, plants_after = (
+        (before, plants_before) if corrected is clip else measure(corrected, rig, contacts, levels=levels)
+    )
     return Result(
         corrected, rig, contacts, enforcement.plants, enforcement.correction, before, after, plants_before, plants_after,
         notes=(*rig.notes, *smoothing_notes, *contacts.notes, *enforcement.notes),

@@ -1,7 +1,7 @@
-"""Settings: the parameters of all steps in one value, and the ways in: defaults, preset, config file, --set.
+"""Settings: the parameters of all steps in one value, and how plain values become them.
 
 A default stands once, in the parameter class beside its mathematics; this module only walks those classes.
-Each value remembers its origin, so that `footfix settings` can say where it came from.
+Values come in layers, and each layer has an origin, so that `footfix settings` can say where a value came from.
 """
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ import types
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from fnmatch import fnmatchcase
-from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
 from footfix.detect.run import DetectParams
@@ -22,10 +20,6 @@ from footfix.errors import UsageError
 from footfix.formats.bvh import Limits
 from footfix.motion.smoothing import SmoothParams
 from footfix.rig.params import RigParams
-
-CONFIG_NAME = "footfix.yaml"
-# A settings file is a page of text; this bounds what a hostile one can make the YAML reader do.
-_MOST_BYTES, _MOST_NODES = 1_000_000, 20_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,12 +49,12 @@ class Settings:
         gates: measure -> the most it may be, for `footfix check`.
     """
 
-    rig: RigParams = RigParams()
-    smooth: SmoothParams = SmoothParams()
-    detect: DetectParams = DetectParams()
-    enforce: EnforceParams = EnforceParams()
-    report: ReportParams = ReportParams()
-    limits: Limits = Limits()
+    rig: RigParams = field(default_factory=RigParams)
+    smooth: SmoothParams = field(default_factory=SmoothParams)
+    detect: DetectParams = field(default_factory=DetectParams)
+    enforce: EnforceParams = field(default_factory=EnforceParams)
+    report: ReportParams = field(default_factory=ReportParams)
+    limits: Limits = field(default_factory=Limits)
     gates: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -70,77 +64,6 @@ class Layer:
 
     origin: str
     values: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Config:
-    """All layers of a run, lowest first, and the overrides by file.
-
-    Args:
-        layers: preset, config file, command line.
-        overrides: (glob, layer) from the config file; they lie over the file and under the command line.
-        folder: the folder of the config file, which the globs are relative to.
-    """
-
-    layers: tuple[Layer, ...] = ()
-    overrides: tuple[tuple[str, Layer], ...] = ()
-    folder: Path | None = None
-
-    def settings(self, path: Path | None = None) -> Settings:
-        """The settings for one input, or for inputs that no override names."""
-        return compose(self.stack(path))
-
-    def stack(self, path: Path | None = None) -> tuple[Layer, ...]:
-        """The layers that hold for one input, lowest first."""
-        chosen = [layer for glob, layer in self.overrides if path is not None and self._matches(path, glob)]
-        command_line = [layer for layer in self.layers if layer.origin.startswith("--")]
-        below = [layer for layer in self.layers if not layer.origin.startswith("--")]
-        return (*below, *chosen, *command_line)
-
-    def _matches(self, path: Path, glob: str) -> bool:
-        absolute = path.absolute()
-        folder = (self.folder or Path.cwd()).absolute()
-        try:
-            name = PurePosixPath(absolute.relative_to(folder)).as_posix()
-        except ValueError:
-            name = absolute.as_posix()
-        return fnmatchcase(name, glob) or ("/" not in glob and fnmatchcase(absolute.name, glob))
-
-
-def load_config(
-    *, config: Path | None = None, preset: str | None = None, sets: Iterable[str] = (), near: Path | None = None,
-    command_line: Mapping[str, Any] | None = None,
-) -> Config:  # fmt: skip
-    """The config of a run.
-
-    Args:
-        config: a settings file; without one, `footfix.yaml` is looked for from `near` upward.
-        preset: name of a packed preset; over the one that the file names.
-        sets: "detect.method=auto" and the like.
-        near: common parent of the inputs.
-        command_line: values of options such as --method, nested by section.
-
-    Raises:
-        UsageError: unknown keys, values of the wrong kind, files that can't be read. Nothing has been done yet.
-    """
-    path = config if config is not None else _found_upward(near)
-    document = _read(path) if path is not None else {}
-    preset = preset or document.pop("preset", None)
-    document.pop("preset", None)
-    overrides = _overrides(document.pop("overrides", []), str(path))
-    layers = []
-    if preset is not None:
-        layers.append(Layer(f"preset {preset}", read_preset(preset)))
-    if path is not None:
-        layers.append(Layer(str(path), document))
-    if command_line:
-        layers.append(Layer("--option", command_line))
-    layers.extend(Layer("--set", _nested(text)) for text in sets)
-    result = Config(tuple(layers), overrides, path.parent if path is not None else None)
-    result.settings()  # so that a wrong key is said before any work
-    for _, layer in overrides:
-        compose((*result.layers, layer))
-    return result
 
 
 def compose(layers: Iterable[Layer]) -> Settings:
@@ -181,107 +104,8 @@ def plain(value: Any) -> Any:
     return value
 
 
-def presets() -> tuple[str, ...]:
-    """The names of the packed presets."""
-    return tuple(sorted(path.name.removesuffix(".yaml") for path in _preset_folder() if path.name.endswith(".yaml")))
-
-
-def preset_text(name: str) -> str:
-    """The commented YAML of a preset.
-
-    Raises:
-        UsageError: there is none of that name.
-    """
-    for path in _preset_folder():
-        if path.name == f"{name}.yaml":
-            return str(path.read_text(encoding="utf-8"))
-    raise UsageError(f"there is no preset {name!r}{_suggest(name, presets())}")
-
-
-def read_preset(name: str) -> dict[str, Any]:
-    """The values of a preset."""
-    return _parse(preset_text(name), f"preset {name}")
-
-
-def _preset_folder() -> list[Any]:
-    from importlib import resources
-
-    return list(resources.files("footfix.configs").iterdir())
-
-
-def _found_upward(near: Path | None) -> Path | None:
-    if near is None:
-        return None
-    start = near.absolute()
-    for folder in (start, *start.parents):
-        candidate = folder / CONFIG_NAME
-        if candidate.is_file():
-            return candidate
-    return None
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise UsageError(f"{path}: too large for a settings file")
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: can't be read as settings ({error})") from None
-    return _parse(text, str(path))
-
-
-def _parse(text: str, where: str) -> dict[str, Any]:
-    import yaml
-
-    try:
-        # Aliases are counted before anything is built: a few lines of them can stand for gigabytes.
-        nodes = aliases = 0
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            nodes += 1
-            aliases += isinstance(event, yaml.AliasEvent)
-            if nodes > _MOST_NODES or aliases > 100:
-                raise UsageError(f"{where}: too many values or aliases for a settings file")
-        document = yaml.safe_load(text)
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        place = getattr(error, "problem_mark", None)
-        line = f":{place.line + 1}:{place.column + 1}" if place is not None else ""
-        raise UsageError(f"{where}{line}: not valid YAML: {getattr(error, 'problem', None) or error}") from None
-    if document is None:
-        return {}
-    if not isinstance(document, dict):
-        raise UsageError(f"{where}: settings are a mapping of names to values")
-    return {str(key): value for key, value in document.items()}
-
-
-def _overrides(listed: Any, where: str) -> tuple[tuple[str, Layer], ...]:
-    if isinstance(listed, dict):
-        listed = [{"files": glob, **values} for glob, values in listed.items() if isinstance(values, dict)]
-    if not isinstance(listed, list) or not all(isinstance(each, dict) and "files" in each for each in listed):
-        raise UsageError(f"{where}: overrides is a list of mappings, each with `files: GLOB` and settings")
-    found = []
-    for entry in listed:
-        values = {key: value for key, value in entry.items() if key != "files"}
-        globs = entry["files"] if isinstance(entry["files"], list) else [entry["files"]]
-        found.extend((str(glob), Layer(f"{where} (files: {glob})", values)) for glob in globs)
-    return tuple(found)
-
-
-def _nested(text: str) -> dict[str, Any]:
-    path, equals, value = text.partition("=")
-    if not equals or not path.strip():
-        raise UsageError(f"--set takes NAME=VALUE, not {text!r}")
-    import yaml
-
-    try:
-        parsed: Any = yaml.safe_load(value) if value.strip() else value
-    except yaml.YAMLError:
-        parsed = value
-    for key in reversed(path.strip().split(".")):
-        parsed = {key: parsed}
-    return typing.cast(dict[str, Any], parsed)
-
-
-def _suggest(word: str, known: Iterable[str]) -> str:
+def suggest(word: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown word: the nearest known one, or all of them."""
     close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.5)
     return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(known)}"
 
@@ -295,7 +119,7 @@ def _merge(current: Any, values: Any, origin: str, prefix: str) -> Any:
     changes = {}
     for key, value in values.items():
         if key not in names:
-            raise UsageError(f"{origin}: unknown setting {prefix}{key}{_suggest(str(key), names)}")
+            raise UsageError(f"{origin}: unknown setting {prefix}{key}{suggest(str(key), names)}")
         inner = getattr(current, key)
         if dataclasses.is_dataclass(inner):
             changes[key] = _merge(inner, value, origin, f"{prefix}{key}.")
@@ -333,7 +157,7 @@ def _convert(value: Any, kind: Any, origin: str, path: str) -> Any:
     if shape is Literal:
         if value in parts:
             return value
-        raise UsageError(f"{origin}: {path} can't be {value!r}{_suggest(str(value), [str(part) for part in parts])}")
+        raise UsageError(f"{origin}: {path} can't be {value!r}{suggest(str(value), [str(part) for part in parts])}")
     if isinstance(shape, type) and issubclass(shape, Mapping):
         if isinstance(value, Mapping):
             return {str(k): _convert(v, parts[1], origin, f"{path}.{k}") for k, v in value.items()}
@@ -366,7 +190,7 @@ def _build(kind: type[Any], value: Any, origin: str, path: str) -> Any:
     kinds = typing.get_type_hints(kind)
     for key in value:
         if key not in kinds:
-            raise UsageError(f"{origin}: unknown setting {path}.{key}{_suggest(str(key), list(kinds))}")
+            raise UsageError(f"{origin}: unknown setting {path}.{key}{suggest(str(key), list(kinds))}")
     given = {key: _convert(each, kinds[key], origin, f"{path}.{key}") for key, each in value.items()}
     try:
         return kind(**given)

@@ -176,9 +176,7 @@ def _whole(value: Any) -> int:
     return int(value)
 
 
-def _put(
-    effectors: dict[str, tuple[Contact, ...]], effector: str, contacts: tuple[Contact, ...], name: str
-) -> None:
+def _put(effectors: dict[str, tuple[Contact, ...]], effector: str, contacts: tuple[Contact, ...], name: str) -> None:
     if effector in effectors:
         raise InputError(f"effector {effector} is listed twice", file=name)
     effectors[effector] = contacts

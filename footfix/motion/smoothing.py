@@ -93,9 +93,7 @@ def savgol(
 
 def smooth_rotations(q: Floats, frame_time: float, *, seconds: float, degree: int) -> Floats:
     """Smoothed rotations (F, ..., 4): filtered on sign-continuous quaternions, never on angles that wrap."""
-    return rotation.normalize(
-        savgol(rotation.continuous(q), frame_time, seconds=seconds, degree=degree)
-    )
+    return rotation.normalize(savgol(rotation.continuous(q), frame_time, seconds=seconds, degree=degree))
 
 
 def smooth_clip(clip: Clip, params: SmoothParams, proper: slice) -> tuple[Clip, tuple[Note, ...]]:
@@ -122,9 +120,7 @@ def smooth_clip(clip: Clip, params: SmoothParams, proper: slice) -> tuple[Clip, 
     for joint in range(len(clip.skeleton)):
         place, turn = clip.positions[proper, joint], clip.rotations[proper, joint]
         if np.any(place != place[:1]):
-            positions[proper, joint] = savgol(
-                place, clip.frame_time, seconds=params.seconds, degree=params.degree
-            )
+            positions[proper, joint] = savgol(place, clip.frame_time, seconds=params.seconds, degree=params.degree)
         if np.any(turn != turn[:1]):
             rotations[proper, joint] = smooth_rotations(
                 turn, clip.frame_time, seconds=params.seconds, degree=params.degree
