@@ -80,9 +80,17 @@ def clean(
         (before, plants_before) if corrected is clip else measure(corrected, rig, contacts, levels=levels)
     )
     return Result(
-        corrected, rig, contacts, enforcement.plants, enforcement.correction, before, after, plants_before, plants_after,
+        clip=corrected,
+        rig=rig,
+        contacts=contacts,
+        plants=enforcement.plants,
+        correction=enforcement.correction,
+        before=before,
+        after=after,
+        plants_before=plants_before,
+        plants_after=plants_after,
         notes=(*rig.notes, *smoothing_notes, *contacts.notes, *enforcement.notes),
-    )  # fmt: skip
+    )
 
 
 def plant_levels(contacts: Contacts, plants: tuple[Footplant, ...]) -> tuple[Floats, ...]:

@@ -1,0 +1,75 @@
+"""The house: imports point down, and numeric code neither reads, prints nor logs."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+
+import pytest
+from conftest import ROOT
+
+PACKAGE = ROOT / "footfix"
+
+# Lower rooms first: a module may import from its own room and from rooms before it.
+FLOORS = [
+    {"errors", "notes", "version", "files"},
+    {"motion"},
+    {"rig"},
+    {"detect", "enforce", "measure"},
+    {"formats"},
+    {"settings", "configs"},
+    {"pipeline", "config"},
+    {"report"},
+    {"job"},
+    {"batch", "api"},
+    {"cli", "__main__", "__init__"},
+]
+NUMERIC = {"motion", "rig", "detect", "enforce", "measure"}
+DOORS_ONLY = {"click", "yaml", "json", "pathlib", "logging"}
+MODULES = sorted(path for path in PACKAGE.rglob("*.py"))
+
+
+def room(parts: tuple[str, ...]) -> str:
+    return parts[0].removesuffix(".py")
+
+
+def floor(name: str) -> int:
+    return next(k for k, rooms in enumerate(FLOORS) if name in rooms)
+
+
+def imported(path: object) -> set[str]:
+    tree = ast.parse(path.read_text(encoding="utf-8"))  # type: ignore[attr-defined]
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names.update(each.name for each in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.update(f"{node.module}.{each.name}" for each in node.names)
+    return names
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_down(path: object) -> None:
+    here = room(path.relative_to(PACKAGE).parts)  # type: ignore[attr-defined]
+    for name in imported(path):
+        parts = name.split(".")
+        if parts[0] == "footfix" and len(parts) > 1 and here not in ("__init__",):
+            assert floor(parts[1]) <= floor(here), f"{here} imports {name}"
+            same_floor = floor(parts[1]) == floor(here) and parts[1] != here
+            assert not (same_floor and here in NUMERIC), f"{here} imports its neighbour {name}"
+        if here in NUMERIC:
+            assert parts[0] not in DOORS_ONLY, f"{here} is numeric and imports {name}"
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_numeric_code_does_not_print(path: object) -> None:
+    if room(path.relative_to(PACKAGE).parts) in NUMERIC:  # type: ignore[attr-defined]
+        calls = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]  # type: ignore[attr-defined]
+        assert not any(isinstance(call.func, ast.Name) and call.func.id in ("print", "open") for call in calls)
+
+
+def test_help_waits_for_no_number_cruncher() -> None:
+    code = "import sys, footfix.cli; print(sorted({'numpy', 'scipy', 'yaml', 'bvhio'} & set(sys.modules)))"
+    seen = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert seen.strip() == "[]"
