@@ -1,0 +1,140 @@
+"""What happens between plants: a displacement, known while the foot is planted, fades out and in.
+
+Three ways, all with one meaning: `d(t)` is added to what was captured, holds its given values on pinned
+frames, and is exactly zero farther than the ease from any contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
+
+
+@dataclass(frozen=True, kw_only=True)
+class EaseParams:
+    """How a correction fades before and after a plant."""
+
+    method: Literal["smooth", "cubic", "hermite"] = "smooth"  # least squares, Glardon eq. 9-10, Kim & Neff
+    seconds: float = 0.30  # how long before a plant it begins and after it ends (Glardon's sigma)
+    settle: float = 0.02  # [s] what is quicker than this in a plant's correction is not carried beyond it
+    slack: float = 0.10  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
+
+
+def within_reach(contact: Bools, frame_time: float, seconds: float) -> Bools:
+    """(F,) True on contact frames and on those nearer than `seconds` to one."""
+    near = np.zeros(len(contact) + 1, dtype=np.int64)
+    reach = ease_frames(frame_time, seconds)
+    for start, end in runs(contact):
+        near[max(start - reach, 0)] += 1
+        near[min(end + reach, len(contact))] -= 1
+    return np.asarray(np.cumsum(near[:-1]) > 0)
+
+
+def ease_frames(frame_time: float, seconds: float) -> int:
+    """Whole frames in an ease, at least one."""
+    return max(1, round(seconds / frame_time))
+
+
+def displacement(
+    pinned: Bools, values: Floats, near: Bools, frame_time: float, params: EaseParams
+) -> Floats:
+    """The displacement at every frame.
+
+    Args:
+        pinned: (F,) frames where it is known.
+        values: (F, K) what it is there.
+        near: (F,) frames where it may differ from zero.
+        frame_time: [s].
+        params: the way.
+
+    Returns:
+        (F, K): `values` on pinned frames, zero outside `near`, smooth between.
+    """
+    if not np.any(pinned):
+        return np.zeros(values.shape)
+    if params.method == "smooth":
+        eased = fit(pinned.astype(np.float64), values, near, frame_time, params.settle, params.slack)
+    else:
+        eased = _cubic(pinned, values, frame_time, params.seconds)
+    eased[np.abs(eased).max(axis=1) < 1e-7] = 0.0
+    return np.where(pinned[:, None], values, np.where(near[:, None], eased, 0.0))
+
+
+def fit(
+    weights: Floats, values: Floats, near: Bools, frame_time: float, settle: float, slack: float
+) -> Floats:
+    """Least change of velocity and acceleration, over the whole clip at once.
+
+    Minimises the sum over frames of  w |d - v|^2 + s^4 |d''|^2 + (s^4 / l^2) |d'|^2,  s = settle, l = slack,
+    d = 0 outside `near`: a smoothing spline in tension (Schweikert 1966), whose normal equations are symmetric,
+    positive definite and five diagonals wide.
+
+    Args:
+        weights: (F,) how much each frame's value counts.
+        values: (F, K) what is wanted.
+        near: (F,) frames where the result may differ from zero.
+        frame_time: [s].
+        settle: [s] what is quicker than this is smoothed away.
+        slack: [s] how long a speed goes on where nothing is wanted.
+
+    Returns:
+        (F, K).
+    """
+    from scipy.linalg import solveh_banded  # 0.3 s to import
+
+    frames = len(weights)
+    accel = (settle / frame_time) ** 4
+    veloc = accel * (frame_time / slack) ** 2
+    bands = np.zeros((3, frames))  # the main diagonal and the two below it
+    bands[0] = weights + 1e-12
+    # D2^T D2 and D1^T D1; at the clip's own ends nothing pulls
+    if frames > 2:
+        for offset, weight in ((0, 1.0), (1, 4.0), (2, 1.0)):
+            bands[0, offset : frames - 2 + offset] += weight * accel
+        for offset, weight in ((0, -2.0), (1, -2.0)):
+            bands[1, offset : frames - 2 + offset] += weight * accel
+        bands[2, : frames - 2] += accel
+    bands[0, :-1] += veloc
+    bands[0, 1:] += veloc
+    bands[1, :-1] -= veloc
+    # frames that must not move leave the system: their rows and columns become those of the identity
+    away = ~near
+    bands[0, away] = 1.0
+    bands[1, :-1][away[:-1] | away[1:]] = 0.0
+    bands[2, :-2][away[:-2] | away[2:]] = 0.0
+    right = np.where(near[:, None], weights[:, None] * values, 0.0)
+    return np.asarray(solveh_banded(bands, right, lower=True, check_finite=False))
+
+
+def gamma(u: Floats) -> Floats:
+    """The descending cubic step on [0, 1] (G eq. 10)."""
+    u = np.clip(u, 0.0, 1.0)
+    return (2.0 * u - 3.0) * u * u + 1.0
+
+
+def _cubic(pinned: Bools, values: Floats, frame_time: float, seconds: float) -> Floats:
+    """Glardon's eases (G eq. 9), which meet in the middle where two contacts are closer than two sigma."""
+    sigma = ease_frames(frame_time, seconds)
+    out = np.where(pinned[:, None], values, 0.0)
+    spans = runs(pinned)
+    frames = len(pinned)
+    for (_, a), (b, _) in pairwise(spans):
+        if b - a < 2 * sigma:  # from one displacement to the other, never through zero, never their sum
+            fall = gamma((np.arange(a, b) - (a - 1)) / (b - (a - 1)))[:, None]
+            out[a:b] = fall * values[a - 1] + (1.0 - fall) * values[b]
+    for k, (start, end) in enumerate(spans):
+        before = spans[k - 1][1] if k else -(2 * sigma)
+        after = spans[k + 1][0] if k + 1 < len(spans) else frames + 2 * sigma
+        if start - before >= 2 * sigma:
+            t = np.arange(max(start - sigma, 0), start)
+            out[t] = (1.0 - gamma((t - start + sigma) / sigma))[:, None] * values[start]
+        if after - end >= 2 * sigma:
+            t = np.arange(end, min(end + sigma, frames))
+            out[t] = gamma((t - (end - 1)) / sigma)[:, None] * values[end - 1]
+    return out

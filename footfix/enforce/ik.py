@@ -1,0 +1,124 @@
+"""The leg in closed form: thigh and shank as two bones, the knee kept in its own plane.
+
+Whatever joints lie between hip and knee or between knee and ankle (twist bones, the extra bone of an
+animal's leg) stay as they are posed, so that the two bones' lengths may differ from frame to frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.foot import Foot
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose
+
+# How far the knee's usual axis leads when the captured leg is too straight to say: as much as a bend of 3 degrees.
+_STRAIGHT = 0.05
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """(...) scalar products of (..., 3)."""
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
+def norm(a: Floats) -> Floats:
+    """(...) lengths of (..., 3)."""
+    return np.sqrt(dot(a, a))
+
+
+def unit(a: Floats) -> Floats:
+    """(..., 3) the same directions with length 1; zero stays zero."""
+    return a / np.maximum(norm(a), 1e-300)[..., None]
+
+
+@dataclass(frozen=True, eq=False)
+class LegTurns:
+    """What turns a leg into its new pose, in the world.
+
+    Args:
+        swing: (F, 4) turns the whole leg about the hip.
+        bend: (F, 4) turns the shank about the knee, before the swing.
+    """
+
+    swing: Floats
+    bend: Floats
+
+
+def knee_axis(foot: Foot, hip_turn: Floats) -> Floats:
+    """(F, 3) unit axis in the world about which the knee flexes, at right angles to the thigh.
+
+    Where the leg is bent it is the normal of the captured leg's plane. Where it is straight the normal means
+    nothing, and the axis the knee has on the whole, fixed in the thigh, leads over.
+    """
+    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
+    normal = np.cross(unit(thigh), unit(shank))  # as long as the sine of the flexion
+    in_thigh = rotation.rotate(rotation.inverse(hip_turn), normal)
+    usual = in_thigh.sum(axis=0)
+    if np.linalg.norm(usual) > 0.01 * len(foot):
+        usual_in_world = rotation.rotate(hip_turn, unit(usual))
+    else:  # a leg that is never bent: a knee bends so that the shank goes away from the toes
+        usual_in_world = unit(np.cross(thigh, foot.heel - foot.ball))
+    same_side = np.where(dot(normal, usual_in_world) < 0.0, -1.0, 1.0)
+    axis = same_side[:, None] * normal + _STRAIGHT * usual_in_world
+    along = unit(thigh)
+    return unit(axis - dot(axis, along)[:, None] * along)
+
+
+def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> LegTurns:
+    """The leg that reaches from `hip` to `ankle`.
+
+    Args:
+        foot: the leg as captured.
+        axis: (F, 3) of the knee, from `knee_axis`.
+        hip: (F, 3) [m] where the hip is now.
+        ankle: (F, 3) [m] where the ankle is to be; out of reach, the leg is as straight or as bent as it goes.
+
+    Returns:
+        The turns. The knee stays in the captured leg's plane, carried along by the smallest turn that takes the
+        captured line from hip to ankle to the new one.
+    """
+    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
+    sideways = dot(shank, axis)
+    in_plane = shank - sideways[:, None] * axis
+    # the flexion as captured, signed: knees that bend backwards stay on their side
+    captured = np.arctan2(dot(axis, np.cross(thigh, in_plane)), dot(thigh, in_plane))
+    reach = norm(ankle - hip)
+    # law of cosines: reach^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
+    cosine = (reach**2 - dot(thigh, thigh) - dot(shank, shank)) / np.maximum(
+        2.0 * norm(thigh) * norm(in_plane), 1e-300
+    )
+    flexion = np.arccos(np.clip(cosine, -1.0, 1.0)) * np.where(captured < 0.0, -1.0, 1.0)
+    bend = rotation.from_axis_angle(axis, flexion - captured)
+    swing = rotation.between(thigh + rotation.rotate(bend, shank), ankle - hip)
+    return LegTurns(swing, bend)
+
+
+def local_rotations(
+    clip: Clip, pose: Pose, foot: Foot, turns: LegTurns, ankle_turn: Floats
+) -> dict[int, Floats]:
+    """New local rotations of hip, knee and ankle, (F, 4) each.
+
+    `ankle_turn` (F, 4) is the ankle's new frame in the world. What hangs between the three keeps its own.
+    """
+    leg, parents = foot.leg, clip.skeleton.parents
+    new = {}
+    above_hip = _frame(pose, int(parents[leg.hip]), len(foot))
+    new[leg.hip] = rotation.multiply(
+        rotation.inverse(above_hip), rotation.multiply(turns.swing, pose.rotation(leg.hip))
+    )
+    above_knee = _frame(pose, int(parents[leg.knee]), len(foot))
+    # the swing is above both the knee and its parent: it cancels out
+    new[leg.knee] = rotation.multiply(
+        rotation.inverse(above_knee), rotation.multiply(turns.bend, pose.rotation(leg.knee))
+    )
+    above_ankle = _frame(pose, int(parents[leg.ankle]), len(foot))
+    carried = rotation.multiply(turns.swing, rotation.multiply(turns.bend, above_ankle))
+    new[leg.ankle] = rotation.multiply(rotation.inverse(carried), ankle_turn)
+    return {joint: rotation.normalize(q) for joint, q in new.items()}
+
+
+def _frame(pose: Pose, joint: int, frames: int) -> Floats:
+    return pose.rotation(joint) if joint >= 0 else rotation.identity((frames,))

@@ -1,0 +1,198 @@
+"""Where plants are to stand: heel and ball of one foot as one rigid, level sole on the plant's own floor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.foot import Foot
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import Contact, Contacts
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantParams:
+    """When a plant is corrected, and where it goes. Lengths in leg lengths."""
+
+    snap: float = 0.06  # a plant nearer than this to the rig's floor stands on it; else on its own level (stairs)
+    keep_slide: float = 0.0015  # a plant that slides less, stands as level and turns as little, is left alone
+    keep_height: float = 0.004  # and is no farther than this from its floor
+    keep_turn: float = 0.7  # [degrees]
+    pivot: float = 15.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
+    max_shift: float = 0.25  # a plant whose correction would move it farther is released
+
+
+@dataclass(frozen=True)
+class Plant:
+    """One contact on its way to a `Footplant`.
+
+    Args:
+        effector: index among `Rig.soles`.
+        part: "heel" or "toe".
+        contact: as detected or given.
+        target: (3,) [m].
+        kept: it stands well enough.
+        reason: why it is released, empty while it is not.
+    """
+
+    effector: int
+    part: str
+    contact: Contact
+    target: Floats
+    kept: bool = False
+    reason: str = ""
+
+    @property
+    def frames(self) -> slice:
+        return slice(self.contact.start, self.contact.end)
+
+
+@dataclass(frozen=True)
+class Stance:
+    """Contacts of one foot that overlap or touch: one stand, rolling from heel to toe.
+
+    Args:
+        leg: index among `Rig.legs`.
+        plants: its contacts.
+        level: [m] height of the floor it stands on.
+        pivots: "", or which end ("heel", "toe") it turns about while flat.
+    """
+
+    leg: int
+    plants: tuple[Plant, ...]
+    level: float = 0.0
+    pivots: str = ""
+
+    @property
+    def frames(self) -> slice:
+        return slice(min(p.contact.start for p in self.plants), max(p.contact.end for p in self.plants))
+
+    def parts(self, part: str) -> list[Plant]:
+        """Its plants of one end of the foot."""
+        return [plant for plant in self.plants if plant.part == part]
+
+    def on(self, part: str, frames: int) -> Bools:
+        """(F,) True where that end is planted."""
+        mask = np.zeros(frames, dtype=np.bool_)
+        for plant in self.parts(part):
+            mask[plant.frames] = True
+        return mask
+
+
+def stances(contacts: Contacts, feet: Sequence[Foot]) -> list[Stance]:
+    """The contacts of each foot, gathered into stands. Forbidden ones are no contacts."""
+    found = []
+    for k, foot in enumerate(feet):
+        plants = [
+            Plant(e, part, contact, np.zeros(3))
+            for part, e in zip(("heel", "toe"), foot.effectors, strict=True)
+            for contact in contacts.effectors[e].contacts
+            if contact.wish != "forbid" and contact.end > contact.start
+        ]
+        plants.sort(key=lambda plant: (plant.contact.start, plant.part))
+        group: list[Plant] = []
+        end = -1
+        for plant in plants:
+            if group and plant.contact.start > end:
+                found.append(Stance(k, tuple(group)))
+                group = []
+            group.append(plant)
+            end = max(end, plant.contact.end)
+        if group:
+            found.append(Stance(k, tuple(group)))
+    return found
+
+
+def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> Stance:
+    """The stance with its level, its plants' targets, and whether it stands well enough already."""
+    level = _level(stance, foot, floor, leg_length, params)
+    flat = stance.on("heel", len(foot)) & stance.on("toe", len(foot))
+    pivots = _pivots(foot, flat, params)
+    plants = [replace(plant, target=_place(plant, foot, flat, level)) for plant in stance.plants]
+    if not pivots:
+        plants = _rigid(plants, foot)
+    stance = replace(stance, plants=tuple(plants), level=level, pivots=pivots)
+    if _stands_well(stance, foot, flat, leg_length, params):
+        return replace(stance, plants=tuple(replace(plant, kept=True) for plant in plants))
+    return stance
+
+
+def _level(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> float:
+    """The floor under this stance: the one asked for, the rig's, or its own where that is a step away."""
+    asked = [plant.contact.position[1] for plant in stance.plants if plant.contact.position is not None]
+    if asked:
+        return float(np.median(asked))
+    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants])
+    own = float(np.median(heights))
+    return floor if abs(own - floor) <= params.snap * leg_length else own
+
+
+def _place(plant: Plant, foot: Foot, flat: Bools, level: float) -> Floats:
+    """Where one end stands when it stands alone: asked for, or the middle of where it was, on the floor."""
+    if plant.contact.position is not None:
+        return np.array([plant.contact.position[0], level, plant.contact.position[2]])
+    track = foot.point(plant.part)[plant.frames]
+    whole = track[flat[plant.frames]] if np.any(flat[plant.frames]) else track
+    middle = np.median(whole, axis=0)
+    return np.array([middle[0], level, middle[2]])
+
+
+def _rigid(plants: list[Plant], foot: Foot) -> list[Plant]:
+    """Heel and ball as far apart as the foot is long: the longest plant stands, the others give way to it."""
+    order = sorted(range(len(plants)), key=lambda k: -(plants[k].contact.end - plants[k].contact.start))
+    placed: list[int] = []
+    for k in order:
+        plant = plants[k]
+        common = [
+            (_overlap(plant.contact, plants[j].contact), j) for j in placed if plants[j].part != plant.part
+        ]
+        shared, j = max(common, default=(0, -1))
+        asked = plant.contact.position is not None and plants[j].contact.position is not None
+        if shared > 0 and not asked:
+            other = plants[j]
+            both = slice(
+                max(plant.contact.start, other.contact.start), min(plant.contact.end, other.contact.end)
+            )
+            span = foot.point(plant.part)[both] - foot.point(other.part)[both]
+            length = float(np.median(np.linalg.norm(span, axis=1)))
+            heading = np.median(span[:, [0, 2]], axis=0)
+            heading /= max(float(np.linalg.norm(heading)), 1e-300)
+            target = other.target + length * np.array([heading[0], 0.0, heading[1]])
+            plants[k] = replace(plant, target=target)
+        placed.append(k)
+    return plants
+
+
+def _overlap(a: Contact, b: Contact) -> int:
+    return min(a.end, b.end) - max(a.start, b.start)
+
+
+def heading(foot: Foot) -> Floats:
+    """(F,) [rad] where the foot points on the floor, from heel to ball, continuous over time."""
+    along = foot.ball - foot.heel
+    return np.unwrap(np.arctan2(along[:, 0], along[:, 2]))
+
+
+def _pivots(foot: Foot, flat: Bools, params: PlantParams) -> str:
+    """Which end a flat foot turns about, if it turns."""
+    if np.count_nonzero(flat) < 2:
+        return ""
+    turned = heading(foot)[flat]
+    if np.ptp(turned) < np.radians(params.pivot):
+        return ""
+    travel = [float(np.ptp(foot.point(part)[flat][:, [0, 2]], axis=0).max()) for part in ("heel", "toe")]
+    return "heel" if travel[0] < travel[1] else "toe"
+
+
+def _stands_well(stance: Stance, foot: Foot, flat: Bools, leg_length: float, params: PlantParams) -> bool:
+    for plant in stance.plants:
+        off = foot.point(plant.part)[plant.frames] - plant.target
+        if np.hypot(off[:, 0], off[:, 2]).max() > params.keep_slide * leg_length:
+            return False
+        if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
+            return False
+    return bool(
+        not np.any(flat) or stance.pivots or np.ptp(heading(foot)[flat]) <= np.radians(params.keep_turn)
+    )

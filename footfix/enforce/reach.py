@@ -1,0 +1,93 @@
+"""Reach: no leg is stretched beyond what its source does; the root gives way first, smoothly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.foot import Foot
+from footfix.enforce.ik import dot, norm
+from footfix.motion.clip import Bools, Floats
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReachParams:
+    """How far legs stretch, and how far the root comes to help."""
+
+    extension: float = 0.999  # of the leg's length, the straightest a leg may become
+    root_limit: float = 0.12  # leg lengths that the root may come down
+    root_ease: float = 0.15  # [s] how early the root begins to give way
+
+
+def allowed(foot: Foot, hip: Floats, ankle: Floats, params: ReachParams) -> Floats:
+    """(F,) [m] how far the ankle may be from the hip, when it is wanted at `ankle` (F, 3).
+
+    With x = 1 - distance / length, the leg's reserve: a leg may use up the reserve x0 it had when captured only
+    by and by, x0 exp((x - x0) / x0), so that its knee is never quicker than the source's own at that bend; and
+    never below what the straightest source frame leaves, nor below that of `extension`.
+    """
+    length = norm(foot.knee - foot.hip) + norm(foot.ankle - foot.knee)
+    captured = 1.0 - norm(foot.ankle - foot.hip) / length
+    wanted = 1.0 - norm(ankle - hip) / length
+    least = max(1.0 - params.extension, float(captured.min()))
+    spare = np.maximum(captured - least, 1e-9)
+    limited = np.minimum(least, captured) + spare * np.exp(np.minimum((wanted - captured) / spare, 0.0))
+    reserve = np.where(wanted >= captured, wanted, np.minimum(limited, captured))
+    return np.asarray(length * (1.0 - reserve))
+
+
+def lowering(
+    feet: tuple[Foot, ...],
+    hips: tuple[Floats, ...],
+    ankles: tuple[Floats, ...],
+    limits: tuple[Floats, ...],
+    held: tuple[Bools, ...],
+    frame_time: float,
+    leg_length: float,
+    params: ReachParams,
+) -> Floats:
+    """(F,) [m] how far the root comes down so that every planted foot can be reached.
+
+    The least that does it, frame by frame, under a smooth cover: a running maximum, then two running means no
+    wider, so that it is nowhere less than needed and is zero where nothing is needed nearby.
+    """
+    need = np.zeros(len(feet[0]))
+    for hip, ankle, limit, planted in zip(hips, ankles, limits, held, strict=True):
+        down = hip - ankle
+        across = dot(down[:, [0, 2]], down[:, [0, 2]])
+        # |(hip - h up) - ankle| = limit, the solution with the hip above the ankle
+        height = np.sqrt(np.maximum(limit**2 - across, 0.0))
+        short = np.where(norm(down) > limit + 1e-9, down[:, 1] - height, 0.0)
+        need = np.maximum(need, np.where(planted, short, 0.0))
+    need = np.minimum(need, params.root_limit * leg_length)
+    if not np.any(need > 0.0):
+        return need
+    width = max(1, round(params.root_ease / frame_time))
+    return _mean(_mean(_maximum(need, 2 * width), width), width)
+
+
+def _maximum(x: Floats, half: int) -> Floats:
+    """The largest of each frame's neighbours within `half` frames, by doubling."""
+    padded = np.concatenate([np.zeros(half), x, np.zeros(half)])
+    size, width = 1, 2 * half + 1
+    while 2 * size <= width:
+        padded = np.maximum(padded[:-size], padded[size:])
+        size *= 2
+    return np.asarray(np.maximum(padded[: len(x)], padded[width - size : width - size + len(x)]))
+
+
+def _mean(x: Floats, half: int) -> Floats:
+    """The mean of each frame's neighbours within `half` frames; the ends go on beyond the clip."""
+    padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
+    width = 2 * half + 1
+    kernel_sum = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
+    return np.asarray(np.where(kernel_sum > 1e-9, kernel_sum, 0.0))
+
+
+def clamp(hip: Floats, ankle: Floats, limit: Floats) -> Floats:
+    """The ankle's goal, drawn towards the hip where it is farther than `limit` (F,) [m]."""
+    line = ankle - hip
+    distance = norm(line)
+    factor = np.where(distance > limit, limit / np.maximum(distance, 1e-300), 1.0)
+    return np.asarray(np.where((factor < 1.0)[:, None], hip + factor[:, None] * line, ankle))

@@ -1,0 +1,94 @@
+"""From targets of plants to goals of a leg: where its ankle is to be, and how its foot is to be turned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.ease import EaseParams, displacement, within_reach
+from footfix.enforce.foot import Foot
+from footfix.enforce.plants import Stance
+from footfix.motion import rotation
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
+
+
+@dataclass(frozen=True, eq=False)
+class Goals:
+    """What one leg is to do.
+
+    Args:
+        planted: (F,) some end of the foot is held.
+        turn: (F, 3) [rad] rotation vector in the world, to be applied to the foot.
+        shift: (F, 3) [m] displacement of the ankle.
+    """
+
+    planted: Bools
+    turn: Floats
+    shift: Floats
+
+    def ankle(self, foot: Foot) -> Floats:
+        """(F, 3) [m] where the ankle is to be."""
+        return foot.ankle + self.shift
+
+    def foot_turn(self, foot: Foot) -> Floats:
+        """(F, 4) how the ankle's frame is to stand in the world."""
+        return rotation.multiply(rotation.from_rotation_vector(self.turn), foot.turn)
+
+
+def goals(foot: Foot, stands: Sequence[Stance], frame_time: float, params: EaseParams) -> Goals:
+    """The goals of one leg from its stances; released ones are not among them."""
+    frames = len(foot)
+    on = {part: np.zeros(frames, dtype=np.bool_) for part in ("heel", "toe")}
+    at = {part: np.zeros((frames, 3)) for part in ("heel", "toe")}
+    kept = np.zeros(frames, dtype=np.bool_)
+    pivots = np.zeros(frames, dtype=np.bool_)
+    for stance in stands:
+        for plant in stance.plants:
+            on[plant.part][plant.frames] = True
+            at[plant.part][plant.frames] = plant.target
+            kept[plant.frames] |= plant.kept
+        if stance.pivots:
+            pivots[stance.frames] = True
+            other = "heel" if stance.pivots == "toe" else "toe"
+            both = on["heel"][stance.frames] & on["toe"][stance.frames]
+            at[other][stance.frames][both] = _carried(foot, at, stance, other)[both]
+    planted = on["heel"] | on["toe"]
+    near = within_reach(planted, frame_time, params.seconds)
+    flat = on["heel"] & on["toe"]
+    # 1. the foot's turn: known where both ends stand
+    turn = np.zeros((frames, 3))
+    aligned = rotation.between(foot.ball[flat] - foot.heel[flat], at["toe"][flat] - at["heel"][flat])
+    turn[flat] = rotation.to_rotation_vector(aligned)
+    turn[kept] = 0.0
+    turn = displacement(flat | kept, turn, near, frame_time, params)
+    # 2. the ankle's place: on the end that stands; from heel to ball over the time both do
+    turned = rotation.multiply(rotation.from_rotation_vector(turn), foot.turn)
+    from_heel = at["heel"] - rotation.rotate(turned, foot.heel_in_foot)
+    from_ball = at["toe"] - rotation.rotate(turned, foot.ball_in_foot)
+    roll = _roll(on["heel"], on["toe"])[:, None]
+    shift = (1.0 - roll) * from_heel + roll * from_ball - foot.ankle
+    shift[kept] = 0.0
+    return Goals(planted, turn, displacement(planted, shift, near, frame_time, params))
+
+
+def _carried(foot: Foot, at: dict[str, Floats], stance: Stance, other: str) -> Floats:
+    """Where the end that moves goes while a flat foot pivots: around the end that stands, as captured."""
+    span = foot.point(other)[stance.frames] - foot.point(stance.pivots)[stance.frames]
+    level = span * np.array([1.0, 0.0, 1.0])
+    length = np.linalg.norm(span, axis=1) / np.maximum(np.linalg.norm(level, axis=1), 1e-300)
+    return np.asarray(at[stance.pivots][stance.frames] + length[:, None] * level)
+
+
+def _roll(heel: Bools, ball: Bools) -> Floats:
+    """(F,) 0 where the heel carries, 1 where the ball does, and between them where both do."""
+    roll = np.where(ball, 1.0, 0.0)
+    frames = len(heel)
+    for start, end in runs(heel & ball):
+        first = 0.0 if start > 0 and heel[start - 1] else 1.0 if start > 0 and ball[start - 1] else 0.5
+        last = 0.0 if end < frames and heel[end] else 1.0 if end < frames and ball[end] else first
+        first = last if start == 0 or not (heel[start - 1] or ball[start - 1]) else first
+        roll[start:end] = np.linspace(first, last, end - start)
+    return roll
