@@ -63,7 +63,8 @@ def correction(
     steps = np.diff(root, axis=0)[:, [0, 2]]
     # one static point, or two in turn; in flight the root's own velocity stays
     t = np.flatnonzero((static[:-1] >= 0) & (static[1:] >= 0))
-    steps[t] = _steps(t, static[t], static[t + 1], offsets, speeds)[:, [0, 2]]
+    sharp = _speeds(points, frame_time, 0.0)
+    steps[t] = _steps(t, static[t], static[t + 1], offsets, sharp)[:, [0, 2]]
     path = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     shift[:, [0, 2]] = path - (root - root[0])[:, [0, 2]]
     if params.pin_end and frames > 1:
