@@ -1,1 +1,1 @@
-"""Doors: files to values and back."""
+"""Files and what is in them: BVH, contact labels, bridges to other libraries."""

@@ -1,0 +1,188 @@
+"""BVH files: read without loss, written with only those numbers new that had to change.
+
+A `Document` keeps the text of the file. Nobody wrote a standard for BVH, so it is read as a person would mean
+it, and every assumption is a note; what has no meaning is refused, saying where and why.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from footfix.errors import InputError
+from footfix.formats import bvh_channels
+from footfix.formats.bvh_compose import compose
+from footfix.formats.bvh_doubts import frame_time, look_over
+from footfix.formats.bvh_hierarchy import Channel, Hierarchy, read_hierarchy
+from footfix.formats.bvh_motion import Headings, Rows, read_headings, read_rows
+from footfix.formats.bvh_numbers import number
+from footfix.formats.bvh_text import Cursor, Notes, unmask
+from footfix.formats.bvh_write import splice
+from footfix.motion.clip import Clip, Floats, Skeleton, frozen
+from footfix.notes import Note
+
+__all__ = ["Document", "Limits", "compose", "decode", "encode"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What is too much. A file beyond them is refused before memory is spent on it."""
+
+    bytes: int = 8 << 30  # [bytes] of a file
+    header: int = 64 << 20  # [bytes] in which the rows must have begun
+    frames: int = 20_000_000  # 46 hours at 120 frames per second
+    joints: int = 20_000
+    nesting: int = 10_000  # joints below joints
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """One BVH file.
+
+    Args:
+        name: of the file, for messages.
+        text: the file as bytes in which words can be found (UTF-16 becomes UTF-8).
+        encoding: what the text is to be encoded in again; empty where it is the file itself.
+        skeleton: in the file's units and axes.
+        channels: what each column of the rows is.
+        rows: the numbers, and where they stand.
+        frame_time: [s]; a plausible one where the file's own makes no sense.
+        notes: what was assumed, and what is wrong.
+        unit_m: [m] one unit of the file.
+        up: the file's upward axis: "y", "-y", "z", "-z", "x" or "-x".
+    """
+
+    name: str
+    text: bytes
+    encoding: str
+    skeleton: Skeleton
+    channels: tuple[Channel, ...]
+    rows: Rows
+    frame_time: float
+    notes: tuple[Note, ...]
+    unit_m: float = 1.0
+    up: str = "y"
+
+    @property
+    def values(self) -> Floats:
+        """(F, C) the numbers of the rows, in the file's units and degrees."""
+        return self.rows.values
+
+    @property
+    def unusable(self) -> tuple[Note, ...]:
+        """The notes that say why nothing can be done with this motion; empty for a sound file."""
+        return tuple(note for note in self.notes if note.severity == "error")
+
+    @cached_property
+    def file_clip(self) -> Clip:
+        """The motion in the file's units and axes."""
+        return bvh_channels.to_clip(self.skeleton, self.channels, self.values, self.frame_time)
+
+    @cached_property
+    def clip(self) -> Clip:
+        """The motion in metres, y up. With `unit_m` and `up` as they come, it is the `file_clip`."""
+        if self.unit_m == 1.0 and self.up == "y":
+            return self.file_clip
+        return bvh_channels.placed(self.file_clip, self.unit_m, self.up)
+
+    def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
+        """The same file, with another belief about its unit and its upward axis."""
+        unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
+        if up not in bvh_channels.AXES:
+            raise ValueError(f"up must be one of {', '.join(bvh_channels.AXES)}, not {up!r}")
+        if not 0.0 < unit_m < float("inf"):
+            raise ValueError(f"unit_m must be positive, not {unit_m}")
+        document = replace(self, unit_m=unit_m, up=up)
+        if "file_clip" in self.__dict__:
+            document.__dict__["file_clip"] = self.file_clip
+        return document
+
+
+def decode(data: bytes, *, name: str = "", limits: Limits = Limits()) -> Document:  # noqa: B008
+    """Reads a BVH file.
+
+    Args:
+        data: the file.
+        name: what it is called in errors.
+        limits: beyond these it is refused.
+
+    Raises:
+        InputError: it is no BVH, or damaged beyond reading; with line and column.
+    """
+    try:
+        return _decode(data, name, limits)
+    except InputError as error:
+        raise (error.within(name) if name and not error.file else error) from None
+
+
+def encode(document: Document, clip: Clip | None = None) -> bytes:
+    """Writes the file with the motion of `clip`.
+
+    Where `clip` has the very numbers of `document.clip`, the text stays as it is to the byte. Elsewhere the
+    numbers of the channels that changed are replaced: with the file's own decimals and at least 6, without
+    exponents, on the Euler branch nearest to the file's own angles.
+
+    Args:
+        document: the file.
+        clip: F frames of its joints [m], y up; by default nothing changes.
+    """
+    text = document.text
+    if clip is not None and clip is not document.clip:
+        if clip.positions.shape != document.clip.positions.shape:
+            raise ValueError(f"the clip is {clip.positions.shape}, the file {document.clip.positions.shape}")
+        found = bvh_channels.changes(
+            document.channels, document.values, document.clip, clip, document.unit_m, document.up
+        )
+        text = splice(text, document.rows, list(found))
+    return text.decode("utf-8").encode(document.encoding) if document.encoding else text
+
+
+def _decode(data: bytes, name: str, limits: Limits) -> Document:
+    if len(data) > limits.bytes:
+        raise InputError(f"the file has {len(data)} bytes, and the limit is {limits.bytes}", hint="raise the limit")
+    notes = Notes()
+    notes.text = data
+    text, encoding = unmask(data, notes)
+    notes.text = text
+    cursor = Cursor(text, notes)
+    tree = read_hierarchy(cursor, limits.joints, limits.nesting)
+    headings = read_headings(cursor)
+    declared = number(headings.frames or b"")
+    rows, columns = read_rows(
+        cursor, _layouts(tree), int(declared) if declared is not None and declared.is_integer() else None, limits.frames
+    )
+    _settle(cursor, tree, columns, len(rows.values))
+    seconds = frame_time(headings, notes)
+    skeleton = tree.skeleton()
+    look_over(tree, skeleton, headings, rows, notes)
+    return Document(
+        name=name,
+        text=text,
+        encoding=encoding,
+        skeleton=skeleton,
+        channels=tuple(tree.channels),
+        rows=replace(rows, values=frozen(rows.values)),
+        frame_time=seconds,
+        notes=tuple(sorted(notes.found, key=lambda note: (note.line or 0, note.column or 0))),
+    )
+
+
+def _layouts(tree: Hierarchy) -> list[int]:
+    """How many numbers a row may have: with the channels of End Sites, or without."""
+    columns = len(tree.channels)
+    return [columns, columns - len(tree.end_channels)] if tree.end_channels else [columns]
+
+
+def _settle(cursor: Cursor, tree: Hierarchy, columns: int, frames: int) -> None:
+    """Decides with the rows seen what the channels are."""
+    if columns != len(tree.channels):
+        dead = set(tree.end_channels)
+        tree.channels = [channel for k, channel in enumerate(tree.channels) if k not in dead]
+    for at, said, named in tree.miscounts[:1]:
+        what = f"CHANNELS says {said}, {named} names follow"
+        if not frames:
+            raise cursor.fail(what, at=at, hint="make the count agree with the names")
+        more = f", and so {len(tree.miscounts) - 1} more times" if len(tree.miscounts) > 1 else ""
+        cursor.notes.add("channel-count", f"{what}{more}; the rows agree with the names", "warning", at=at)

@@ -1,0 +1,95 @@
+"""A BVH file for a clip that came from arrays rather than from a file."""
+
+from __future__ import annotations
+
+
+
+import numpy as np
+
+from footfix.formats.bvh_numbers import fixed
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+
+_ORDER = "ZXY"  # gimbal lock when a joint is raised sideways by 90 degrees: rare in hips and legs
+_ROTATIONS = "Zrotation Xrotation Yrotation"
+_POSITIONS = "Xposition Yposition Zposition"
+_DECIMALS = 6
+_BLOCK = 1024  # rows formatted together
+
+
+def compose(clip: Clip, *, unit_m: float = 0.01) -> bytes:
+    """Writes a clip as a BVH file, y up.
+
+    Args:
+        clip: F frames of J joints [m]. Rotations that a joint may not make by its skeleton are written too.
+        unit_m: [m] unit of the file, centimetres by default.
+    """
+    header, order = _header(clip, unit_m)
+    lines = [
+        b"HIERARCHY", *header,
+        b"MOTION", b"Frames: %d" % len(clip), b"Frame Time: %s" % np.format_float_positional(clip.frame_time).encode(),
+    ]  # fmt: skip
+    return b"\n".join(lines) + b"\n" + b"".join(_rows(clip, order, unit_m))
+
+
+def _header(clip: Clip, unit_m: float) -> tuple[list[bytes], list[int]]:
+    """The lines of the hierarchy, and the joints in the order in which they are written: depth first."""
+    skeleton, lines, order = clip.skeleton, list[bytes](), list[int]()
+    roots = np.flatnonzero(skeleton.parents < 0).tolist()
+    stack: list[tuple[int, int, bool]] = [(root, 0, False) for root in reversed(roots)]
+    while stack:
+        joint, depth, closing = stack.pop()
+        indent = b"\t" * depth
+        if closing:
+            lines.append(indent + b"}")
+            continue
+        order.append(joint)
+        name = " ".join(skeleton.names[joint].replace("{", "(").replace("}", ")").split()).encode("utf-8", "replace")
+        lines.append(indent + (b"JOINT " if depth else b"ROOT ") + name)
+        channels = f"CHANNELS 6 {_POSITIONS} {_ROTATIONS}" if skeleton.translates[joint] else f"CHANNELS 3 {_ROTATIONS}"
+        lines += [indent + b"{", indent + b"\tOFFSET " + _numbers(skeleton.offsets[joint] / unit_m),
+                  indent + b"\t" + channels.encode()]  # fmt: skip
+        for end in np.flatnonzero(skeleton.end_parents == joint).tolist():
+            offset = _numbers(skeleton.end_offsets[end] / unit_m)
+            lines += [indent + b"\tEnd Site", indent + b"\t{", indent + b"\t\tOFFSET " + offset, indent + b"\t}"]
+        stack.append((joint, depth, True))
+        stack += [(child, depth + 1, False) for child in reversed(skeleton.children[joint])]
+    return lines, order
+
+
+def _numbers(values: Floats) -> bytes:
+    return b" ".join(row.tobytes().replace(b"\0", b"") for row in fixed(np.asarray(values), _DECIMALS))
+
+
+def _rows(clip: Clip, order: list[int], unit_m: float) -> list[bytes]:
+    columns = []
+    for joint in order:
+        if clip.skeleton.translates[joint]:
+            columns += list((clip.positions[:, joint] / unit_m).T)
+        columns += list(np.rad2deg(smooth_euler(clip.rotations[:, joint], _ORDER)).T)
+    blocks = []
+    for start in range(0, len(clip), _BLOCK):
+        values = np.stack([column[start : start + _BLOCK] for column in columns], axis=1)
+        letters = fixed(values.ravel(), _DECIMALS)
+        cells = np.full((*values.shape, letters.shape[1] + 1), ord(" "), dtype=np.uint8)
+        cells[..., :-1] = letters.reshape(*values.shape, -1)
+        cells[:, -1, -1] = ord("\n")
+        blocks.append(cells.tobytes().replace(b"\0", b""))
+    return blocks
+
+
+def smooth_euler(q: Floats, order: str) -> Floats:
+    """Euler angles (F, 3) [rad] of rotations (F, 4) that go on from frame to frame without leaps.
+
+    Of each rotation's two solutions the one nearer to the frame before: whether to change over from the first
+    solution to the second between two frames does not depend on where one is, so the choice is a running sum.
+    """
+    first = rotation.to_euler(q, order)
+    second = np.stack([first[:, 0] + np.pi, np.pi - first[:, 1], first[:, 2] + np.pi], axis=1)
+    over = _turn(second[1:] - first[:-1]) < _turn(first[1:] - first[:-1])
+    other = np.concatenate([[False], np.cumsum(over) % 2 == 1])
+    return np.asarray(np.unwrap(np.where(other[:, None], second, first), axis=0))
+
+
+def _turn(step: Floats) -> Floats:
+    return np.asarray(np.abs(step - 2.0 * np.pi * np.round(step / (2.0 * np.pi))).sum(axis=1))

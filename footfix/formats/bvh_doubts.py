@@ -1,0 +1,173 @@
+"""What looks odd about a file that could be read: frame time, frame count, names, values."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from footfix.formats.bvh_hierarchy import Hierarchy
+from footfix.formats.bvh_motion import Headings, Rows
+from footfix.formats.bvh_numbers import number
+from footfix.formats.bvh_text import Notes, readable
+from footfix.motion.clip import Skeleton
+
+USUAL_FRAME_TIME = 1.0 / 30.0  # [s] where a file says nothing of use
+HUGE = 1e9  # no place and no angle is so large in any unit
+
+# Frame rates in use, to tell rates and milliseconds from each other where seconds make no sense.
+_RATES = (12, 12.5, 15, 20, 23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 72, 75, 90, 100, 120, 144, 150,
+          180, 200, 240, 250, 300, 360, 480, 500, 600, 960, 1000)  # fmt: skip
+
+
+def frame_time(headings: Headings, notes: Notes) -> float:
+    """The time between frames [s]: what the file says, or what it must mean."""
+    word, at = headings.time, headings.time_at
+    if word is None:
+        notes.add("frame-time-missing", "there is no Frame Time; 30 frames per second assumed", "warning",
+                  at=headings.at)  # fmt: skip
+        return USUAL_FRAME_TIME
+    value = number(word)
+    if value is None or not np.isfinite(value) or value == 0.0 or abs(value) > 1e6:
+        notes.add("frame-time-unreadable", f"Frame Time '{readable(word)}' makes no sense; 30 frames per second "
+                  "assumed", "warning", at=at)  # fmt: skip
+        return USUAL_FRAME_TIME
+    if value < 0.0:
+        notes.add("frame-time-negative", f"Frame Time {value:g} is negative; read without its sign", "warning", at=at)
+        value = -value
+    if value >= 1.0:
+        return _not_seconds(value, at, notes)
+    if value < 1e-4:
+        notes.add("frame-time-unreadable", f"Frame Time {value:g} s is {1 / value:.0f} frames per second, which no "
+                  "camera does; 30 assumed", "warning", at=at)  # fmt: skip
+        return USUAL_FRAME_TIME
+    if value < 1.0 / 600.0 or value > 0.2:
+        notes.add("frame-time-unusual", f"Frame Time {value:g} s is {1 / value:.4g} frames per second", "warning", at=at)
+    return value
+
+
+def _not_seconds(value: float, at: int, notes: Notes) -> float:
+    if value == 1.0:
+        notes.add("frame-time-not-seconds", "Frame Time 1 counts frames, not seconds; 30 frames per second assumed",
+                  "warning", at=at)  # fmt: skip
+        return USUAL_FRAME_TIME
+    as_rate = min(abs(value / rate - 1.0) for rate in _RATES)
+    as_ms = min(abs(1000.0 / value / rate - 1.0) for rate in _RATES)
+    if as_rate < 0.002 or (as_ms >= 0.005 and value >= 10.0):
+        notes.add("frame-time-not-seconds", f"Frame Time {value:g} is no time in seconds; read as frames per second",
+                  "warning", at=at)  # fmt: skip
+        return 1.0 / value
+    notes.add("frame-time-not-seconds", f"Frame Time {value:g} is no time in seconds; read as milliseconds", "warning",
+              at=at)  # fmt: skip
+    return value / 1000.0
+
+
+def look_over(tree: Hierarchy, skeleton: Skeleton, headings: Headings, rows: Rows, notes: Notes) -> None:
+    """Adds what is odd and still readable."""
+    _frame_count(headings, len(rows.values), notes)
+    _text(rows, notes)
+    _joints(tree, skeleton, notes)
+    if rows.values.size:
+        _values(tree, rows, notes)
+
+
+def _frame_count(headings: Headings, frames: int, notes: Notes) -> None:
+    if not frames:
+        notes.add("no-frames", "there are no frames", "warning", at=headings.at)
+    elif frames == 1:
+        notes.add("one-frame", "there is one frame: a pose, not a motion", "warning", at=headings.at)
+    word = headings.frames
+    if word is None:
+        notes.add("frames-missing", f"there is no frame count; {frames} rows found", "warning", at=headings.at)
+        return
+    count = number(word)
+    if count is None or not count.is_integer() or count < 0:
+        notes.add("frames-unreadable", f"'Frames: {readable(word)}' is no count; {frames} rows found", "warning",
+                  at=headings.frames_at)  # fmt: skip
+    elif count != frames:
+        notes.add("frames-mismatch", f"Frames says {count:.0f}, {frames} rows found; the rows are used", "warning",
+                  at=headings.frames_at)  # fmt: skip
+    elif not word.isdigit():
+        notes.add("frames-spelling", f"the frame count is written '{readable(word)}'", at=headings.frames_at)
+
+
+def _text(rows: Rows, notes: Notes) -> None:
+    text = notes.text
+    e = min((k for k in (text.find(b"e", rows.start, rows.stop), text.find(b"E", rows.start, rows.stop)) if k >= 0),
+            default=-1)  # fmt: skip
+    if e >= 0 and text[max(e - 1, 0) : e] in (b"0", b"1", b"2", b"3", b"4", b"5", b"6", b"7", b"8", b"9", b"."):
+        notes.add("exponents", "numbers are written with exponents, which some readers refuse", at=e)
+    returns = text.count(b"\r")
+    if returns:
+        newlines, pairs = text.count(b"\n"), text.count(b"\r\n")
+        if text.find(b"\r\r\n") >= 0:
+            notes.add("line-ends-doubled", "lines end in CR CR LF: the file was converted twice",
+                      at=text.find(b"\r\r\n"))  # fmt: skip
+        elif not newlines:
+            notes.add("line-ends-cr", "lines end in CR alone, which strict readers refuse", at=text.find(b"\r"))
+        elif not pairs == newlines == returns:
+            notes.add("line-ends-mixed", "lines end in several ways", at=text.find(b"\r"))
+
+
+def _joints(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
+    names, places = tree.names, tree.places
+    roots = [j for j, parent in enumerate(tree.parents) if parent < 0]
+    if len(roots) > 1:
+        notes.add("several-roots", f"there are {len(roots)} roots: " + ", ".join(names[j] for j in roots[:4]),
+                  at=places[roots[1]], joints=tuple(names[j] for j in roots))  # fmt: skip
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        notes.add("name-duplicate", f"several joints are called '{twice[0]}'", "warning", joints=tuple(twice),
+                  at=places[len(names) - 1 - names[::-1].index(twice[0])])  # fmt: skip
+    with_end, leaves = set(skeleton.end_parents.tolist()), [j for j, c in enumerate(skeleton.children) if not c]
+    bare = [j for j in leaves if j not in with_end]
+    if bare:
+        notes.add("end-site-missing", f"{len(bare)} joints at the end of a limb have no End Site", at=places[bare[0]],
+                  joints=tuple(names[j] for j in bare))  # fmt: skip
+    beside = [j for j in sorted(with_end) if skeleton.children[j]]
+    if beside:
+        notes.add("end-site-beside-children", "an End Site stands beside child joints", at=places[beside[0]],
+                  joints=tuple(names[j] for j in beside))  # fmt: skip
+    if len(names) > 1 and not np.any(skeleton.offsets[1:]) and not np.any(skeleton.end_offsets):
+        notes.add("offsets-zero", "every OFFSET is 0 0 0: the figure has no size", "warning", at=places[0])
+    _odd_channels(tree, skeleton, notes)
+
+
+def _odd_channels(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
+    names, places = tree.names, tree.places
+    moved = {channel.joint for channel in tree.channels if channel.kind == "P"}
+    turned = Counter(channel.joint for channel in tree.channels if channel.kind == "R")
+    fixed = [j for j, parent in enumerate(tree.parents) if parent < 0 and j not in moved]
+    if fixed:
+        notes.add("root-fixed", "the root has no position channels", at=places[fixed[0]],
+                  joints=tuple(names[j] for j in fixed))  # fmt: skip
+    partly = [j for j in turned if not skeleton.rotates[j]]
+    if partly:
+        notes.add("rotation-partial", "joints with other than three rotation channels", at=places[partly[0]],
+                  joints=tuple(names[j] for j in partly))  # fmt: skip
+    free = [j for j in sorted(moved) if tree.parents[j] >= 0]
+    if free:
+        notes.add("positions-below-root", f"{len(free)} joints below the root have position channels; they take the "
+                  "place of the OFFSET", at=places[free[0]], joints=tuple(names[j] for j in free))  # fmt: skip
+
+
+def _values(tree: Hierarchy, rows: Rows, notes: Notes) -> None:
+    low, high = rows.values.min(axis=0), rows.values.max(axis=0)
+    if np.all(low > -HUGE) and np.all(high < HUGE):
+        return
+    for id, severity, bad, what in (
+        ("value-nan", "error", np.isnan(rows.values), "is not a number"),
+        ("value-infinite", "error", np.isinf(rows.values), "is infinite"),
+        ("value-huge", "error", np.isfinite(rows.values) & (np.abs(rows.values) >= HUGE), "is beyond any measure"),
+    ):
+        if not bad.any() or (id == "value-nan" and notes.has("not-a-number")):
+            continue
+        frames, columns = np.flatnonzero(bad.any(axis=1)), np.flatnonzero(bad.any(axis=0))
+        column = int(np.flatnonzero(bad[frames[0]])[0])
+        owner = tree.channels[column].joint
+        owners = sorted({tree.channels[c].joint for c in columns.tolist()} - {-1})
+        name = tree.names[owner] if owner >= 0 else "an End Site"
+        notes.add(id, f"{int(bad.sum())} numbers: in frame {frames[0]} a channel of '{name}' {what}", "error",
+                  start=int(frames[0]), end=int(frames[-1]) + 1,
+                  joints=tuple(tree.names[j] for j in owners))  # fmt: skip
+        del severity

@@ -1,0 +1,285 @@
+"""The HIERARCHY part: joints, offsets, channels and End Sites, read word by word."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import NamedTuple
+
+import numpy as np
+
+from footfix.formats.bvh_numbers import number
+from footfix.formats.bvh_text import Cursor, Notes, readable
+from footfix.motion.clip import Skeleton
+
+_CHANNEL = re.compile(rb"([xyz])[_-]?(pos(?:ition)?|trans(?:lation)?|rot(?:ation)?|scal(?:e|ing))", re.IGNORECASE)
+_END = re.compile(rb"end(?:[_-]?site)?", re.IGNORECASE)
+_NUMBERISH = re.compile(rb"[-+.,]?\d|[-+]?nan|[-+]?inf|[-+]?1\.#", re.IGNORECASE)
+_HEADINGS = (b"MOTION", b"FRAMES", b"FRAME", b"FRAMES:", b"FRAMETIME", b"FRAMETIME:")
+_WORDS = ("HIERARCHY", "ROOT", "JOINT", "End", "OFFSET", "CHANNELS", "MOTION")
+
+
+class Channel(NamedTuple):
+    """One column of the motion rows.
+
+    Args:
+        joint: whose it is; -1 where an End Site or a kind that is passed over (scale) owns it.
+        kind: "P" position, "R" rotation, "" passed over.
+        axis: 0, 1, 2 for x, y, z.
+    """
+
+    joint: int
+    kind: str
+    axis: int
+
+
+@dataclass
+class Hierarchy:
+    """What the reader of the hierarchy found; the lists run over joints in the order of the file."""
+
+    names: list[str] = field(default_factory=list)
+    parents: list[int] = field(default_factory=list)
+    offsets: list[tuple[float, float, float]] = field(default_factory=list)
+    places: list[int] = field(default_factory=list)  # where in the text each joint is named
+    ends: list[tuple[int, tuple[float, float, float]]] = field(default_factory=list)
+    channels: list[Channel] = field(default_factory=list)
+    end_channels: list[int] = field(default_factory=list)  # columns that End Sites own
+    miscounts: list[tuple[int, int, int]] = field(default_factory=list)  # where, said, named
+
+    def skeleton(self) -> Skeleton:
+        """In the units and axes of the file."""
+        n = len(self.names)
+        moved, turned = np.zeros((n, 3), dtype=bool), np.zeros((n, 3), dtype=bool)
+        for channel in self.channels:
+            if channel.kind:
+                (moved if channel.kind == "P" else turned)[channel.joint, channel.axis] = True
+        turns = np.bincount([c.joint for c in self.channels if c.kind == "R"], minlength=n)
+        return Skeleton(
+            names=tuple(self.names),
+            parents=np.array(self.parents, dtype=np.intp),
+            offsets=np.array(self.offsets).reshape(n, 3),
+            end_parents=np.array([joint for joint, _ in self.ends], dtype=np.intp),
+            end_offsets=np.array([offset for _, offset in self.ends]).reshape(-1, 3),
+            translates=moved.all(axis=1),
+            rotates=turned.all(axis=1) & (turns == 3),
+        )
+
+
+@dataclass
+class _Open:
+    """A block whose brace is open: a joint, or an End Site of a joint."""
+
+    joint: int
+    end_site: bool
+    at: int
+    offset: bool = False
+    channels: bool = False
+
+
+def read_hierarchy(cursor: Cursor, max_joints: int, max_nesting: int) -> Hierarchy:
+    """Reads up to the MOTION part, and leaves the cursor before it.
+
+    Raises:
+        InputError: it has no meaning as a hierarchy.
+    """
+    tree, stack, notes = Hierarchy(), list[_Open](), cursor.notes
+    _begin(cursor)
+    while True:
+        word = cursor.peek()
+        key = word.upper()
+        if not word or key in _HEADINGS or key.startswith((b"FRAMES:", b"FRAMETIME:")):
+            break
+        if not (stack or tree.names or key in (b"ROOT", b"JOINT", b"}", b"HIERARCHY")):
+            raise cursor.fail(f"the hierarchy begins with '{readable(word)}', not with ROOT", hint="it is damaged")
+        cursor.take()
+        if key in (b"ROOT", b"JOINT"):
+            _open_joint(cursor, tree, stack, key)
+            if len(tree.names) > max_joints:
+                raise cursor.fail(f"more than {max_joints} joints", hint="raise the limit if this is meant")
+            if len(stack) > max_nesting:
+                raise cursor.fail(f"joints are nested more than {max_nesting} deep", hint="raise the limit if meant")
+        elif key == b"}":
+            _close(cursor, tree, stack)
+        elif key == b"HIERARCHY" and not stack:
+            continue
+        elif not stack:
+            raise _unknown(cursor, word)
+        elif _END.fullmatch(word):
+            _open_end_site(cursor, tree, stack)
+        elif key == b"OFFSET":
+            _offset(cursor, tree, stack[-1])
+        elif key == b"CHANNELS":
+            _channels(cursor, tree, stack[-1])
+        else:
+            raise _unknown(cursor, word)
+    _finish(cursor, tree, stack, notes)
+    return tree
+
+
+def _begin(cursor: Cursor) -> None:
+    """Steps over HIERARCHY and over what stands before it."""
+    if cursor.text.startswith(b"\xef\xbb\xbf"):
+        cursor.pos = 3
+        cursor.notes.add("byte-order-mark", "the file begins with a byte order mark, which strict readers refuse", at=0)
+    word = cursor.peek()
+    if word.upper() in (b"HIERARCHY", b"ROOT"):
+        if word.upper() == b"ROOT":
+            cursor.notes.add("hierarchy-keyword-missing", "the word HIERARCHY is missing", at=cursor.start)
+        return
+    start = cursor.start
+    found = re.compile(rb"^[ \t]*HIERARCHY\b", re.IGNORECASE | re.MULTILINE).search(cursor.text, start, start + 65536)
+    if found and b"\0" not in cursor.text[start : found.start()]:
+        cursor.notes.add("leading-text", "there is text before HIERARCHY; passed over", "warning", at=start)
+        cursor.pos = found.start()
+    elif word.upper() in _HEADINGS or _NUMBERISH.match(word):
+        raise cursor.fail("the file has motion rows but no HIERARCHY", hint="the part with the skeleton is missing")
+    else:
+        raise cursor.fail(f"this is no BVH file: it begins with '{readable(word)}', not with HIERARCHY",
+                          hint="give a BVH")  # fmt: skip
+
+
+def _unknown(cursor: Cursor, word: bytes) -> Exception:
+    shown = readable(word)
+    near = get_close_matches(shown.upper(), [each.upper() for each in _WORDS], n=1)
+    hint = f"is {near[0]} meant?" if near else "OFFSET, CHANNELS, JOINT, End Site or a brace can stand here"
+    return cursor.fail(f"'{shown}' means nothing in a hierarchy", hint=hint)
+
+
+def _name(cursor: Cursor) -> str:
+    """The rest of the line, or up to the brace; spaces inside are part of it."""
+    raw = cursor.line(stop=b"{").strip()
+    if not raw and cursor.peek().upper() not in (b"{", b"}", b"OFFSET", b"CHANNELS", b""):
+        cursor.pos = cursor.start
+        raw = cursor.line(stop=b"{").strip()
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        name = raw.decode("latin-1")
+        if not cursor.notes.has("name-encoding"):
+            cursor.notes.add("name-encoding", f"the name '{readable(raw)}' is not UTF-8; shown as Latin-1",
+                             at=cursor.start, joints=(name,))  # fmt: skip
+        return name
+
+
+def _brace(cursor: Cursor, what: str) -> None:
+    if cursor.peek() == b"{":
+        cursor.take()
+        return
+    if not cursor.peek() or cursor.peek() == b"}":
+        raise cursor.fail(f"{what} has no opening brace", hint="the file is cut short or damaged")
+    cursor.notes.add("brace-missing", f"{what} has no opening brace; read as if it had", "warning", at=cursor.start)
+
+
+def _open_joint(cursor: Cursor, tree: Hierarchy, stack: list[_Open], key: bytes) -> None:
+    at, notes = cursor.start, cursor.notes
+    name = _name(cursor)
+    shown = readable(name.encode("utf-8", "replace"))
+    if stack and stack[-1].end_site:
+        raise cursor.fail(f"joint '{shown}' stands inside an End Site", at=at, hint="a brace is missing above it")
+    if key == b"ROOT" and stack:
+        notes.add("brace-unclosed", f"a new ROOT begins before {len(stack)} braces were closed", "warning", at=at)
+        stack.clear()
+    if key == b"JOINT" and not stack:
+        if tree.names:
+            raise cursor.fail(f"joint '{shown}' stands outside any ROOT", at=at, hint="there is a brace too many above it")
+        notes.add("root-keyword", "the first joint is called JOINT, not ROOT; read as the root", at=at)
+    tree.names.append(name)
+    tree.parents.append(stack[-1].joint if stack else -1)
+    tree.offsets.append((0.0, 0.0, 0.0))
+    tree.places.append(at)
+    if not name:
+        notes.add("name-empty", "a joint has no name", "warning", at=at)
+    _brace(cursor, f"joint '{shown}'")
+    stack.append(_Open(len(tree.names) - 1, False, at))
+
+
+def _open_end_site(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
+    at = cursor.start
+    if stack[-1].end_site:
+        raise cursor.fail("an End Site stands inside an End Site", hint="a brace is missing above it")
+    cursor.line(stop=b"{")  # `Site`, and a label that some exporters write
+    _brace(cursor, "the End Site")
+    tree.ends.append((stack[-1].joint, (0.0, 0.0, 0.0)))
+    stack.append(_Open(stack[-1].joint, True, at))
+
+
+def _close(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
+    if not stack:
+        if not cursor.notes.has("brace-extra"):
+            cursor.notes.add("brace-extra", "a closing brace too many; passed over", "warning", at=cursor.start)
+        return
+    block = stack.pop()
+    if not block.offset:
+        what = "an End Site" if block.end_site else f"joint '{readable(tree.names[block.joint].encode())}'"
+        cursor.notes.add("offset-missing", f"{what} has no OFFSET; taken as 0 0 0", "warning", at=block.at)
+
+
+def _offset(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
+    at, numbers = cursor.start, list[float]()
+    if block.offset:
+        raise cursor.fail("a second OFFSET for the same joint", hint="a brace or a JOINT line is missing above it")
+    while len(numbers) < 3:
+        word = cursor.peek()
+        value = number(word)
+        if value is None:
+            found = f"'{readable(word)}'" if word and not word.isalpha() and word not in (b"{", b"}") else "nothing more"
+            raise cursor.fail(f"OFFSET needs 3 numbers, {found} after {len(numbers)}", hint="complete the line")
+        cursor.take()
+        numbers.append(value)
+    if not np.all(np.abs(numbers) < 1e9):
+        cursor.notes.add("offset-not-a-number", "an OFFSET is no place: " + " ".join(f"{x:g}" for x in numbers),
+                         "error", at=at, joints=(tree.names[block.joint],))  # fmt: skip
+    while number(cursor.peek()) is not None:
+        if not cursor.notes.has("offset-long"):
+            cursor.notes.add("offset-long", "an OFFSET has more than 3 numbers; the first 3 are used", "warning", at=at)
+        cursor.take()
+    block.offset = True
+    if block.end_site:
+        tree.ends[-1] = (block.joint, (numbers[0], numbers[1], numbers[2]))
+    else:
+        tree.offsets[block.joint] = (numbers[0], numbers[1], numbers[2])
+
+
+def _channels(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
+    at = cursor.start
+    if block.channels:
+        raise cursor.fail("a second CHANNELS for the same joint", hint="a brace or a JOINT line is missing above it")
+    block.channels = True
+    count = number(cursor.peek())
+    if count is None or not count.is_integer() or not 0 <= count < 1000:
+        raise cursor.fail(f"CHANNELS needs a count, not '{readable(cursor.peek())}'", hint="write how many names follow")
+    cursor.take()
+    said, named = int(count), 0
+    while found := _CHANNEL.fullmatch(cursor.peek()):
+        cursor.take()
+        kind = {b"p": "P", b"t": "P", b"r": "R"}.get(found[2][:1].lower(), "")
+        if block.end_site:
+            tree.end_channels.append(len(tree.channels))
+            kind = ""
+        elif not kind and not cursor.notes.has("channel-scale"):
+            cursor.notes.add("channel-scale", "scale channels are passed over", "warning", at=cursor.start)
+        channel = Channel(block.joint if kind else -1, kind, b"xyz".index(found[1].lower()))
+        if kind == "P" and channel in tree.channels[len(tree.channels) - named :]:
+            raise cursor.fail(f"{readable(found[0])} is named twice for one joint", hint="name each axis once")
+        tree.channels.append(channel)
+        named += 1
+    if named < said and (word := cursor.peek()).upper() not in (b"JOINT", b"{", b"}", b"OFFSET", b"CHANNELS", b""):
+        if not _END.fullmatch(word):
+            raise cursor.fail(f"'{readable(word)}' is no channel", hint="Xposition to Zposition, Xrotation to Zrotation")
+    if named != said:
+        tree.miscounts.append((at, said, named))
+    if block.end_site and named and not cursor.notes.has("channels-end-site"):
+        cursor.notes.add("channels-end-site", "an End Site has channels, which move nothing", "warning", at=at)
+
+
+def _finish(cursor: Cursor, tree: Hierarchy, stack: list[_Open], notes: Notes) -> None:
+    at = cursor.start
+    if not tree.names:
+        raise cursor.fail("the hierarchy has no ROOT", hint="there is no skeleton in this file")
+    if at >= len(cursor.text):
+        what = "the hierarchy ends in the middle" if stack else "the file ends after the hierarchy"
+        raise cursor.fail(f"{what}: there is no MOTION", hint="the file is cut short; export or download it again")
+    if stack:
+        many = f"{len(stack)} braces are" if len(stack) > 1 else "one brace is"
+        notes.add("brace-unclosed", f"{many} not closed before MOTION; read as if they were", "warning", at=at)

@@ -1,0 +1,158 @@
+"""What a file is, and how its text is walked: encodings, words, lines and columns.
+
+Everything works on bytes and on offsets into them, so that what is not changed can be given back as it was.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from footfix.errors import InputError
+from footfix.notes import Note, Severity
+
+_WORD = re.compile(rb"[{}]|[^\s{}]+")
+_COMMENT = re.compile(rb"(?:#|//|;)[^\r\n]*")
+
+# What is found under the name .bvh and is none, by its first bytes.
+_STRANGERS = (
+    (b"version https://git-lfs", "this is a Git LFS pointer, not the file itself", "fetch it with `git lfs pull`"),
+    (b"Kaydara FBX Binary", "this is a binary FBX file under the name of a BVH", "export it as BVH"),
+    (b"; FBX", "this is an FBX text file under the name of a BVH", "export it as BVH"),
+    (b"glTF", "this is a glTF file under the name of a BVH", "export it as BVH"),
+    (b"PK\x03\x04", "this is a ZIP archive", "unpack it first"),
+    (b"\x1f\x8b", "this is a gzip archive", "unpack it first"),
+    (b"7z\xbc\xaf", "this is a 7z archive", "unpack it first"),
+    (b"%PDF", "this is a PDF", "give the motion file itself"),
+    (b":ASF", "this is an Acclaim skeleton (ASF)", "convert ASF and AMC to BVH"),
+    (b":FULLY-SPECIFIED", "this is Acclaim motion (AMC)", "convert ASF and AMC to BVH"),
+    (b"BLENDER", "this is a Blender file", "export it as BVH"),
+    (b"<?xml", "this is an XML file", "give a BVH"),
+    (b"<!doctype html", "this is a web page, probably an error page of a download", "download the file itself"),
+    (b"<html", "this is a web page, probably an error page of a download", "download the file itself"),
+)
+
+
+def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
+    """The text of a file as bytes that words can be found in, and the encoding to give it back in.
+
+    Args:
+        data: the file.
+        notes: told what was assumed.
+
+    Returns:
+        (text, encoding): the encoding is empty where the text is the file itself.
+
+    Raises:
+        InputError: it is empty, or something else than BVH.
+    """
+    if not data.strip(b"\0 \t\r\n\x1a"):
+        what = "the file is empty" if not data else "the file holds nothing but blanks"
+        raise InputError(what, hint="export or download it again")
+    head = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    for start, what, hint in _STRANGERS:
+        if head[: len(start)].lower() == start.lower():
+            raise InputError(what, hint=hint)
+    for bom, encoding in ((b"\xff\xfe\0\0", "utf-32"), (b"\0\0\xfe\xff", "utf-32"),
+                          (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be")):  # fmt: skip
+        if data.startswith(bom):
+            return _from_wide(data, encoding, notes), encoding
+    if head[1:2] == b"\0" and head[3:4] == b"\0" and head[:1].isalpha():
+        return _from_wide(data, "utf-16-le", notes), "utf-16-le"
+    return data, ""
+
+
+def _from_wide(data: bytes, encoding: str, notes: Notes) -> bytes:
+    hint = "save it as UTF-8 or ASCII text"
+    if encoding == "utf-32":
+        raise InputError("the text is UTF-32", hint=hint)
+    try:
+        text = data.decode(encoding).encode("utf-8")
+    except UnicodeError:
+        raise InputError(f"the text looks like {encoding.upper()}, but is damaged", hint=hint) from None
+    notes.add("encoding-utf16", f"the text is {encoding.upper()}, which few readers take; read as such", at=0)
+    return text
+
+
+def readable(word: bytes, limit: int = 40) -> str:
+    """A word of a file, fit to be shown: printable, and not long."""
+    shown = word[: limit + 1].decode("utf-8", "replace")
+    shown = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in shown)
+    return shown if len(shown) <= limit else shown[:limit] + "..."
+
+
+def place(text: bytes, offset: int) -> tuple[int, int]:
+    """Line and column of an offset, both from 1; the column counts characters."""
+    end = b"\n" if text.find(b"\n", 0, 1 << 20) >= 0 else b"\r"
+    line = text.count(end, 0, offset) + 1
+    start = text.rfind(end, 0, offset) + 1
+    before = text[max(start, offset - 10_000) : offset].removeprefix(b"\xef\xbb\xbf")
+    return line, len(before.decode("utf-8", "replace")) + 1
+
+
+@dataclass
+class Notes:
+    """Collects notes about one text; places are given as offsets into it."""
+
+    text: bytes = b""
+    found: list[Note] = field(default_factory=list)
+
+    def add(
+        self,
+        id: str,
+        text: str,
+        severity: Severity = "note",
+        *,
+        at: int | None = None,
+        joints: tuple[str, ...] = (),
+        start: int | None = None,
+        end: int | None = None,
+    ) -> None:
+        line, column = (None, None) if at is None else place(self.text, at)
+        self.found.append(Note(id, text, severity, start, end, joints, line, column))
+
+    def has(self, id: str) -> bool:
+        return any(note.id == id for note in self.found)
+
+
+@dataclass
+class Cursor:
+    """Walks over a text word by word. `start` is where the last word began, `pos` where it ended."""
+
+    text: bytes
+    notes: Notes
+    pos: int = 0
+    start: int = 0
+
+    def peek(self) -> bytes:
+        """The next word (a brace is a word of its own), empty at the end; comments are passed over."""
+        while True:
+            found = _WORD.search(self.text, self.pos)
+            if found is None:
+                self.start = len(self.text)
+                return b""
+            self.start = found.start()
+            if not found[0].startswith((b"#", b"//", b";")):
+                # a word of many megabytes is no word of this format: its beginning says enough
+                return self.text[self.start : min(found.end(), self.start + 1000)]
+            comment = _COMMENT.match(self.text, self.start)
+            if not self.notes.has("comment"):
+                self.notes.add("comment", "comments are no part of BVH; passed over", at=self.start)
+            self.pos = comment.end() if comment else found.end()
+
+    def take(self) -> bytes:
+        """The next word, and steps over it."""
+        word = self.peek()
+        self.pos = self.start + len(word)
+        return word
+
+    def line(self, stop: bytes = b"") -> bytes:
+        """The rest of the line, or up to the first of the bytes `stop`; steps over it."""
+        found = re.compile(rb"[^\r\n" + re.escape(stop) + rb"]*").match(self.text, self.pos)
+        self.pos = found.end() if found else self.pos
+        return found[0] if found else b""
+
+    def fail(self, what: str, *, at: int | None = None, hint: str = "") -> InputError:
+        """The error that says where the walk stopped making sense."""
+        line, column = place(self.text, self.start if at is None else at)
+        return InputError(what, line=line, column=column, hint=hint)

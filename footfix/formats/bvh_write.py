@@ -1,0 +1,132 @@
+"""Writing: new numbers are spliced into the old text, and everything else is copied."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import chain
+
+import numpy as np
+
+from footfix.formats.bvh_channels import Change
+from footfix.formats.bvh_motion import Rows, consecutive
+from footfix.formats.bvh_numbers import decimals, fixed, token_chunks, tokens
+from footfix.motion.clip import Bools, Floats, Ints
+
+LEAST_DECIMALS = 6  # of a number that changes: a micrometre in a file in metres
+_WIDEST_GAP = 16  # [bytes] between numbers that are written together
+
+RowBlock = tuple[int, Ints, Ints]  # first frame; where each number starts and ends, (rows, C)
+
+
+def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> bytes:
+    """The text with some of its numbers replaced.
+
+    Args:
+        text: the file.
+        rows: where its numbers stand.
+        changed: what is to stand there.
+    """
+    changed = sorted((change for change in changed if change.frames.any()), key=lambda change: change.column)
+    if not changed:
+        return text
+    some = np.flatnonzero(np.any([change.frames for change in changed], axis=0))
+    first, last = int(some[0]), int(some[-1])
+    pieces: list[bytes | memoryview] = []
+    done, view = 0, memoryview(text)
+    for frame, starts, ends in _row_blocks(rows):
+        if frame > last:
+            break
+        span = slice(frame, frame + len(starts))
+        here = [change for change in changed if change.frames[span].any()] if span.stop > first else []
+        if here:
+            done = _splice_block(view, rows, span, starts, ends, here, pieces, done)
+    pieces.append(view[done:])
+    return b"".join(pieces)
+
+
+def _row_blocks(rows: Rows) -> Iterator[RowBlock]:
+    """The places of all numbers, some thousand rows at a time; rows that lack numbers are left out."""
+    columns = rows.values.shape[1]
+    if rows.first is not None:
+        starts, ends = tokens(rows.text, rows.start, rows.stop)
+        whole = np.ones(len(rows.first), dtype=np.bool_) if rows.whole is None else rows.whole
+        for a, b in consecutive(rows.first, columns):
+            for f in np.flatnonzero(whole[a:b]).tolist() if not whole[a:b].all() else [None]:
+                begin, stop = (a, b) if f is None else (a + f, a + f + 1)
+                which = slice(int(rows.first[begin]), int(rows.first[begin]) + (stop - begin) * columns)
+                yield begin, starts[which].reshape(-1, columns), ends[which].reshape(-1, columns)
+        return
+    frame, starts, ends = 0, np.zeros(0, np.intp), np.zeros(0, np.intp)
+    for more_starts, more_ends in token_chunks(rows.text, rows.start, rows.stop):
+        starts, ends = np.concatenate([starts, more_starts]), np.concatenate([ends, more_ends])
+        whole_rows = len(starts) // columns
+        cut = whole_rows * columns
+        if whole_rows:
+            yield frame, starts[:cut].reshape(-1, columns), ends[:cut].reshape(-1, columns)
+        frame, starts, ends = frame + whole_rows, starts[cut:], ends[cut:]
+
+
+def _splice_block(
+    view: memoryview, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change],
+    pieces: list[bytes | memoryview], done: int,
+) -> int:  # fmt: skip
+    """Adds the text up to the end of the block's last new number to `pieces`; returns that place."""
+    columns = np.array([change.column for change in changed])
+    mask = np.stack([change.frames[span] for change in changed], axis=1)
+    values = np.stack([change.values[span] for change in changed], axis=1)
+    places = max(LEAST_DECIMALS, decimals(rows.text, starts[:, columns][mask], ends[:, columns][mask]))
+    # A number that would say the same at the decimals written stays as it is.
+    mask &= np.isfinite(values)
+    mask &= np.abs(values - rows.values[span][:, columns]) > 0.5 * 10.0**-places
+    used = np.flatnonzero(mask.any(axis=1))
+    if not len(used):
+        return done
+    starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
+    gaps = starts[:, 1:].max(axis=0, initial=0)
+    gaps = (starts[:, 1:] - ends[:, :-1]).max(axis=0)
+    joined = (np.diff(columns) == 1) & (gaps[columns[:-1]] <= _WIDEST_GAP)
+    groups = np.split(np.arange(len(columns)), np.flatnonzero(~joined) + 1)
+    froms, tos, texts = [], [], []
+    for group in groups:
+        which = slice(int(columns[group[0]]), int(columns[group[-1]]) + 1)
+        run, lengths = _run_text(
+            rows, starts[:, which], ends[:, which], mask[:, group], values[:, group], places
+        )
+        cuts = np.concatenate([[0], np.cumsum(lengths)]).tolist()
+        run_view = memoryview(run)
+        texts.append([run_view[a:b] for a, b in zip(cuts[:-1], cuts[1:], strict=True)])
+        froms.append(starts[:, which.start])
+        tos.append(ends[:, which.stop - 1])
+    # kept text, new numbers, kept text, new numbers, ... row by row
+    kept_from = np.stack(tos, axis=1).ravel()
+    kept_to = np.stack(froms, axis=1).ravel().tolist()
+    begins = [done, *kept_from[:-1].tolist()]
+    kept = [view[a:b] for a, b in zip(begins, kept_to, strict=True)]
+    new = chain.from_iterable(zip(*texts, strict=True))
+    pieces.extend(chain.from_iterable(zip(kept, new, strict=True)))
+    return int(kept_from[-1])
+
+
+def _run_text(
+    rows: Rows, starts: Ints, ends: Ints, mask: Bools, values: Floats, places: int
+) -> tuple[bytes, Ints]:
+    """The text of neighbouring columns (rows, n), gaps and unchanged numbers as they were, and its length by row."""
+    count, n = starts.shape
+    raw = np.frombuffer(rows.text, np.uint8)
+    formatted = fixed(values[mask], places)
+    if rows.comma:
+        formatted[formatted == ord(".")] = ord(",")
+    sizes = ends - starts
+    wide = max(formatted.shape[1], int(sizes[~mask].max(initial=0)))
+    gaps = starts[:, 1:] - ends[:, :-1]
+    gap = int(gaps.max(initial=0))
+    cells = np.zeros((count, n, wide + gap), dtype=np.uint8)
+    cells[:, :, : formatted.shape[1]][mask] = formatted
+    for k in range(int(sizes[~mask].max(initial=0))):
+        which = ~mask & (sizes > k)
+        cells[..., k][which] = raw[starts[which] + k]
+    for k in range(gap):
+        which = gaps > k
+        cells[:, :-1, wide + k][which] = raw[ends[:, :-1][which] + k]
+    lengths = np.count_nonzero(cells.reshape(count, -1), axis=1)
+    return cells.tobytes().replace(b"\0", b""), np.asarray(lengths)
