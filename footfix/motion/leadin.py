@@ -1,0 +1,107 @@
+"""Frames at the start and the end of a clip that are no motion: a T-pose, a bind pose, a row of zeros.
+
+Such frames stand in many files, alone or with one to three more that lead over to the motion. What gives them
+away is a jump in pose far beyond anything the clip itself does. An actor who stands in T-pose and then moves
+off, as at both ends of many takes, makes no jump: that is motion, and stays.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints
+
+LONGEST = 4  # steps that lead in; a held pose before them may be longer
+_JUMP, _REST_JUMP = 4.0, 1.5  # times the clip's own quickest steps; less does from what is plainly the rest pose
+_CALM = 5.0  # times the usual steps that follow
+_LEAST_TURN = 0.06  # [rad] root mean square over the joints
+_LEAST_SHIFT = 0.08  # of the figure's size
+_AT_REST = 0.02  # [rad] root mean square: no joint but the root is turned
+_FEWEST = 12  # frames from which on a clip has steps of its own to compare with
+_MOST_STEPS = 400  # steps looked at to know the clip's own
+
+
+def motion_proper(clip: Clip) -> slice:
+    """The frames of a clip without what leads in and out of it.
+
+    Args:
+        clip: F frames, any units and axes.
+
+    Returns:
+        The slice `[start, stop)` of its motion; all of it where nothing jumps.
+    """
+    frames = len(clip)
+    if frames < 3:
+        return slice(0, frames)
+    start = _lead(clip, np.arange(frames))
+    stop = frames - _lead(clip, np.arange(frames)[::-1])
+    return slice(start, stop) if stop - start >= 2 else slice(0, frames)
+
+
+def _lead(clip: Clip, order: Ints) -> int:
+    """How many frames lead in, with the frames taken in the order given."""
+    frames = len(order)
+    rest = _turned(clip, order[: LONGEST + 1]) < _AT_REST
+    if frames < _FEWEST:
+        return int(np.argmin(rest)) if rest[0] and not rest.all() else 0
+    held = _held(clip, order)
+    first = held if held < frames // 2 else 0  # the pose at the start may be held for a while
+    turn, shift = _steps(clip, order[first : first + LONGEST + 13])
+    inner = order[first + LONGEST : frames - LONGEST]
+    own_turn, own_shift = _own(clip, inner)
+    ratio = _REST_JUMP if rest[0] else _JUMP
+    usual = _CALM * float(np.median(turn[LONGEST:]))
+    jumps = (turn > max(_LEAST_TURN, ratio * own_turn, usual)) | (
+        shift > max(_LEAST_SHIFT * _size(clip), _JUMP * own_shift, _CALM * float(np.median(shift[LONGEST:])))
+    )
+    if not jumps[:LONGEST].any():
+        return 0
+    last = int(np.flatnonzero(jumps[:LONGEST])[-1])
+    while last + 1 < LONGEST + 1 and turn[last + 1] > max(0.5 * _LEAST_TURN, 0.6 * usual):  # it fades out
+        last += 1
+    return first + last + 1
+
+
+def _turned(clip: Clip, order: Ints) -> Floats:
+    """How far the joints but the roots are turned from the rest pose [rad], root mean square of each frame."""
+    turns = clip.rotations[order][:, clip.skeleton.parents >= 0]
+    return (
+        np.asarray(np.sqrt(np.mean(rotation.angle(turns) ** 2, axis=1)))
+        if turns.shape[1]
+        else np.full(len(order), np.inf)
+    )
+
+
+def _steps(clip: Clip, order: Ints) -> tuple[Floats, Floats]:
+    """From each frame to the next: turn of the joints [rad], root mean square, and shift of the roots."""
+    turns = clip.rotations[order]
+    angles = rotation.angle(rotation.multiply(rotation.inverse(turns[:-1]), turns[1:]))
+    places = clip.positions[order][:, clip.skeleton.parents < 0]
+    shifts = np.linalg.norm(np.diff(places, axis=0), axis=-1).max(axis=1, initial=0.0)
+    return np.sqrt(np.mean(angles**2, axis=1)), shifts
+
+
+def _own(clip: Clip, inner: Ints) -> tuple[float, float]:
+    """The quickest steps that the clip makes inside: the 90th percentile, which glitches do not move."""
+    firsts = inner[np.unique(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
+    step = int(inner[1] - inner[0])
+    pairs = np.stack([firsts, firsts + step], axis=1)
+    turns, places = clip.rotations[pairs], clip.positions[pairs][:, :, clip.skeleton.parents < 0]
+    angles = rotation.angle(rotation.multiply(rotation.inverse(turns[:, 0]), turns[:, 1]))
+    shifts = np.linalg.norm(places[:, 1] - places[:, 0], axis=-1).max(axis=1, initial=0.0)
+    return float(np.quantile(np.sqrt(np.mean(angles**2, axis=1)), 0.9)), float(np.quantile(shifts, 0.9))
+
+
+def _held(clip: Clip, order: Ints) -> int:
+    """How many frames the first pose is held for, beyond its first frame: up to two seconds."""
+    longest = min(len(order) - 1, max(1, round(2.0 / clip.frame_time)))
+    turns = clip.rotations[order[: longest + 1]]
+    same = (np.abs(np.einsum("fji,fji->fj", turns, turns[:1])) > 1.0 - 1e-9).all(axis=1)
+    return int(np.argmin(same)) - 1 if not same.all() else 0
+
+
+def _size(clip: Clip) -> float:
+    """A size of the figure: the sum of its bones that is robust to what kind of figure it is."""
+    lengths = np.linalg.norm(clip.skeleton.offsets[clip.skeleton.parents >= 0], axis=-1)
+    return float(np.sort(lengths)[-8:].sum()) if len(lengths) else 0.0

@@ -1,0 +1,229 @@
+"""Which chains of a skeleton are legs: pairs of alike chains, judged by shape and place, names as evidence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from footfix.rig.names import read
+from footfix.rig.sample import Sample
+
+_BEST_OF = 4  # candidates that each branch puts forward
+
+
+@dataclass(frozen=True)
+class Limb:
+    """A chain that could be a leg: hip, knee, ankle, by joint index.
+
+    Args:
+        branch: the child of the pelvis that it hangs from.
+        chain: every joint from hip to ankle.
+        thigh, shin: lengths along the bones.
+        score: how much it looks like a leg, by itself.
+    """
+
+    branch: int
+    hip: int
+    knee: int
+    ankle: int
+    chain: tuple[int, ...]
+    thigh: float
+    shin: float
+    score: float
+    named: float = 0.0
+
+    @property
+    def length(self) -> float:
+        return self.thigh + self.shin
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two alike limbs that hang from one joint."""
+
+    pelvis: int
+    limbs: tuple[Limb, Limb]
+    score: float
+
+    @property
+    def length(self) -> float:
+        return 0.5 * (self.limbs[0].length + self.limbs[1].length)
+
+    @property
+    def named(self) -> float:
+        return 0.5 * (self.limbs[0].named + self.limbs[1].named)
+
+
+def pairs(sample: Sample, root: int) -> list[Pair]:
+    """The pairs of alike limbs below a root, the likeliest legs first."""
+    skeleton = sample.skeleton
+    figure = [joint for joint in range(len(skeleton)) if root in skeleton.ancestors(joint)]
+    size = float(sample.reach[root])
+    if size <= 0.0:
+        return []
+    found = []
+    for pelvis in figure:
+        branches = [c for c in skeleton.children[pelvis] if sample.reach[c] > 0.15 * size]
+        if len(branches) < 2:
+            continue
+        candidates = {c: _limbs(sample, pelvis, c, size) for c in branches}
+        for a, b in combinations(branches, 2):
+            best = max(
+                (_pair(sample, pelvis, x, y) for x in candidates[a] for y in candidates[b]),
+                key=lambda pair: pair.score,
+                default=None,
+            )
+            if best is not None:
+                found.append(best)
+    if not found:
+        return []
+    longest = max(pair.length for pair in found if pair.score > max(p.score for p in found) - 8.0)
+    away = {pair.pelvis: _way(sample, root, pair.pelvis) for pair in found}
+    judged = [
+        replace(
+            pair,
+            score=pair.score + 1.5 * min(1.0, pair.length / longest) - 0.8 * min(1.5, away[pair.pelvis] / pair.length),
+        )
+        for pair in found
+    ]
+    return sorted(judged, key=lambda pair: -pair.score)
+
+
+def _way(sample: Sample, root: int, joint: int) -> float:
+    return float(sum(sample.bones[j] for j in sample.skeleton.ancestors(joint) if j != root))
+
+
+def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
+    """The chains below one branch that are shaped like a leg, best first."""
+    found: list[Limb] = []
+    stack = [(branch, (branch,), (0.0,))]
+    while stack:
+        joint, path, way = stack.pop()
+        if len(path) >= 3 and way[-1] > 0.1 * size:
+            found += _split(sample, branch, path, way)
+        if len(path) < 16:
+            for child in sample.skeleton.children[joint]:
+                stack.append((child, (*path, child), (*way, way[-1] + float(sample.bones[child]))))
+    found.sort(key=lambda limb: -limb.score)
+    return found[:_BEST_OF]
+
+
+def _split(sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float, ...]) -> list[Limb]:
+    """The ways in which a path can be cut into thigh and shin, its last joint being the ankle."""
+    ankle = path[-1]
+    foot, total = float(sample.reach[ankle]), float(sample.reach[branch])
+    found = []
+    for h in range(len(path) - 2):
+        length = way[-1] - way[h]
+        upper = float(sample.bones[branch]) + way[h]
+        if length <= 0.0 or upper > 0.9 * length or foot > 1.2 * length:
+            continue
+        for k in range(h + 1, len(path) - 1):
+            thigh, shin = way[k] - way[h], way[-1] - way[k]
+            if not (0.35 * shin < thigh < 2.8 * shin):
+                continue
+            named = _named(sample, path, h, k)
+            score = (
+                length / total
+                - (math.log(thigh / shin) / 0.45) ** 2
+                - 3.0 * max(0.0, upper / length - 0.35)
+                - 3.0 * max(0.0, foot / length - 0.5)
+                + (0.3 + 0.05 * foot / length if foot > 0.06 * length else 0.0)
+                - 15.0 * (_slack(sample, path, way, h, k) + _slack(sample, path, way, k, len(path) - 1))
+                - 0.01 * (h + k)
+                + 0.005 * len(path)
+                + named
+            )
+            found.append(Limb(branch, path[h], path[k], ankle, path[h:], thigh, shin, score, named))
+    return found
+
+
+def _slack(sample: Sample, path: tuple[int, ...], way: tuple[float, ...], a: int, b: int) -> float:
+    """How far a stretch of bones is from being one straight bone, as a share of its length."""
+    if b == a + 1:
+        return 0.0
+    apart = np.linalg.norm(sample.places[:, path[b]] - sample.places[:, path[a]], axis=-1)
+    return max(0.0, 1.0 - float(apart.mean()) / (way[b] - way[a]))
+
+
+_WORTH = {  # what a part's name is worth at hip, knee and ankle
+    "thigh": (1.0, -0.5, -1.0),
+    "knee": (-0.5, 1.0, -0.5),
+    "leg": (0.4, 0.6, 0.0),
+    "ankle": (-1.0, -0.7, 1.0),
+    "toe": (-1.0, -1.0, -0.6),
+    "heel": (-1.0, -1.0, -0.8),
+    "arm": (-1.5, -1.5, -1.5),
+    "other": (-1.5, -1.5, -1.5),
+    "": (0.0, 0.0, 0.0),
+}
+
+
+def _named(sample: Sample, path: tuple[int, ...], h: int, k: int) -> float:
+    names = sample.skeleton.names
+    worth = 0.0
+    for place, joint in enumerate((path[h], path[k], path[-1])):
+        reading = read(names[joint])
+        worth += _WORTH[reading.part][place] - (0.6 if reading.helper else 0.0)
+    return worth
+
+
+def _pair(sample: Sample, pelvis: int, a: Limb, b: Limb) -> Pair:
+    names = sample.skeleton.names
+    unlike = 3.0 * (abs(math.log(a.thigh / b.thigh)) + abs(math.log(a.shin / b.shin)))
+    sides = [next((s for s in (read(names[j]).side for j in limb.chain) if s), "") for limb in (a, b)]
+    named = 0.0 if not all(sides) else 0.5 if sides[0] != sides[1] else -3.0
+    apart = np.linalg.norm(sample.places[:, a.hip] - sample.places[:, b.hip], axis=-1).mean()
+    width = float(apart) / (0.5 * (a.length + b.length))
+    odd = 1.5 if width < 0.03 else 2.0 * max(0.0, width - 0.7)
+    return Pair(
+        pelvis, (a, b), 0.5 * (a.score + b.score) - unlike - abs(len(a.chain) - len(b.chain)) * 0.2 + named - odd
+    )
+
+
+def toes(sample: Sample, pair: Pair) -> tuple[int | None, int | None]:
+    """The joints at the balls of both feet; None where a foot has none."""
+    a, b = (_toes(sample, limb) for limb in pair.limbs)
+    if not a or not b:
+        return (a[0][1] if a else None, b[0][1] if b else None)
+    both = max(
+        ((x, y) for x in a for y in b),
+        key=lambda two: two[0][0] + two[1][0] - 5.0 * abs(two[0][2] - two[1][2]) - 0.2 * abs(two[0][3] - two[1][3]),
+    )
+    return both[0][1], both[1][1]
+
+
+def _toes(sample: Sample, limb: Limb) -> list[tuple[float, int, float, int]]:
+    """(score, joint, its distance from the ankle in leg lengths, depth) of the joints that could be the ball, best first."""
+    skeleton = sample.skeleton
+    origin = sample.places[:, limb.ankle]
+    shin = origin - sample.places[:, limb.knee]
+    shin = shin / np.maximum(np.linalg.norm(shin, axis=-1, keepdims=True), 1e-12)
+    depth = {limb.ankle: 0}
+    farthest = 0.0
+    spans = {}
+    for joint in range(limb.ankle + 1, len(skeleton)):
+        parent = int(skeleton.parents[joint])
+        if parent in depth:
+            depth[joint] = depth[parent] + 1
+            spans[joint] = sample.places[:, joint] - origin
+            farthest = max(farthest, float(np.linalg.norm(spans[joint], axis=-1).mean()))
+    for e, parent in enumerate(skeleton.end_parents.tolist()):
+        if parent in depth:
+            farthest = max(farthest, float(np.linalg.norm(sample.ends[:, e] - origin, axis=-1).mean()))
+    found = []
+    for joint, span in spans.items():
+        far = float(np.linalg.norm(span, axis=-1).mean())
+        if far < max(0.3 * farthest, 0.04 * limb.length):
+            continue
+        along = float(np.einsum("fi,fi->f", span, shin).mean()) / far
+        reading = read(skeleton.names[joint])
+        named = reading.part == "toe" or reading.part == "ankle"
+        if along > 0.9 and not named:
+            continue
+        score = -abs(far / farthest - 0.7) + (0.3 if named else 0.0) - (0.3 if reading.helper else 0.0)
+        found.append((score - (1.0 if reading.part == "heel" else 0.0), joint, far / limb.length, depth[joint]))
+    return sorted(found, key=lambda each: -each[0])

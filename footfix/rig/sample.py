@@ -1,0 +1,112 @@
+"""A sample of a clip's frames: enough to judge a skeleton by, however long the clip is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton
+from footfix.motion.kinematics import forward
+
+MOST_FRAMES = 240  # pairs of frames looked at; statistics of a rig change little with more
+STEP = 1.0 / 30.0  # [s] between the two frames of a pair, long against the noise of one frame
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Some frames of a clip, all joints and End Sites in the world.
+
+    Args:
+        skeleton: the joints.
+        places: (S, J, 3) joints in the world, in the clip's units and axes.
+        turns: (S, J, 4) their frames in the world.
+        velocities: (S, J, 3) units per second, from pairs of frames.
+        angular: (S, J) [rad/s], likewise.
+        ends: (S, E, 3) End Sites in the world.
+        bones: (J,) length of the bone from each joint's parent, 0 for roots.
+        local: (S, J, 3) places in the parents' frames.
+    """
+
+    skeleton: Skeleton
+    places: Floats
+    turns: Floats
+    velocities: Floats
+    ends: Floats
+    bones: Floats
+    local: Floats
+
+    def __len__(self) -> int:
+        return int(self.places.shape[0])
+
+    @cached_property
+    def reach(self) -> Floats:
+        """(J,) the longest way along bones from each joint down to a tip."""
+        skeleton = self.skeleton
+        reach = np.zeros(len(skeleton))
+        if len(skeleton.end_parents):
+            lengths = np.linalg.norm(skeleton.end_offsets, axis=-1)
+            np.maximum.at(reach, skeleton.end_parents, np.where(np.isfinite(lengths), lengths, 0.0))
+        for joint in range(len(skeleton) - 1, 0, -1):
+            parent = int(skeleton.parents[joint])
+            if parent >= 0:
+                reach[parent] = max(reach[parent], reach[joint] + self.bones[joint])
+        return reach
+
+
+def sample(clip: Clip, within: slice = slice(None)) -> Sample:
+    """Up to `MOST_FRAMES` pairs of frames spread evenly over a part of a clip; the rest pose where it has none."""
+    skeleton = clip.skeleton
+    frames = np.arange(len(clip))[within]
+    frames = frames[_sound(clip, frames)]
+    if not len(frames):
+        clip = _at_rest(clip)
+        frames = np.zeros(1, np.intp)
+    step = max(1, round(STEP / clip.frame_time))
+    first = frames[:-step] if len(frames) > step else frames[:1]
+    first = first[np.unique(np.linspace(0, len(first) - 1, min(MOST_FRAMES, len(first))).round().astype(np.intp))]
+    second = np.minimum(first + step, frames[-1])
+    both = clip.frames(np.concatenate([first, second]))
+    pose = forward(both)
+    n = len(first)
+    elapsed = np.maximum((second - first) * clip.frame_time, 1e-9)[:, None, None]
+    ends = (
+        np.stack(
+            [
+                pose.point(int(joint), offset)[:n]
+                for joint, offset in zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
+            ],
+            axis=1,
+        )
+        if len(skeleton.end_parents)
+        else np.zeros((n, 0, 3))
+    )
+    bones = np.median(np.linalg.norm(both.positions[:n], axis=-1), axis=0)
+    return Sample(
+        skeleton=skeleton,
+        places=pose.positions[:n],
+        turns=pose.rotations[:n],
+        velocities=(pose.positions[n:] - pose.positions[:n]) / elapsed,
+        ends=ends,
+        bones=np.where(skeleton.parents < 0, 0.0, bones),
+        local=both.positions[:n],
+    )
+
+
+def _sound(clip: Clip, frames: Ints) -> Bools:
+    """Which frames hold finite numbers of a size that motion has."""
+    extent = np.abs(clip.positions[frames]).reshape(len(frames), -1).max(axis=1, initial=0.0)
+    finite = np.isfinite(extent) & np.isfinite(clip.rotations[frames]).reshape(len(frames), -1).all(axis=1)
+    if not finite.any():
+        return finite
+    usual = float(np.median(extent[finite]))
+    return np.asarray(finite & (np.where(finite, extent, 0.0) <= 1e4 * max(usual, 1e-9)))
+
+
+def _at_rest(clip: Clip) -> Clip:
+    skeleton = clip.skeleton
+    offsets = np.where(np.isfinite(skeleton.offsets), skeleton.offsets, 0.0)
+    turns = np.zeros((1, len(skeleton), 4))
+    turns[..., 3] = 1.0
+    return Clip(skeleton, offsets[None], turns, clip.frame_time)
