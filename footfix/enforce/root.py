@@ -20,6 +20,7 @@ class RootParams:
     """How the root carries the correction."""
 
     speed_window: float = 0.1  # [s] over which the speeds of sole points are averaged before they are compared
+    hand_over: float = 0.01  # leg lengths of movement that a hand-over from point to point counts for
     vertical: bool = True  # one offset and one scale of the root's height, so that planted points are at the floor
     pin_end: bool = False  # bring the path's drift back to zero over the clip
     settle: float = 0.1  # [s] what is quicker in the feet's shared correction is left to the legs (method both)
@@ -37,7 +38,13 @@ def shared(
 
 
 def correction(
-    root: Floats, tracks: Sequence[Floats], planted: Bools, levels: Floats, frame_time: float, params: RootParams
+    root: Floats,
+    tracks: Sequence[Floats],
+    planted: Bools,
+    levels: Floats,
+    frame_time: float,
+    leg_length: float,
+    params: RootParams,
 ) -> Floats:
     """The shift of the root that lets one planted point at a time stand still.
 
@@ -47,6 +54,7 @@ def correction(
         planted: (F, E) which points may be static.
         levels: (F, E) [m] height of the floor under each.
         frame_time: [s].
+        leg_length: [m].
         params: measures.
 
     Returns:
@@ -56,7 +64,7 @@ def correction(
     points = np.stack(tracks, axis=1)  # (F, E, 3)
     offsets = points - root[:, None]  # o(v, t): from the root, in world axes
     speeds = _speeds(points, frame_time, params.speed_window)
-    static = _static(speeds, planted)
+    static = _static(speeds, planted, frame_time, params.hand_over * leg_length)
     shift = np.zeros((frames, 3))
     if not np.any(static >= 0):
         return shift
@@ -88,10 +96,34 @@ def _speeds(points: Floats, frame_time: float, window: float) -> Floats:
     return np.asarray((total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1))
 
 
-def _static(speeds: Floats, planted: Bools) -> Ints:
-    """(F,) the point that moves least of those in contact, -1 in flight."""
-    slowest = np.argmin(np.where(planted, speeds, np.inf), axis=1)
-    return np.asarray(np.where(planted.any(axis=1), slowest, -1))
+def _static(speeds: Floats, planted: Bools, frame_time: float, cost: float) -> Ints:
+    """(F,) the point that moves least of those in contact, -1 in flight.
+
+    L takes the slowest frame by frame; under noise that goes to and fro, and each time leaves a little of the
+    way behind. So the path over all frames is taken that moves least in total, a hand-over counting as a move of
+    `cost` [m] (Viterbi, over stretches in which the same points are planted and the same one is slowest).
+    """
+    slowest = np.where(planted.any(axis=1), np.argmin(np.where(planted, speeds, np.inf), axis=1), -1)
+    changes = np.any(planted[1:] != planted[:-1], axis=1) | (slowest[1:] != slowest[:-1])
+    starts = np.concatenate([[0], np.flatnonzero(changes) + 1])
+    moved = np.where(planted[starts], np.add.reduceat(speeds * frame_time, starts, axis=0), np.inf)
+    best = np.zeros(planted.shape[1])
+    came = np.zeros(moved.shape, dtype=np.intp)
+    for k, move in enumerate(moved):
+        if slowest[starts[k]] < 0:  # in flight: whatever comes next is free to choose
+            came[k], best = int(np.argmin(best)), np.full_like(best, best.min())
+            continue
+        cheapest = int(np.argmin(best))
+        stay = best <= best[cheapest] + cost
+        came[k] = np.where(stay, np.arange(len(best)), cheapest)
+        best = np.where(stay, best, best[cheapest] + cost) + move
+    chosen = np.empty(len(starts), dtype=np.intp)
+    state = int(np.argmin(best))
+    for k in range(len(starts) - 1, -1, -1):
+        chosen[k] = state
+        state = int(came[k, state])
+    static = np.repeat(chosen, np.diff(np.concatenate([starts, [len(planted)]])))
+    return np.asarray(np.where(slowest >= 0, static, -1))
 
 
 def _steps(t: Ints, i: Ints, j: Ints, offsets: Floats, speeds: Floats) -> Floats:

@@ -169,7 +169,7 @@ def _root_shift(
     if all(plant.kept for stance in stands for plant in stance.plants):
         return np.zeros((frames, 3))
     shift = root.correction(
-        pose.position(rig.root), rig.tracks(pose), planted, levels, frame_time, params.root
+        pose.position(rig.root), rig.tracks(pose), planted, levels, frame_time, rig.leg_length, params.root
     )
     return params.strength * shift
 
