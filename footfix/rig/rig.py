@@ -86,8 +86,9 @@ class Rig:
         return tuple(sorted(wanted))
 
     def pose(self, clip: Clip) -> Pose:
-        """Forward kinematics of `joints()`."""
-        return forward(clip, self.joints())
+        """Forward kinematics of `joints()` and all joints above them, whose frames turn the legs."""
+        wanted = {above for joint in self.joints() for above in clip.skeleton.ancestors(joint)}
+        return forward(clip, sorted(wanted))
 
     def tracks(self, pose: Pose) -> tuple[Floats, ...]:
         """For each sole point its (F, 3) [m] track in the world."""
