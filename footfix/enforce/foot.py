@@ -8,7 +8,7 @@ import numpy as np
 
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.kinematics import Pose
+from footfix.motion.kinematics import Pose, forward
 from footfix.rig.rig import Leg, Rig
 
 
@@ -69,6 +69,14 @@ def feet(rig: Rig, pose: Pose) -> tuple[Foot, ...]:
             )
         )
     return tuple(found)
+
+
+def posed(clip: Clip, rig: Rig) -> Pose:
+    """Forward kinematics of all that enforcement looks at: the rig's joints and what its legs hang from."""
+    joints = set(rig.joints())
+    for leg in rig.legs:
+        joints.update(int(clip.skeleton.parents[joint]) for joint in (leg.hip, leg.knee, leg.ankle))
+    return forward(clip, sorted(joints - {-1}))
 
 
 def can_turn(clip: Clip, leg: Leg) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from footfix.enforce import ik, reach, root
 from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams
-from footfix.enforce.foot import Foot, can_turn, feet
+from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant, Outcome
 from footfix.enforce.plants import Plant, PlantParams, Stance, aimed, stances
 from footfix.enforce.reach import ReachParams
@@ -63,7 +63,7 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
     """
-    pose = rig.pose(clip)
+    pose = posed(clip, rig)
     legs = feet(rig, pose)
     notes: list[Note] = []
     stands = []
