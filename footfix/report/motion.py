@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, frozen
 from footfix.motion.kinematics import forward
+from footfix.report.pack import pack, quantize
 from footfix.rig.rig import Rig
 
 SHOWN_FRAMES = 7200  # as many as a page holds: a minute at 120 fps
@@ -121,3 +124,51 @@ def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
     ]
     steps = np.stack([b - a for a, b in zip(*tracks, strict=True)], axis=1)  # (D, E, 3) [m]
     return np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]
+
+
+_JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # what one step of the packed integers means [m, m, m/s]
+
+
+def packed(motion: Motion, thresholds: Mapping[str, float]) -> dict[str, Any]:
+    """The motion as the page's script reads it (codec.js), as plain JSON values.
+
+    Corrections mostly shift the whole figure and turn a few joints of the legs, so of the figure after
+    only the root's shift is written, and the joints that move otherwise.
+    """
+    before = quantize(motion.joints_before, _JOINT)
+    points, points_after = (quantize(each, _POINT) for each in (motion.soles_before, motion.soles_after))
+    speeds, speeds_after = (quantize(each, _SPEED) for each in (motion.speeds_before, motion.speeds_after))
+    return {
+        "shown": len(before),
+        "frames": motion.frames,
+        "step": motion.step,
+        "frameTime": motion.frame_time,
+        "parents": list(motion.parents),
+        "root": motion.root,
+        "hips": list(motion.hips),
+        "soles": list(motion.soles),
+        "floor": motion.floor,
+        "thresholds": dict(thresholds),
+        "quantum": {"joints": _JOINT, "points": _POINT, "speeds": _SPEED},
+        "joints": {"before": pack(before), **_packed_change(motion)},
+        "points": {"before": pack(points), "after": _packed_unless_same(points, points_after)},
+        "speeds": {"before": pack(speeds), "after": _packed_unless_same(speeds, speeds_after)},
+    }
+
+
+def _packed_unless_same(first: NDArray[np.int32], second: NDArray[np.int32]) -> str | None:
+    return None if np.array_equal(first, second) else pack(second)
+
+
+def _packed_change(motion: Motion) -> dict[str, Any]:
+    """What the correction does to the joints: the shift of the root, and who moves besides."""
+    if motion.joints_after is motion.joints_before:
+        return {"shift": None, "moved": [], "own": ""}
+    change = motion.joints_after - motion.joints_before  # (D, J, 3) [m]
+    shift = change[:, motion.root]
+    own = change - shift[:, None]
+    moved = np.flatnonzero(np.abs(own).max(axis=(0, 2), initial=0.0) > _JOINT / 2)
+    if not moved.size and not np.any(np.abs(shift) > _JOINT / 2):
+        return {"shift": None, "moved": [], "own": ""}
+    steps = quantize(shift, _JOINT)
+    return {"shift": pack(steps), "moved": moved.tolist(), "own": pack(quantize(own[:, moved], _JOINT))}

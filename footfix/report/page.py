@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import math
 import pkgutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from string import Template
 from typing import Any
 
+from footfix.report import sections
 from footfix.report.chart import chart
-from footfix.report.markup import name, text
-from footfix.report.motion import Motion
-from footfix.report.verdict import Report, judge, measure_rows, source_name
+from footfix.report.markup import embedded_json, name, text
+from footfix.report.motion import Motion, packed
+from footfix.report.verdict import Report, judge, source_name
+from footfix.version import __version__
+
+_SCRIPTS = (
+    "codec.js", "player.js", "camera.js", "stage.js", "contacts.js", "timeline.js", "editor.js", "plants.js",
+    "paths.js", "viewer.js",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,63 +52,81 @@ def asset(file: str) -> str:
 
 
 @cache
+def script() -> str:
+    """The page's script: its parts one after the other, in a scope of their own."""
+    return '(() => {\n"use strict";\n' + "\n".join(asset(file) for file in _SCRIPTS) + "})();\n"
+
+
+@cache
 def fingerprint(source: str) -> str:
-    """The hash by which a content security policy lets a script or style sheet in."""
+    """The hash by which a content security policy lets a script or a style sheet in."""
     return "sha256-" + base64.b64encode(hashlib.sha256(source.encode()).digest()).decode("ascii")
 
 
 def render(data: PageData) -> str:
     """The page, as one HTML document."""
-    report = data.report
+    report, style = data.report, asset("report.css")
     verdict = judge(report)
-    style = asset("report.css")
+    plants = report.get("plants") or ()
     return Template(asset("page.html")).substitute(
         style=style,
         style_hash=fingerprint(style),
+        script_hash=fingerprint(script()),
         title=text(source_name(report)),
         name=name(source_name(report)),
-        tone=verdict.tone,
-        word=text(verdict.word),
+        badge=sections.badge(verdict.tone, verdict.word),
         verdict=text(verdict.text),
-        method=text(report.get("method") or "–"),
-        measures=measures_table(report),
-        picture=chart(data.motion, data.contacts) if data.motion else "",
-        plants=plants_table(report.get("plants") or ()),
-        notes=notes_list(report.get("notes") or ()),
+        method=text(report.get("method") or "none"),
+        length=_length(data.motion),
+        tiles=sections.tiles(report, verdict),
+        fate=sections.fate_list(report),
+        notes=sections.notes_list(report.get("notes") or ()),
+        viewer=_viewer(data),
+        above=asset("above.html") if data.motion else "",
+        plants=sections.plants_table(plants),
+        plants_caption=sections.plants_caption(plants),
+        measures=sections.measures_table(report),
+        details=sections.details_table(report),
+        version=text(__version__),
+        data=_data(data),
     )
 
 
-def measures_table(report: Report) -> str:
-    """The measures before and after, as table rows."""
-    return "\n".join(
-        f"<tr><th scope=row>{text(row.label)}</th><td>{row.before}</td><td>{row.after}</td>"
-        f"<td>{text(row.unit)}</td></tr>"
-        for row in measure_rows(report)
+def _length(motion: Motion | None) -> str:
+    if motion is None:
+        return ""
+    seconds = motion.frames * motion.frame_time
+    shown = "" if motion.step == 1 else f"; every {motion.step}. frame is shown"
+    return f"{motion.frames} frames, {seconds:.1f} s at {1.0 / motion.frame_time:.4g} fps{shown}"
+
+
+def _viewer(data: PageData) -> str:
+    """The stage, the timeline and the editor; a still picture of the feet where no script runs."""
+    if data.motion is None:
+        return ""
+    file = source_name(data.report).replace("\\", "/").rsplit("/", 1)[-1]
+    stem = file[:-4] if file.lower().endswith(".bvh") else file
+    return Template(asset("viewer.html")).substitute(
+        chart=chart(data.motion, data.contacts),
+        file=text(f"{stem}.contacts.json"),
+        clip=name(file),
     )
 
 
-def plants_table(plants: Sequence[Report]) -> str:
-    """The plants, as table rows."""
-    columns = ("slide_before_mm", "slide_after_mm", "penetration_after_mm", "residual_mm")
-    rows = []
-    for plant in plants:
-        figures = "".join(f"<td>{_figure(plant.get(key))}</td>" for key in columns)
-        rows.append(
-            f"<tr><th scope=row>{name(plant.get('effector', ''))}</th><td>{_figure(plant.get('start'), 0)}</td>"
-            f"<td>{_figure(plant.get('end'), 0)}</td>{figures}<td>{text(plant.get('outcome', ''))}</td>"
-            f"<td>{text(plant.get('reason') or '')}</td></tr>"
-        )
-    return "\n".join(rows)
-
-
-def _figure(value: Any, digits: int = 1) -> str:
-    return f"{value:.{digits}f}" if isinstance(value, int | float) else "–"
-
-
-def notes_list(notes: Sequence[Report]) -> str:
-    """The notes, as list items."""
-    return "\n".join(
-        f"<li class={'warning' if note.get('severity') != 'note' else 'note'}>"
-        f"<b>{text(note.get('severity', 'note'))}</b> {text(note.get('text', ''))}</li>"
-        for note in notes
+def _data(data: PageData) -> str:
+    """What the script works on, in elements of the page."""
+    if data.motion is None:
+        return ""
+    document = {"contacts": _finite(data.contacts), "motion": packed(data.motion, data.thresholds)}
+    return (
+        f'<script type="application/json" id="data">{embedded_json(document)}</script>\n<script>{script()}</script>'
     )
+
+
+def _finite(value: Any) -> Any:
+    """A document without the numbers that JSON does not know."""
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import re
 from collections.abc import Sequence
 
 from footfix.report.verdict import Report, judge, measure_rows, number, source_name
 
 _SEVERITIES = ("error", "warning")
+_FATES = {"released": "let go", "partly": "held only in part"}
+_FIGURE = re.compile(r"\d+(?:\.\d+)?")
 
 
 def summarize(report: Report, *, verbose: bool = False) -> str:
@@ -43,14 +45,29 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
 
 
 def released(report: Report) -> list[str]:
-    """How many plants were let go wholly or in part, for each reason, as lines of text."""
+    """How many plants were let go wholly or in part, for each reason, as lines of text.
+
+    Reasons that differ only in their figures count as one, with the range of the figures.
+    """
     plants: Sequence[Report] = report.get("plants") or ()
-    words = {"released": "let go", "partly": "held only in part"}
-    counts = Counter((str(p.get("outcome")), str(p.get("reason") or "")) for p in plants if p.get("outcome") in words)
-    return [
-        f"{count} {'plant' if count == 1 else 'plants'} {words[outcome]}" + (f": {printable(reason)}" if reason else "")
-        for (outcome, reason), count in counts.most_common()
-    ]
+    groups: dict[tuple[str, str], list[str]] = {}
+    for plant in plants:
+        outcome, reason = str(plant.get("outcome")), str(plant.get("reason") or "")
+        if outcome in _FATES:
+            groups.setdefault((outcome, _FIGURE.sub("#", reason)), []).append(reason)
+    lines = []
+    for (outcome, _), reasons in sorted(groups.items(), key=lambda group: -len(group[1])):
+        count = len(reasons)
+        line = f"{count} {'plant' if count == 1 else 'plants'} {_FATES[outcome]}"
+        lines.append(line + (f": {printable(_ranged(reasons))}" if reasons[0] else ""))
+    return lines
+
+
+def _ranged(reasons: Sequence[str]) -> str:
+    """One sentence for many that differ only in their figures."""
+    columns = [sorted(set(column), key=float) for column in zip(*map(_FIGURE.findall, reasons), strict=True)]
+    ranges = iter(column[0] if len(column) == 1 else f"{column[0]} to {column[-1]}" for column in columns)
+    return _FIGURE.sub(lambda _: next(ranges), reasons[0])
 
 
 def printable(text: str) -> str:

@@ -1,0 +1,80 @@
+// The motion out of the page's text: the other half of pack.py.
+
+/**
+ * Second differences, zigzag-folded, in 7-bit groups, back to numbers.
+ * Returns a Float32Array (length, series): all series of one sample lie together.
+ */
+function unpack(text, length, series, quantum) {
+  const raw = atob(text);
+  const out = new Float32Array(length * series);
+  let at = 0;
+  for (let s = 0; s < series; s++) {
+    let value = 0;
+    let step = 0;
+    for (let i = 0; i < length; i++) {
+      let folded = 0;
+      let shift = 0;
+      let byte;
+      do {
+        byte = raw.charCodeAt(at++);
+        folded |= (byte & 127) << shift;
+        shift += 7;
+      } while (byte > 127);
+      step += (folded >>> 1) ^ -(folded & 1);
+      value += step;
+      out[i * series + s] = value * quantum;
+    }
+  }
+  return out;
+}
+
+/** The figure before and after: metres, y up, `shown` frames of the clip's `frames`, every `step`-th. */
+function readMotion(packed) {
+  const { shown, parents, soles, quantum } = packed;
+  const joints = parents.length;
+  const before = unpack(packed.joints.before, shown, joints * 3, quantum.joints);
+  const points = { before: unpack(packed.points.before, shown, soles.length * 3, quantum.points) };
+  const speeds = { before: unpack(packed.speeds.before, shown, soles.length, quantum.speeds) };
+  points.after = packed.points.after === null
+    ? points.before : unpack(packed.points.after, shown, soles.length * 3, quantum.points);
+  speeds.after = packed.speeds.after === null
+    ? speeds.before : unpack(packed.speeds.after, shown, soles.length, quantum.speeds);
+  return {
+    ...packed,
+    joints: { before, after: corrected(before, packed.joints, shown, joints, quantum.joints) },
+    points,
+    speeds,
+    extent: extentOf(before, shown, joints, packed.floor),
+  };
+}
+
+/** Joints after correction: all go with the root's shift, those that `moved` by a shift of their own too. */
+function corrected(before, packed, shown, joints, quantum) {
+  if (packed.shift === null) return before;
+  const shift = unpack(packed.shift, shown, 3, quantum);
+  const own = unpack(packed.own, shown, packed.moved.length * 3, quantum);
+  const after = new Float32Array(before);
+  for (let i = 0; i < shown; i++) {
+    for (let j = 0; j < joints; j++) {
+      for (let k = 0; k < 3; k++) after[(i * joints + j) * 3 + k] += shift[i * 3 + k];
+    }
+    packed.moved.forEach((joint, m) => {
+      for (let k = 0; k < 3; k++) {
+        after[(i * joints + joint) * 3 + k] += own[(i * packed.moved.length + m) * 3 + k];
+      }
+    });
+  }
+  return after;
+}
+
+/** How tall the figure usually is above its floor: the scale of everything that is drawn. */
+function extentOf(positions, shown, joints, floor) {
+  const heights = [];
+  for (let i = 0; i < shown; i += Math.max(1, Math.floor(shown / 50))) {
+    let top = 0;
+    for (let j = 0; j < joints; j++) top = Math.max(top, positions[(i * joints + j) * 3 + 1] - floor);
+    heights.push(top);
+  }
+  heights.sort((a, b) => a - b);
+  return Math.max(heights[heights.length >> 1] || 1, 0.05);
+}

@@ -1,0 +1,181 @@
+"""The parts of the page that are plain HTML: they stand there without any script."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from footfix.measure.plants import NOTICED_MM
+from footfix.report.markup import name, text
+from footfix.report.text import released
+from footfix.report.verdict import Report, Tone, Verdict, measure_rows, number
+
+MOST_PLANTS = 1000  # rows of the table; a clip of an hour has tens of thousands
+
+# The badges differ by shape and word, not by colour alone.
+_MARKS: Mapping[Tone, str] = {
+    "good": '<path d="M3 8.5l3.2 3.2L13 5"/>',
+    "fair": '<path d="M8 3v6M8 12.2v.3"/>',
+    "bad": '<path d="M4 4l8 8M12 4l-8 8"/>',
+    "quiet": '<path d="M4 8h8"/>',
+}
+
+
+def badge(tone: Tone, word: str) -> str:
+    """A mark and a word: how a clip came out."""
+    return (
+        f'<span class="badge {tone}"><svg viewBox="0 0 16 16" aria-hidden="true">{_MARKS[tone]}</svg>'
+        f"{text(word)}</span>"
+    )
+
+
+def tiles(report: Report, verdict: Verdict) -> str:
+    """The numbers of the first screen."""
+    parts = []
+    if verdict.plants:
+        pinned = Counter(str(plant.get("outcome")) for plant in report.get("plants") or ())
+        fate = ", ".join(f"{count} {text(outcome)}" for outcome, count in pinned.most_common() if outcome != "None")
+        parts.append(_tile("Footplants found", str(verdict.plants), "", fate))
+        parts.append(
+            _tile(f"Slide more than {NOTICED_MM:g} mm", f"{verdict.over_before}", f"{verdict.over_after}", "plants")
+        )
+        parts.append(_tile("Longest slide", f"{verdict.worst_before:.0f}", f"{verdict.worst_after:.0f}", "mm"))
+    parts += [_tile(row.label, row.before, row.after, row.unit) for row in measure_rows(report) if row.headline]
+    correction: Report = report.get("correction") or {}
+    drift = number(correction.get("root_path_drift_m"))
+    if drift is not None:
+        shift = number(correction.get("max_root_shift_mm"))
+        parts.append(
+            _tile("Drift of the root's path", f"{100.0 * drift:.1f}", "", "cm" + _most(shift, "mm at most"))
+        )
+    return "".join(parts)
+
+
+def _most(value: float | None, unit: str) -> str:
+    return "" if value is None else f"; shifted {value:.0f} {unit}"
+
+
+def _tile(label: str, before: str, after: str, unit: str) -> str:
+    """One number, or one before and one after; the figures are our own, the label is escaped."""
+    figure = f"<b>{before}</b>"
+    if after:
+        figure = (
+            f'<span class="was">{before}</span><span class="to" aria-hidden="true">→</span>'
+            f'<span class="unseen"> before, </span><b>{after}</b><span class="unseen"> after</span>'
+        )
+    return f"<div><dt>{text(label)}</dt><dd>{figure} <small>{unit}</small></dd></div>"
+
+
+def fate_list(report: Report) -> str:
+    """What was let go, and why."""
+    return "".join(f"<li>{text(line)}</li>" for line in released(report))
+
+
+def measures_table(report: Report) -> str:
+    """The measures before and after, as table rows."""
+    return "\n".join(
+        f'<tr><th scope="row">{text(row.label)}</th><td>{row.before}</td><td>{row.after}</td>'
+        f"<td>{text(row.unit)}</td></tr>"
+        for row in measure_rows(report)
+    )
+
+
+def worst_first(plants: Sequence[Report]) -> list[Report]:
+    """Where to look first: what slides most now, and among what stands, what slid most before."""
+
+    def slide(plant: Report) -> tuple[float, float]:
+        after = number(plant.get("slide_after_mm")) or 0.0
+        return (after if after > NOTICED_MM else 0.0), number(plant.get("slide_before_mm")) or 0.0
+
+    return sorted(plants, key=slide, reverse=True)
+
+
+def plants_table(plants: Sequence[Report]) -> str:
+    """The plants, as table rows, the worst first."""
+    longest = max((number(plant.get("slide_before_mm")) or 0.0 for plant in plants), default=0.0)
+    return "\n".join(_plant_row(plant, max(longest, NOTICED_MM)) for plant in worst_first(plants)[:MOST_PLANTS])
+
+
+def _plant_row(plant: Report, longest: float) -> str:
+    effector = str(plant.get("effector", ""))
+    start, end = (int(number(plant.get(key)) or 0) for key in ("start", "end"))
+    before, after = (number(plant.get(f"slide_{when}_mm")) for when in ("before", "after"))
+    outcome, reason = str(plant.get("outcome") or ""), str(plant.get("reason") or "")
+    side = "right" if "right" in effector else "left"
+    return (
+        f'<tr data-effector="{text(effector)}" data-start="{start}" data-end="{end}">'
+        f'<th scope="row" class="{side}"><button type="button">{name(effector.replace("_", " "))}</button></th>'
+        f'<td data-value="{start}">{start}–{end}</td>'
+        f"<td>{_figure(before)}</td><td>{_figure(after)}</td>"
+        f'<td data-value="{after or 0.0:.3f}">{_bars(before, after, longest)}</td>'
+        f"<td>{_figure(number(plant.get('penetration_after_mm')))}</td>"
+        f"<td>{_figure(number(plant.get('residual_mm')))}</td>"
+        f'<td>{text(outcome)}{f" <small>{text(reason)}</small>" if reason else ""}</td></tr>'
+    )
+
+
+def _figure(value: float | None) -> str:
+    return "–" if value is None else f"{value:.1f}"
+
+
+def _bars(before: float | None, after: float | None, longest: float) -> str:
+    """The slides as two bars, with the mark of what viewers notice."""
+    wide = [60.0 * min((value or 0.0) / longest, 1.0) for value in (before, after)]
+    mark = 60.0 * NOTICED_MM / longest
+    return (
+        f'<svg class="bars" viewBox="0 0 60 12" aria-hidden="true"><rect class="was" y="1" width="{wide[0]:.1f}" '
+        f'height="4"/><rect class="now" y="7" width="{wide[1]:.1f}" height="4"/><path d="M{mark:.1f} 0V12"/></svg>'
+    )
+
+
+def plants_caption(plants: Sequence[Report]) -> str:
+    """Says so where the table does not hold every plant."""
+    if len(plants) <= MOST_PLANTS:
+        return "Worst first. Click a plant to see it in a loop."
+    return f"The worst {MOST_PLANTS} of {len(plants)} plants. Click a plant to see it in a loop."
+
+
+def notes_list(notes: Sequence[Report]) -> str:
+    """The notes, as list items, the pressing ones first."""
+    order = {"error": 0, "warning": 1}
+    items = []
+    for note in sorted(notes, key=lambda note: order.get(str(note.get("severity")), 2)):
+        severity = str(note.get("severity") or "note")
+        where = _where(note)
+        items.append(
+            f'<li class="{severity if severity in order else "note"}"><b>{text(severity)}</b> '
+            f"{text(note.get('text', ''))}{f' <small>{where}</small>' if where else ''}</li>"
+        )
+    return "\n".join(items)
+
+
+def _where(note: Report) -> str:
+    parts = []
+    if note.get("start") is not None:
+        parts.append(f"frames {text(note['start'])}–{text(note.get('end', ''))}")
+    if note.get("line") is not None:
+        parts.append(f"line {text(note['line'])}")
+    joints = note.get("joints") or ()
+    if joints:
+        parts.append("joints " + ", ".join(name(joint) for joint in joints))
+    return "; ".join(parts)
+
+
+def details_table(report: Report) -> str:
+    """How it was done: rig, settings and times, as rows of dotted keys and values."""
+    rows = []
+    for section in ("method", "output", "rig", "correction", "settings", "seconds"):
+        for key, value in _leaves(section, report.get(section)):
+            rows.append(f'<tr><th scope="row">{text(key)}</th><td>{text(value)}</td></tr>')
+    return "\n".join(rows)
+
+
+def _leaves(key: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, Mapping):
+        for inner, item in value.items():
+            yield from _leaves(f"{key}.{inner}", item)
+    elif isinstance(value, float):
+        yield key, f"{value:.6g}"
+    elif value is not None:
+        yield key, ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)

@@ -1,0 +1,368 @@
+// The timeline: for each effector its contacts, its height and its horizontal speed, before and after.
+
+const LANE = 18; // heights in CSS pixels
+const HEIGHT_PLOT = 46;
+const SPEED_PLOT = 30;
+const GAP = 14;
+const RULER = 24;
+const GRIP = 7; // how near to an end of a bar a pointer has to be; twice that for a finger
+
+class Timeline {
+  constructor(canvas, motion, player, contacts) {
+    Object.assign(this, { canvas, motion, player, contacts });
+    this.window = [0, motion.frames];
+    this.whole = false; // whether the curves show their whole range, or what is near the floor
+    this.editing = false;
+    this.hover = null; // {frame, lane}
+    this.draft = null; // {lane, contact, old} while a contact is dragged
+    this.rows = Math.min(contacts.effectors.length, motion.soles.length);
+    this.still = document.createElement("canvas"); // all but the playhead
+    this.stale = true;
+    canvas.style.height = `${RULER + this.rows * (LANE + HEIGHT_PLOT + SPEED_PLOT + GAP) + 4}px`;
+    this.tops = this.rangeTops();
+  }
+
+  /** The top of the height and speed axes: near the floor, and over everything. */
+  rangeTops() {
+    const { motion } = this;
+    let [high, fast, low] = [0, 0, 0];
+    for (const when of ["before", "after"]) {
+      for (let i = 1; i < motion.points[when].length; i += 3) {
+        high = Math.max(high, motion.points[when][i] - motion.floor);
+        low = Math.min(low, motion.points[when][i] - motion.floor);
+      }
+      for (const speed of motion.speeds[when]) fast = Math.max(fast, speed);
+    }
+    const near = { height: roundStep(motion.extent * 0.13), speed: roundStep(motion.extent * 0.7) };
+    near.bottom = Math.max(low, -near.height / 4);
+    return { near, whole: { height: Math.max(high, 0.01), speed: Math.max(fast, 0.1), bottom: Math.min(low, 0) } };
+  }
+
+  // ---- places --------------------------------------------------------------------------------------
+
+  get gutter() {
+    return this.canvas.clientWidth < 560 ? 70 : 96;
+  }
+
+  get right() {
+    return this.canvas.clientWidth - 12;
+  }
+
+  x(frame) {
+    const [from, to] = this.window;
+    return this.gutter + ((frame - from) / (to - from)) * (this.right - this.gutter);
+  }
+
+  frameAt(x) {
+    const [from, to] = this.window;
+    return from + ((x - this.gutter) / (this.right - this.gutter)) * (to - from);
+  }
+
+  top(lane) {
+    return RULER + lane * (LANE + HEIGHT_PLOT + SPEED_PLOT + GAP);
+  }
+
+  laneAt(y) {
+    const lane = Math.floor((y - RULER) / (LANE + HEIGHT_PLOT + SPEED_PLOT + GAP));
+    return lane >= 0 && lane < this.rows ? lane : null;
+  }
+
+  /** Shows the frames [from, to), at least eight of them. */
+  zoomTo(from, to) {
+    const { frames } = this.motion;
+    const length = Math.min(frames, Math.max(8, to - from));
+    const start = Math.max(0, Math.min(frames - length, from));
+    this.window = [start, start + length];
+    this.stale = true;
+  }
+
+  /** Zooms about a frame. */
+  zoom(factor, about = this.player.frame) {
+    const [from, to] = this.window;
+    this.zoomTo(about - (about - from) * factor, about + (to - about) * factor);
+  }
+
+  /** Turns the page when the playhead runs out of the window. */
+  keepPlayhead() {
+    const [from, to] = this.window;
+    const { frame } = this.player;
+    if (this.draft || (frame >= from && frame <= to)) return;
+    this.zoomTo(frame - (to - from) * 0.1, frame + (to - from) * 0.9);
+  }
+
+  // ---- drawing -------------------------------------------------------------------------------------
+
+  draw(theme) {
+    this.keepPlayhead();
+    const { context, width, height } = fit(this.canvas);
+    if (this.stale || this.still.width !== this.canvas.width || this.still.height !== this.canvas.height) {
+      this.still.width = this.canvas.width;
+      this.still.height = this.canvas.height;
+      const ratio = this.canvas.width / width;
+      const still = this.still.getContext("2d");
+      still.setTransform(ratio, 0, 0, ratio, 0, 0);
+      this.drawStill(still, theme, width, height);
+      this.stale = false;
+    }
+    context.clearRect(0, 0, width, height);
+    context.drawImage(this.still, 0, 0, width, height);
+    if (this.hover) this.line(context, this.hover.frame, theme.muted, 1, [2, 3], height);
+    this.line(context, this.player.frame, theme.ink, 1.5, [], height);
+    const x = this.x(this.player.frame);
+    context.beginPath();
+    context.moveTo(x - 6, RULER - 12);
+    context.lineTo(x + 6, RULER - 12);
+    context.lineTo(x, RULER - 4);
+    context.closePath();
+    context.fillStyle = theme.ink;
+    context.fill();
+  }
+
+  line(context, frame, color, width, dash, height) {
+    const x = this.x(frame);
+    if (x < this.gutter - 1 || x > this.right + 1) return;
+    context.beginPath();
+    context.moveTo(x, RULER - 8);
+    context.lineTo(x, height - 4);
+    context.setLineDash(dash);
+    context.strokeStyle = color;
+    context.lineWidth = width;
+    context.stroke();
+    context.setLineDash([]);
+  }
+
+  drawStill(context, theme, width, height) {
+    context.clearRect(0, 0, width, height);
+    this.drawRuler(context, theme);
+    for (let lane = 0; lane < this.rows; lane++) {
+      this.drawLabels(context, theme, lane);
+      context.save();
+      context.beginPath();
+      context.rect(this.gutter, this.top(lane), this.right - this.gutter, LANE + HEIGHT_PLOT + SPEED_PLOT + GAP);
+      context.clip();
+      this.drawTints(context, theme, lane);
+      this.drawPlots(context, theme, lane);
+      this.drawBars(context, theme, lane);
+      context.restore();
+    }
+  }
+
+  drawRuler(context, theme) {
+    const [from, to] = this.window.map((frame) => frame * this.motion.frameTime);
+    const wide = this.right - this.gutter;
+    const step = roundStep(((to - from) / wide) * 150);
+    context.font = theme.small;
+    context.fillStyle = theme.muted;
+    context.strokeStyle = theme.line;
+    context.lineWidth = 1;
+    context.textAlign = "center";
+    context.textBaseline = "alphabetic";
+    for (let k = Math.ceil(from / step); k * step <= to + 1e-9; k++) {
+      const x = this.x((k * step) / this.motion.frameTime);
+      const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+      if (x < this.right - 14) context.fillText(`${(k * step).toFixed(digits)} s`, x, 10);
+      context.beginPath();
+      context.moveTo(x, RULER - 8);
+      context.lineTo(x, this.top(this.rows) - GAP);
+      context.stroke();
+    }
+  }
+
+  drawLabels(context, theme, lane) {
+    const effector = this.contacts.effectors[lane];
+    const { height, speed } = this.axis;
+    const [x, top] = [this.gutter - 8, this.top(lane)];
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    context.font = theme.strong;
+    context.fillStyle = effector.side === "right" ? theme.right : theme.left;
+    context.fillText(shorten(context, effector.name.replaceAll("_", " "), this.gutter - 10), x, top + LANE / 2);
+    context.font = theme.small;
+    context.fillStyle = theme.muted;
+    const wide = this.gutter > 80;
+    context.fillText(`${(height * 100).toPrecision(2)} cm`, x, top + LANE + 10);
+    context.fillText(wide ? "height" : "h", x, top + LANE + HEIGHT_PLOT / 2 + 6);
+    context.fillText(`${speed.toPrecision(2)} m/s`, x, top + LANE + HEIGHT_PLOT + 10);
+    context.fillText(wide ? "speed" : "v", x, top + LANE + HEIGHT_PLOT + SPEED_PLOT - 5);
+  }
+
+  get axis() {
+    return this.whole ? this.tops.whole : this.tops.near;
+  }
+
+  /** The stretches of contact as a faint ground behind the curves. */
+  drawTints(context, theme, lane) {
+    context.globalAlpha = 0.1;
+    context.fillStyle = this.color(theme, lane);
+    for (const contact of this.contacts.lanes[lane]) {
+      if (wishOf(contact) === "forbid") continue;
+      const [a, b] = [this.x(contact.start), this.x(contact.end)];
+      context.fillRect(a, this.top(lane) + LANE, b - a, HEIGHT_PLOT + SPEED_PLOT);
+    }
+    context.globalAlpha = 1;
+  }
+
+  drawPlots(context, theme, lane) {
+    const { motion } = this;
+    const { height, speed, bottom } = this.axis;
+    const top = this.top(lane) + LANE;
+    const rise = (HEIGHT_PLOT - 6) / (height - bottom);
+    const heightAt = (metres) => top + HEIGHT_PLOT - 2 - (metres - bottom) * rise;
+    const speedAt = (value) => top + HEIGHT_PLOT + SPEED_PLOT - (value * (SPEED_PLOT - 4)) / speed;
+    const rule = (y, dash) => {
+      context.beginPath();
+      context.moveTo(this.gutter, y);
+      context.lineTo(this.right, y);
+      context.setLineDash(dash);
+      context.strokeStyle = theme.axis;
+      context.lineWidth = 1;
+      context.stroke();
+      context.setLineDash([]);
+    };
+    rule(heightAt(0), []);
+    rule(speedAt(0), []);
+    const { height_m: high, speed_m_s: fast } = motion.thresholds;
+    if (high !== undefined) rule(heightAt(high), [1, 3]);
+    if (fast !== undefined) rule(speedAt(fast), [1, 3]);
+    const lanes = motion.soles.length;
+    for (const when of ["before", "after"]) {
+      const color = when === "before" ? theme.was : this.color(theme, lane);
+      const points = motion.points[when];
+      const speeds = motion.speeds[when];
+      if (when === "after" && points === motion.points.before) context.globalAlpha = 1;
+      this.curve(context, (i) => heightAt(points[(i * lanes + lane) * 3 + 1] - motion.floor), color, when, top, HEIGHT_PLOT);
+      this.curve(context, (i) => speedAt(speeds[i * lanes + lane]), color, when, top + HEIGHT_PLOT, SPEED_PLOT + 2);
+    }
+  }
+
+  /** A curve over the window; where samples are closer than pixels, the range within each pixel. */
+  curve(context, y, color, when, top, tall) {
+    const { step, shown } = this.motion;
+    const first = Math.max(0, Math.floor(this.window[0] / step) - 1);
+    const last = Math.min(shown - 1, Math.ceil(this.window[1] / step) + 1);
+    context.save();
+    context.beginPath();
+    context.rect(this.gutter, top, this.right - this.gutter, tall);
+    context.clip();
+    context.beginPath();
+    const dense = (last - first) / (this.right - this.gutter) > 2;
+    let [column, low, high] = [null, 0, 0];
+    for (let i = first; i <= last; i++) {
+      const [px, py] = [this.x(i * step), y(i)];
+      if (!dense) context.lineTo(px, py);
+      else if (Math.round(px) !== column) {
+        if (column !== null) {
+          context.lineTo(column, low);
+          context.lineTo(column, high);
+        }
+        [column, low, high] = [Math.round(px), py, py];
+      } else [low, high] = [Math.min(low, py), Math.max(high, py)];
+    }
+    context.strokeStyle = color;
+    context.lineWidth = when === "before" ? 1.3 : 1.7;
+    context.lineJoin = "round";
+    context.setLineDash(when === "before" && !dense ? [4, 3] : []);
+    context.stroke();
+    context.restore();
+  }
+
+  drawBars(context, theme, lane) {
+    const { draft } = this;
+    const { selection } = this.contacts;
+    const contacts = this.contacts.lanes[lane].filter((each) => !draft || each !== draft.old);
+    if (draft && draft.lane === lane) contacts.push(draft.contact);
+    for (const contact of contacts) {
+      const chosen = (draft && draft.contact === contact)
+        || (selection && selection.lane === lane && selection.contact === contact);
+      this.drawBar(context, theme, lane, contact, chosen);
+    }
+  }
+
+  /** A contact: filled as far as it is certain; forced with a pin, forbidden hollow and hatched. */
+  drawBar(context, theme, lane, contact, chosen) {
+    const [a, b] = [this.x(contact.start), this.x(contact.end)];
+    const [y, tall, wide] = [this.top(lane) + 2, LANE - 5, Math.max(b - a, 1.5)];
+    const color = this.color(theme, lane);
+    const forbidden = wishOf(contact) === "forbid";
+    const round = Math.min(3, wide / 2);
+    context.beginPath();
+    context.roundRect(a, y, wide, tall, round);
+    context.fillStyle = color;
+    context.globalAlpha = forbidden ? 0.08 : 0.25;
+    context.fill();
+    context.globalAlpha = 1;
+    context.save();
+    context.clip();
+    if (forbidden) this.hatch(context, color, a, y, wide, tall);
+    else {
+      const sure = tall * Math.max(0, Math.min(1, contact.confidence ?? 1));
+      context.fillRect(a, y + tall - sure, wide, sure);
+    }
+    context.restore();
+    context.lineWidth = chosen ? 2.5 : 1;
+    context.strokeStyle = chosen ? theme.ink : color;
+    context.stroke();
+    if (wishOf(contact) === "force") this.pin(context, theme, (a + b) / 2, y + tall / 2);
+    if (this.editing && chosen) for (const x of [a, b]) this.handle(context, theme, x, y, tall);
+  }
+
+  hatch(context, color, x, y, wide, tall) {
+    context.beginPath();
+    for (let k = -tall; k < wide; k += 6) {
+      context.moveTo(x + k, y + tall);
+      context.lineTo(x + k + tall, y);
+    }
+    context.strokeStyle = color;
+    context.lineWidth = 1.2;
+    context.stroke();
+    context.beginPath();
+    context.roundRect(x, y, wide, tall, 3);
+  }
+
+  pin(context, theme, x, y) {
+    context.save();
+    context.translate(x, y);
+    context.rotate(Math.PI / 4);
+    context.fillStyle = theme.stage;
+    context.fillRect(-3.5, -3.5, 7, 7);
+    context.restore();
+  }
+
+  handle(context, theme, x, y, tall) {
+    context.beginPath();
+    context.roundRect(x - 3, y - 2, 6, tall + 4, 3);
+    context.fillStyle = theme.ink;
+    context.fill();
+  }
+
+  color(theme, lane) {
+    return this.contacts.effectors[lane].side === "right" ? theme.right : theme.left;
+  }
+
+  // ---- pointers ------------------------------------------------------------------------------------
+
+  /** What lies under a pointer: the end of a bar, a bar, an empty stretch of a lane, or nothing. */
+  hit(x, y, finger) {
+    const lane = this.laneAt(y);
+    if (lane === null || !this.editing || y > this.top(lane) + LANE + (finger ? 8 : 2)) return { kind: "none", lane };
+    const grip = finger ? 2 * GRIP : GRIP;
+    const nearest = { distance: grip };
+    for (const contact of this.contacts.lanes[lane]) {
+      for (const end of ["start", "end"]) {
+        const distance = Math.abs(this.x(contact[end]) - x);
+        if (distance < nearest.distance) Object.assign(nearest, { distance, contact, end });
+      }
+    }
+    if (nearest.contact) return { kind: "end", lane, contact: nearest.contact, end: nearest.end };
+    const contact = this.contacts.at(lane, Math.floor(this.frameAt(x)));
+    return contact ? { kind: "bar", lane, contact } : { kind: "empty", lane };
+  }
+}
+
+/** A text cut with an ellipsis where it is too wide. */
+function shorten(context, text, width) {
+  if (context.measureText(text).width <= width) return text;
+  let cut = text.length;
+  while (cut > 1 && context.measureText(`${text.slice(0, cut)}…`).width > width) cut--;
+  return `${text.slice(0, cut)}…`;
+}

@@ -1,0 +1,312 @@
+// The page's start: reads the data, builds the parts and ties them to one player.
+
+const element = (id) => document.getElementById(id);
+
+/** The colours and fonts of the style sheet, for the canvases. */
+function readTheme() {
+  const style = getComputedStyle(document.documentElement);
+  const value = (name) => style.getPropertyValue(`--${name}`).trim();
+  const family = getComputedStyle(document.body).fontFamily;
+  const theme = { small: `11px ${family}`, strong: `600 12px ${family}` };
+  for (const name of ["ink", "muted", "line", "axis", "stage", "left", "right", "was", "bone", "shadow"]) theme[name] = value(name);
+  return theme;
+}
+
+class Viewer {
+  constructor(data) {
+    this.motion = readMotion(data.motion);
+    this.player = new Player(this.motion);
+    this.contacts = new Contacts(data.contacts, this.motion.frames);
+    this.stage = new Stage(element("stage"), this.motion, this.player, this.contacts);
+    this.timeline = new Timeline(element("timeline"), this.motion, this.player, this.contacts);
+    this.parts = [this.stage, this.timeline];
+    if (element("paths")) this.parts.push(new PathMap(element("paths"), this.motion, this.player, this.contacts));
+    if (element("drift")) this.parts.push(new DriftPlot(element("drift"), this.motion, this.player));
+    this.table = new PlantsTable(element("plants"), (plant) => this.showPlant(plant));
+    this.editor = new Editor(element("editor"), this.timeline, (words) => this.say(words));
+    this.input = new TimelineInput(this.timeline);
+    this.theme = readTheme();
+    this.pending = false;
+    this.player.listeners.add(() => this.refresh());
+    this.contacts.listeners.add(() => this.refresh());
+    this.wireControls();
+    this.wireStage();
+    this.wireKeys();
+    this.wireLooks();
+    this.refresh();
+  }
+
+  /** Draws everything once before the next picture of the screen. */
+  refresh() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => {
+      this.pending = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    for (const part of this.parts) part.draw(this.theme);
+    const { player, timeline, motion } = this;
+    const [seconds, frame] = [player.seconds.toFixed(2), player.frame];
+    element("time").textContent = `${seconds} s · frame ${frame} of ${motion.frames}`;
+    element("scrub").value = String(player.index);
+    element("scrub").setAttribute("aria-valuetext", `frame ${frame}, ${seconds} seconds`);
+    const play = element("play");
+    play.setAttribute("aria-label", player.playing ? "Pause" : "Play");
+    play.dataset.playing = String(player.playing);
+    element("loop").setAttribute("aria-pressed", String(player.loop !== null));
+    const at = timeline.hover || { frame: player.frame, lane: null };
+    element("readout").textContent = describe(timeline, at.frame, at.lane) + (timeline.hover ? "" : this.plantedNow());
+    element("square").textContent = `Floor squares: ${metres(this.stage.square)}`;
+  }
+
+  plantedNow() {
+    const { contacts, player } = this;
+    const planted = contacts.effectors.filter((_, lane) => contacts.planted(lane, player.frame));
+    return planted.length ? `: planted ${planted.map((each) => each.name.replaceAll("_", " ")).join(", ")}` : ": no contact";
+  }
+
+  say(words) {
+    element("live").textContent = words;
+  }
+
+  // ---- controls ------------------------------------------------------------------------------------
+
+  wireControls() {
+    const { player, stage, timeline } = this;
+    const act = (id, handler) => element(id).addEventListener("click", handler);
+    element("scrub").max = String(this.motion.shown - 1);
+    element("scrub").addEventListener("input", (event) => {
+      player.pause();
+      player.seek(Number(event.target.value) * this.motion.step);
+    });
+    element("speed").addEventListener("change", (event) => {
+      player.speed = Number(event.target.value);
+    });
+    act("play", () => player.toggle());
+    act("back", () => player.stepBy(-1));
+    act("forth", () => player.stepBy(1));
+    act("loop", () => this.toggleLoop());
+    for (const button of document.querySelectorAll("[data-view]")) {
+      button.addEventListener("click", () => this.look(button.dataset.view));
+    }
+    for (const button of document.querySelectorAll("[data-show]")) {
+      button.addEventListener("click", () => this.toggle(button.dataset.show));
+    }
+    act("whole", () => this.wholeFigure());
+    act("zoom-in", () => this.zoomTimeline(0.5));
+    act("zoom-out", () => this.zoomTimeline(2));
+    act("zoom-all", () => this.zoomTimeline(Infinity));
+    act("range", (event) => {
+      timeline.whole = this.press(event.currentTarget, !timeline.whole);
+      timeline.stale = true;
+      this.refresh();
+    });
+    act("edit", () => this.toggleEditing());
+    this.stageButtons = stage.show;
+  }
+
+  press(button, pressed) {
+    button.setAttribute("aria-pressed", String(pressed));
+    return pressed;
+  }
+
+  toggle(name) {
+    const { show } = this.stage;
+    show[name] = this.press(document.querySelector(`[data-show="${name}"]`), !show[name]);
+    this.refresh();
+  }
+
+  look(name) {
+    this.stage.view(name);
+    this.refresh();
+  }
+
+  wholeFigure() {
+    this.stage.frame(null);
+    this.refresh();
+  }
+
+  toggleLoop() {
+    if (this.player.loop) {
+      this.player.loopOver(null);
+      this.table.clear();
+    } else {
+      const [from, to] = this.timeline.window;
+      this.player.loopOver({ from, to });
+    }
+  }
+
+  zoomTimeline(factor) {
+    if (factor === Infinity) this.timeline.zoomTo(0, this.motion.frames);
+    else this.timeline.zoom(factor);
+    this.refresh();
+  }
+
+  toggleEditing() {
+    const { timeline } = this;
+    timeline.editing = this.press(element("edit"), !timeline.editing);
+    element("editor").hidden = !timeline.editing;
+    timeline.stale = true;
+    this.refresh();
+  }
+
+  /** Jumps to a plant, looks at its place from close by and loops over it with a little before and after. */
+  showPlant({ effector, start, end }) {
+    const { motion, player, timeline, stage } = this;
+    const lane = this.contacts.effectors.findIndex((each) => each.name === effector);
+    const around = Math.max(0.15 / motion.frameTime, 0.25 * (end - start));
+    if (lane >= 0 && lane < motion.soles.length) {
+      const middle = Math.min(motion.shown - 1, Math.round((start + end) / 2 / motion.step));
+      stage.frame(stage.point(motion.points.after, lane, middle));
+      this.contacts.select(lane, this.contacts.lanes[lane].find((each) => each.start === start) || null);
+    }
+    timeline.zoomTo(start - 3 * around, end + 3 * around);
+    player.loopOver({ from: start - around, to: end + around });
+    player.seek(start);
+    player.play();
+    this.say(`${effector.replaceAll("_", " ")}, frames ${start} to ${end}, playing in a loop`);
+  }
+
+  // ---- the stage's pointers --------------------------------------------------------------------------
+
+  wireStage() {
+    const { canvas, camera } = this.stage;
+    const held = new Map();
+    const on = (type, handler, options) => canvas.addEventListener(type, (event) => {
+      handler(event);
+      this.refresh();
+    }, options);
+    const gap = () => {
+      const [a, b] = [...held.values()];
+      return Math.hypot(a.x - b.x, a.y - b.y);
+    };
+    on("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      held.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    });
+    on("pointermove", (event) => {
+      const from = held.get(event.pointerId);
+      if (!from) return;
+      const [dx, dy] = [event.clientX - from.x, event.clientY - from.y];
+      const before = held.size === 2 ? gap() : 0;
+      held.set(event.pointerId, { x: event.clientX, y: event.clientY });
+      if (held.size === 2) {
+        camera.zoom(before / Math.max(gap(), 1));
+        camera.drag(dx / 2, dy / 2);
+      } else if (event.shiftKey || event.buttons & 6) camera.drag(dx, dy);
+      else camera.orbit(-dx * 0.008, dy * 0.008);
+    });
+    for (const type of ["pointerup", "pointercancel"]) on(type, (event) => held.delete(event.pointerId));
+    on("contextmenu", (event) => event.preventDefault());
+    on("dblclick", () => this.stage.frame(null));
+    on("wheel", (event) => {
+      // Until the stage has been clicked, the wheel scrolls the page as everywhere else.
+      if (document.activeElement !== canvas && !event.ctrlKey && !event.metaKey) return;
+      event.preventDefault();
+      camera.zoom(1.0012 ** event.deltaY);
+    }, { passive: false });
+  }
+
+  // ---- keys ------------------------------------------------------------------------------------------
+
+  wireKeys() {
+    document.addEventListener("keydown", (event) => {
+      const { target } = event;
+      if (event.defaultPrevented || event.altKey) return;
+      if (target.closest("input:not([type=range]), select, textarea")) return;
+      if (event.ctrlKey || event.metaKey) {
+        if (event.key.toLowerCase() !== "z" || !this.timeline.editing) return;
+        if (event.shiftKey) this.contacts.redo();
+        else this.editor.undo();
+      } else if (!(target === this.stage.canvas && this.stageKey(event)) && !this.pageKey(event)) return;
+      event.preventDefault();
+      this.refresh();
+    });
+  }
+
+  stageKey(event) {
+    const { camera } = this.stage;
+    const moves = {
+      ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1],
+    };
+    if (event.key in moves) {
+      const [x, y] = moves[event.key];
+      if (event.shiftKey) camera.drag(-x * 24, -y * 24);
+      else camera.orbit(x * 0.12, -y * 0.12);
+    } else if (event.key === "+" || event.key === "=") camera.zoom(0.88);
+    else if (event.key === "-") camera.zoom(1.14);
+    else return false;
+    return true;
+  }
+
+  pageKey(event) {
+    const { player, motion } = this;
+    const onControl = event.target.closest("button, a, summary, input");
+    const far = event.shiftKey ? 10 : 1;
+    const keys = {
+      " ": () => player.toggle(),
+      ArrowLeft: () => player.stepBy(-far),
+      ArrowRight: () => player.stepBy(far),
+      Home: () => player.seek(0),
+      End: () => player.seek(motion.frames),
+      n: () => this.table.walk(1),
+      p: () => this.table.walk(-1),
+      l: () => this.toggleLoop(),
+      e: () => this.toggleEditing(),
+      f: () => this.toggle("follow"),
+      b: () => this.toggle("before"),
+      t: () => this.toggle("trails"),
+      1: () => this.look("front"),
+      2: () => this.look("side"),
+      3: () => this.look("top"),
+      4: () => this.look("three-quarter"),
+      0: () => this.wholeFigure(),
+      Escape: () => {
+        player.loopOver(null);
+        this.table.clear();
+        this.wholeFigure();
+      },
+      Delete: () => {
+        if (this.timeline.editing && this.contacts.selection) this.contacts.remove();
+      },
+    };
+    // Space and arrows belong to the control that has the focus.
+    if (onControl && [" ", "ArrowLeft", "ArrowRight", "Home", "End"].includes(event.key)) return false;
+    if (!(event.key in keys)) return false;
+    keys[event.key]();
+    return true;
+  }
+
+  // ---- looks -----------------------------------------------------------------------------------------
+
+  wireLooks() {
+    const restyle = () => {
+      this.theme = readTheme();
+      this.timeline.stale = true;
+      this.refresh();
+    };
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", restyle);
+    new ResizeObserver(restyle).observe(document.body);
+    const print = (on) => () => {
+      document.documentElement.classList.toggle("print", on);
+      this.theme = readTheme();
+      this.timeline.stale = true;
+      this.draw();
+    };
+    addEventListener("beforeprint", print(true));
+    addEventListener("afterprint", print(false));
+    addEventListener("beforeunload", (event) => {
+      if (element("editor").dataset.unsaved === "true") event.preventDefault();
+    });
+  }
+}
+
+function metres(value) {
+  return value >= 1 ? `${value} m` : `${+(value * 100).toPrecision(2)} cm`;
+}
+
+document.documentElement.classList.add("live");
+new Viewer(JSON.parse(element("data").textContent));
