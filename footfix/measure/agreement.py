@@ -60,7 +60,7 @@ def frames(found: Bools, true: Bools, *, known: Bools | None = None, tolerance: 
     """
     found = np.where(_near_edge(true, tolerance), true, found)
     scored = np.ones(len(true), dtype=np.bool_) if known is None else known
-    counts = [np.count_nonzero(scored & a & b) for a in (found, ~found) for b in (true, ~true)]
+    counts = [int(np.count_nonzero(scored & a & b)) for a in (found, ~found) for b in (true, ~true)]
     both, wrong, missed, neither = counts
     return Frames(both, wrong, missed, neither)
 
