@@ -9,14 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from footfix.errors import InputError
 from footfix.formats import bvh_channels
 from footfix.formats.bvh_compose import compose
 from footfix.formats.bvh_doubts import frame_time, look_over
 from footfix.formats.bvh_hierarchy import Channel, Hierarchy, read_hierarchy
-from footfix.formats.bvh_motion import Headings, Rows, read_headings, read_rows
+from footfix.formats.bvh_motion import Rows, read_headings, read_rows
 from footfix.formats.bvh_numbers import number
 from footfix.formats.bvh_text import Cursor, Notes, unmask
 from footfix.formats.bvh_write import splice
@@ -100,7 +98,7 @@ class Document:
         return document
 
 
-def decode(data: bytes, *, name: str = "", limits: Limits = Limits()) -> Document:  # noqa: B008
+def decode(data: bytes, *, name: str = "", limits: Limits = Limits()) -> Document:
     """Reads a BVH file.
 
     Args:

@@ -48,7 +48,6 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, fra
     positions = np.empty((joints, 3, frames))
     positions[...] = skeleton.offsets[:, :, None]
     rotations = np.empty((joints, 4, frames))
-    rotations[...] = rotation.identity()[None, :, None]
     orders: dict[tuple[int, ...], list[int]] = {}
     turns = joint_channels(channels, joints, "R")
     for joint, columns in enumerate(turns):
@@ -60,9 +59,11 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, fra
         for column, joint, axis in moves:
             positions[joint, axis, span] = block[column]
         for order, group in orders.items():
-            if order:
-                columns = np.array([[column for column, _ in turns[joint]] for joint in group])
-                _euler(np.deg2rad(block[columns.T]), order, rotations, group, span)
+            if not order:
+                rotations[group, :, span] = rotation.identity()[:, None]
+            else:
+                which = np.array([[column for column, _ in turns[joint]] for joint in group])
+                _euler(np.deg2rad(block[which.T]), order, rotations, group, span)
     return Clip(skeleton, positions.transpose(2, 0, 1), rotations.transpose(2, 0, 1), frame_time)
 
 
@@ -151,7 +152,7 @@ def changes(
         if moves[joint] and new.positions is not old.positions:
             yield from _moved(moves[joint], old.positions[:, joint], new.positions[:, joint], unit_m, axes)
         if turns[joint] and new.rotations is not old.rotations:
-            turned = _differs(old.rotations[:, joint], new.rotations[:, joint]).any(axis=1)
+            turned: Bools = np.asarray(_differs(old.rotations[:, joint], new.rotations[:, joint]).any(axis=1))
             if turned.any():
                 yield from _turned(turns[joint], values, turned, new.rotations[turned, joint], axes)
 
@@ -177,7 +178,7 @@ def _turned(
     if not np.array_equal(axes, AXES["y"]):
         wanted = rotation.multiply(rotation.inverse(rotation.from_matrix(axes)), wanted)
     order = "".join("XYZ"[axis] for _, axis in columns)
-    near = np.deg2rad(values[np.ix_(frames, [column for column, _ in columns])])
+    near = np.deg2rad(np.stack([values[:, column][frames] for column, _ in columns], axis=1))
     if sorted(order) == ["X", "Y", "Z"]:
         angles = rotation.to_euler(wanted, order, near=near)
     else:

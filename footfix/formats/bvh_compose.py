@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-
-
 import numpy as np
 
-from footfix.formats.bvh_numbers import fixed
+from footfix.formats.bvh_digits import fixed
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 
@@ -58,7 +56,7 @@ def _header(clip: Clip, unit_m: float) -> tuple[list[bytes], list[int]]:
 
 
 def _numbers(values: Floats) -> bytes:
-    return b" ".join(row.tobytes().replace(b"\0", b"") for row in fixed(np.asarray(values), _DECIMALS))
+    return b" ".join(row.tobytes().translate(None, b"\0") for row in fixed(np.asarray(values), _DECIMALS))
 
 
 def _rows(clip: Clip, order: list[int], unit_m: float) -> list[bytes]:
@@ -74,7 +72,7 @@ def _rows(clip: Clip, order: list[int], unit_m: float) -> list[bytes]:
         cells = np.full((*values.shape, letters.shape[1] + 1), ord(" "), dtype=np.uint8)
         cells[..., :-1] = letters.reshape(*values.shape, -1)
         cells[:, -1, -1] = ord("\n")
-        blocks.append(cells.tobytes().replace(b"\0", b""))
+        blocks.append(cells.tobytes().translate(None, b"\0"))
     return blocks
 
 

@@ -61,8 +61,8 @@ class Hierarchy:
             offsets=np.array(self.offsets).reshape(n, 3),
             end_parents=np.array([joint for joint, _ in self.ends], dtype=np.intp),
             end_offsets=np.array([offset for _, offset in self.ends]).reshape(-1, 3),
-            translates=moved.all(axis=1),
-            rotates=turned.all(axis=1) & (turns == 3),
+            translates=np.asarray(moved.all(axis=1)),
+            rotates=np.asarray(turned.all(axis=1) & (turns == 3)),
         )
 
 
@@ -182,7 +182,8 @@ def _open_joint(cursor: Cursor, tree: Hierarchy, stack: list[_Open], key: bytes)
         stack.clear()
     if key == b"JOINT" and not stack:
         if tree.names:
-            raise cursor.fail(f"joint '{shown}' stands outside any ROOT", at=at, hint="there is a brace too many above it")
+            what = f"joint '{shown}' stands outside any ROOT"
+            raise cursor.fail(what, at=at, hint="there is a brace too many above it")
         notes.add("root-keyword", "the first joint is called JOINT, not ROOT; read as the root", at=at)
     tree.names.append(name)
     tree.parents.append(stack[-1].joint if stack else -1)
@@ -221,10 +222,12 @@ def _offset(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
         raise cursor.fail("a second OFFSET for the same joint", hint="a brace or a JOINT line is missing above it")
     while len(numbers) < 3:
         word = cursor.peek()
-        value = number(word)
+        value = number(word.strip(b"[(,;)]"))
         if value is None:
-            found = f"'{readable(word)}'" if word and not word.isalpha() and word not in (b"{", b"}") else "nothing more"
+            found = "nothing more" if word.isalpha() or word in (b"{", b"}", b"") else f"'{readable(word)}'"
             raise cursor.fail(f"OFFSET needs 3 numbers, {found} after {len(numbers)}", hint="complete the line")
+        if word[:1] in b"[(" and not cursor.notes.has("offset-brackets"):
+            cursor.notes.add("offset-brackets", "an OFFSET stands in brackets; read without", at=cursor.start)
         cursor.take()
         numbers.append(value)
     if not np.all(np.abs(numbers) < 1e9):
@@ -248,7 +251,7 @@ def _channels(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
     block.channels = True
     count = number(cursor.peek())
     if count is None or not count.is_integer() or not 0 <= count < 1000:
-        raise cursor.fail(f"CHANNELS needs a count, not '{readable(cursor.peek())}'", hint="write how many names follow")
+        raise cursor.fail(f"CHANNELS needs a count, not '{readable(cursor.peek())}'", hint="say how many names follow")
     cursor.take()
     said, named = int(count), 0
     while found := _CHANNEL.fullmatch(cursor.peek()):
@@ -264,9 +267,11 @@ def _channels(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
             raise cursor.fail(f"{readable(found[0])} is named twice for one joint", hint="name each axis once")
         tree.channels.append(channel)
         named += 1
-    if named < said and (word := cursor.peek()).upper() not in (b"JOINT", b"{", b"}", b"OFFSET", b"CHANNELS", b""):
-        if not _END.fullmatch(word):
-            raise cursor.fail(f"'{readable(word)}' is no channel", hint="Xposition to Zposition, Xrotation to Zrotation")
+    word = cursor.peek()
+    ends = word.upper() in (b"JOINT", b"{", b"}", b"OFFSET", b"CHANNELS", b"") or _END.fullmatch(word)
+    if named < said and not ends:
+        hint = "Xposition to Zposition and Xrotation to Zrotation can stand here"
+        raise cursor.fail(f"'{readable(word)}' is no channel", hint=hint)
     if named != said:
         tree.miscounts.append((at, said, named))
     if block.end_site and named and not cursor.notes.has("channels-end-site"):

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.formats.bvh_numbers import foreign, number, tokens
+from footfix.formats.bvh_numbers import foreign, number, tokens, words
 from footfix.formats.bvh_text import Cursor, Notes, readable
 from footfix.motion.clip import Bools, Floats, Ints
 
@@ -167,16 +167,16 @@ def _blank_out(cursor: Cursor) -> tuple[bytes, int, int, bool]:
 def _numbers(text: bytes, starts: Ints, ends: Ints, start: int, stop: int) -> tuple[Floats, Bools]:
     """The value of each word, NaN where it is none, and which words are no numbers at all."""
     strange = np.zeros(len(starts), dtype=np.bool_)
-    words = text[start:stop].translate(bytes.maketrans(b"\x1c\x1d\x1e\x1f\x85\xa0", b"      ")).split()
+    split = words(text, start, stop)
     odd = foreign(text, starts, start, stop)
     for k in odd.tolist():
-        words[k] = b"nan" if (value := number(words[k])) is None else repr(value).encode()
+        split[k] = b"nan" if (value := number(split[k])) is None else repr(value).encode()
         strange[k] = value is None
     try:
-        return np.array(words, dtype=np.float64), strange
+        return np.array(split, dtype=np.float64), strange
     except ValueError:
-        values = np.empty(len(words))
-        for k, word in enumerate(words):
+        values = np.empty(len(split))
+        for k, word in enumerate(split):
             value = number(word)
             strange[k] |= value is None
             values[k] = np.nan if value is None else value
@@ -195,14 +195,14 @@ def _keep_rows(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange: Bo
     keep = np.ones(len(starts), dtype=np.bool_)
     if not strange.any():
         return keep
-    words, letters = np.bincount(line), np.bincount(line, weights=strange)
-    prose = (letters > 0) & (2 * letters >= words)
+    count, letters = np.bincount(line), np.bincount(line, weights=strange)
+    prose = (letters > 0) & (2 * letters >= count)
     if not prose.any():
         return keep
     first = int(np.flatnonzero(prose)[0])
     k = int(np.searchsorted(line, first))
     shown = readable(cursor.text[starts[k] : ends[k]])
-    if np.any((words > 0) & ~prose & (np.arange(len(words)) > first)):
+    if np.any((count > 0) & ~prose & (np.arange(len(count)) > first)):
         cursor.notes.add("text-in-rows", f"a line of text among the rows ('{shown}'); passed over", "warning",
                          at=int(starts[k]))  # fmt: skip
     else:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from itertools import chain, pairwise
 
 import numpy as np
 
 from footfix.formats.bvh_channels import Change
+from footfix.formats.bvh_digits import fixed
 from footfix.formats.bvh_motion import Rows, consecutive
-from footfix.formats.bvh_numbers import decimals, fixed, token_chunks, tokens
+from footfix.formats.bvh_numbers import decimals, token_chunks, tokens
 from footfix.motion.clip import Bools, Floats, Ints
 
 LEAST_DECIMALS = 6  # of a number that changes: a micrometre in a file in metres
@@ -74,7 +75,7 @@ def _splice_block(
     columns = np.array([change.column for change in changed])
     mask = np.stack([change.frames[span] for change in changed], axis=1)
     values = np.stack([change.values[span] for change in changed], axis=1)
-    places = max(LEAST_DECIMALS, decimals(rows.text, starts[:, columns][mask], ends[:, columns][mask]))
+    places = max(LEAST_DECIMALS, int(decimals(rows.text, starts, ends)[:, columns].max(where=mask, initial=0)))
     # A number that would say the same at the decimals written stays as it is.
     mask &= np.isfinite(values)
     mask &= np.abs(values - rows.values[span][:, columns]) > 0.5 * 10.0**-places
@@ -82,7 +83,6 @@ def _splice_block(
     if not len(used):
         return done
     starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
-    gaps = starts[:, 1:].max(axis=0, initial=0)
     gaps = (starts[:, 1:] - ends[:, :-1]).max(axis=0)
     joined = (np.diff(columns) == 1) & (gaps[columns[:-1]] <= _WIDEST_GAP)
     groups = np.split(np.arange(len(columns)), np.flatnonzero(~joined) + 1)
@@ -94,7 +94,7 @@ def _splice_block(
         )
         cuts = np.concatenate([[0], np.cumsum(lengths)]).tolist()
         run_view = memoryview(run)
-        texts.append([run_view[a:b] for a, b in zip(cuts[:-1], cuts[1:], strict=True)])
+        texts.append([run_view[a:b] for a, b in pairwise(cuts)])
         froms.append(starts[:, which.start])
         tos.append(ends[:, which.stop - 1])
     # kept text, new numbers, kept text, new numbers, ... row by row
@@ -129,4 +129,4 @@ def _run_text(
         which = gaps > k
         cells[:, :-1, wide + k][which] = raw[ends[:, :-1][which] + k]
     lengths = np.count_nonzero(cells.reshape(count, -1), axis=1)
-    return cells.tobytes().replace(b"\0", b""), np.asarray(lengths)
+    return cells.tobytes().translate(None, b"\0"), np.asarray(lengths)
