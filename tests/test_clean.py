@@ -1,0 +1,135 @@
+"""The main job on walkers whose plants are exactly known: measured on the file that was written."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import artefacts
+import exports
+import numpy as np
+import pytest
+from exports import Spelling
+from walker import Walk, make
+from walker_plan import Gait
+
+from footfix.formats.bvh import decode
+from footfix.job import Outputs, clean_file, read
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import runs
+from footfix.settings import ReportParams, Settings
+
+SETTINGS = Settings(report=ReportParams(kind="json"))
+LEGS = ("UpLeg", "Leg", "Foot", "ToeBase")
+
+# (naming, unit, up, rotation order, fps)
+EXPORTS = [
+    ("plain", 0.01, "y", "ZXY", 120),
+    ("mixamo", 0.01, "y", "XYZ", 60),
+    ("daz", 0.0254, "y", "ZYX", 30),
+    ("biped", 1.0, "z", "YXZ", 100),
+    ("unreal", 0.01, "z", "XYZ", 60),
+    ("nothing", 1.0 / 17.7, "y", "ZYX", 120),
+]
+
+
+@cache
+def walker(fps: float, seed: int = 1) -> Walk:
+    return make(Gait(name="walk", duration=4.0, fps=fps, seed=seed))
+
+
+def cleaned(case: tuple[str, float, str, str, int]) -> tuple[Walk, bytes, Outputs]:
+    naming, unit, up, order, fps = case
+    walk = walker(fps)
+    skating = artefacts.wander(artefacts.drift(exports.renamed(walk.clip, naming), 0.03), 0.03)
+    data = exports.bvh(skating, Spelling(unit_m=unit, up=up, order=order))
+    return walk, data, clean_file(data, "walk.bvh", SETTINGS)
+
+
+def slides_of(written: bytes, walk: Walk, part: str) -> list[float]:
+    """How far the walker's own sole points slide within their true plants [mm], in the file as written."""
+    clip = read(written, "walk.bvh", SETTINGS).clip
+    slides = []
+    for (joint, offset), effector in zip(walk.soles, walk.contacts.effectors, strict=True):
+        if effector.part != part:
+            continue
+        at = walk.clip.skeleton.names.index(joint)
+        track = point(clip, at, np.array(offset))
+        for contact in effector.contacts:
+            planted = track[contact.start : contact.end][:, [0, 2]]
+            slides.append(1000.0 * float(np.max(np.linalg.norm(planted - np.median(planted, 0), axis=1))))
+    return slides
+
+
+def point(clip: Clip, joint: int, offset: Floats) -> Floats:
+    from footfix.motion.kinematics import forward
+
+    return forward(clip, [joint]).point(joint, offset)
+
+
+@pytest.mark.parametrize("case", EXPORTS, ids=lambda case: case[0])
+def test_a_walker_comes_back_without_skate_and_otherwise_untouched(case: tuple[str, float, str, str, int]) -> None:
+    walk, data, outputs = cleaned(case)
+    assert outputs.status == "cleaned"
+    header, body = data.split(b"MOTION")
+    new_header, new_body = outputs.bvh.split(b"MOTION")
+    assert new_header == header
+    document = decode(data)
+    free = np.concatenate(  # columns that must not change: all but the legs' and the root's position
+        [
+            [not any(plain.endswith(leg) for leg in LEGS)] * (6 if plain == "Hips" else 3)
+            for plain in walk.clip.skeleton.names
+        ]
+    )
+    free[:3] = False
+    old = [line.split() for line in body.split(b"\n")[3:] if line.strip()]
+    new = [line.split() for line in new_body.split(b"\n")[3:] if line.strip()]
+    assert len(old) == len(new) == len(document.values)
+    for before, after in zip(old, new, strict=True):
+        assert [b for b, keep in zip(before, free, strict=True) if keep] == [
+            a for a, keep in zip(after, free, strict=True) if keep
+        ]
+    toe = slides_of(outputs.bvh, walk, "toe")
+    assert np.percentile(toe, 90) <= 5.0
+    assert np.percentile(slides_of(data, walk, "toe"), 90) > 5.0, "the clip was to have skate in it"
+
+
+def test_contacts_are_the_true_ones() -> None:
+    scores = []
+    for case in EXPORTS:
+        walk, data, _ = cleaned(case)
+        from footfix.job import detect_file
+
+        found = detect_file(data, "walk.bvh", SETTINGS)[0].mask()
+        truth = walk.contacts.mask()
+        for foot in (0, 2):
+            scores.append(f1(truth[:, foot : foot + 2].any(1), found[:, foot : foot + 2].any(1), 2))
+    assert np.median(scores) >= 0.95
+
+
+def f1(truth: np.ndarray, found: np.ndarray, tolerance: int) -> float:
+    """F1 over frames; a wrong frame within the tolerance of an edge of the truth does not count."""
+    near = np.zeros(len(truth), dtype=bool)
+    for a, b in runs(truth):
+        for edge in (a, b):
+            near[max(edge - tolerance, 0) : edge + tolerance] = True
+    agreed = np.where(near, truth, found)
+    both = np.sum(agreed & truth)
+    return float(2 * both / max(agreed.sum() + truth.sum(), 1))
+
+
+def test_a_clip_that_needs_nothing_comes_back_as_the_same_file() -> None:
+    walk = make(Gait(name="stand", duration=2.0, fps=60.0))
+    still = replace(walk.clip, positions=walk.clip.positions[:1].repeat(120, 0), rotations=walk.clip.rotations[:1].repeat(120, 0))
+    data = exports.bvh(still, Spelling())
+    outputs = clean_file(data, "stand.bvh", SETTINGS)
+    assert outputs.status == "unchanged" and outputs.bvh == data
+
+
+def test_cleaning_a_cleaned_clip_changes_nothing_to_be_seen() -> None:
+    _, _, outputs = cleaned(EXPORTS[0])
+    again = clean_file(outputs.bvh, "walk.bvh", SETTINGS)
+    from footfix.motion.kinematics import forward
+
+    once, twice = (forward(read(data, "walk.bvh", SETTINGS).clip).positions for data in (outputs.bvh, again.bvh))
+    assert np.linalg.norm(once - twice, axis=-1).max() < 0.002
