@@ -28,7 +28,7 @@ __all__ = ["Document", "Limits", "compose", "decode", "encode"]
 class Limits:
     """What is too much. A file beyond them is refused before memory is spent on it."""
 
-    bytes: int = 8 << 30  # [bytes] of a file
+    bytes: int = 4 << 30  # [bytes] of a file: an hour of 200 joints at 120 frames per second
     header: int = 64 << 20  # [bytes] in which the rows must have begun
     frames: int = 20_000_000  # 46 hours at 120 frames per second
     joints: int = 20_000
@@ -84,6 +84,10 @@ class Document:
         if self.unit_m == 1.0 and self.up == "y":
             return self.file_clip
         return bvh_channels.placed(self.file_clip, self.unit_m, self.up)
+
+    def in_file(self, clip: Clip) -> Clip:
+        """A clip in metres, y up, in the file's units and axes."""
+        return bvh_channels.displaced(clip, self.unit_m, self.up)
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
         """The same file, with another belief about its unit and its upward axis."""

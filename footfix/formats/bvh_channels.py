@@ -86,17 +86,23 @@ def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int]
 
 
 def placed(clip: Clip, unit_m: float, up: str) -> Clip:
-    """A clip in file units and axes, in metres and y up.
+    """A clip in file units and axes, in metres and y up."""
+    return _transformed(clip, unit_m, AXES[up])
 
-    The figure is turned at its roots; below them only lengths change, and where the unit is the metre and y is
-    up already, the arrays are the very same.
-    """
+
+def displaced(clip: Clip, unit_m: float, up: str) -> Clip:
+    """A clip in metres and y up, in file units and axes: undoes `placed`."""
+    return _transformed(clip, 1.0 / unit_m, AXES[up].T)
+
+
+def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
+    """The figure turned at its roots; below them only lengths change, and arrays that don't change are the same."""
     skeleton, roots = clip.skeleton, np.flatnonzero(clip.skeleton.parents < 0)
     positions, rotations, offsets = clip.positions, clip.rotations, skeleton.offsets
     if unit_m != 1.0:
         positions, offsets = positions * unit_m, offsets * unit_m
-    if up != "y":
-        axes, turn = AXES[up], rotation.from_matrix(AXES[up])
+    if not np.array_equal(axes, AXES["y"]):
+        turn = rotation.from_matrix(axes)
         positions, rotations = positions.copy(order="K"), rotations.copy(order="K")
         offsets = offsets.copy()
         for root in roots.tolist():
