@@ -13,7 +13,7 @@ from footfix.settings import Layer, Settings, compose, suggest
 
 CONFIG_NAME = "footfix.yaml"
 # A settings file is a page of text; this bounds what a hostile one can make the YAML reader do.
-_MOST_BYTES, _MOST_EVENTS, _MOST_ALIASES = 1_000_000, 20_000, 100
+_MOST_BYTES, _MOST_EVENTS, _MOST_ALIASES = 1_000_000, 20_000, 20
 
 
 @dataclass(frozen=True)

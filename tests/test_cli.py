@@ -1,0 +1,194 @@
+"""The contract of commands: outputs, exit codes, what goes to stdout and what to stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import exports
+import pytest
+import yaml
+from walker import make
+from walker_plan import Gait
+
+from footfix import cli
+from footfix.errors import FootfixError
+
+
+@pytest.fixture(scope="module")
+def walk() -> bytes:
+    import artefacts
+
+    return exports.bvh(artefacts.wander(make(Gait(name="walk", duration=2.0, fps=60)).clip, 0.05))
+
+
+@pytest.fixture
+def clip(tmp_path: Path, walk: bytes) -> Path:
+    path = tmp_path / "walk.bvh"
+    path.write_bytes(walk)
+    return path
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Any:
+    def call(*args: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capfd.readouterr()
+        return int(ended.value.code or 0), out, err
+
+    return call
+
+
+def test_clean_writes_beside_the_input(run: Any, clip: Path, walk: bytes) -> None:
+    code, out, err = run("clean", clip)
+    assert (code, out) == (0, "") and "walk.bvh" in err
+    assert {path.name for path in clip.parent.iterdir()} == {
+        "walk.bvh", "walk.clean.bvh", "walk.contacts.json", "walk.report.json", "walk.report.html",
+    }  # fmt: skip
+    assert clip.read_bytes() == walk
+    report = json.loads(clip.with_name("walk.report.json").read_text("utf-8"))
+    assert (report["format"], report["version"], report["status"]) == ("footfix-report", 1, "cleaned")
+    assert report["output"] == "walk.clean.bvh"
+    contacts = json.loads(clip.with_name("walk.contacts.json").read_text("utf-8"))
+    assert [each["name"] for each in contacts["effectors"]] == ["left_heel", "left_toe", "right_heel", "right_toe"]
+    assert contacts["source"]["frames"] == report["source"]["frames"] == 121
+
+
+def test_a_folder_keeps_its_structure(run: Any, clip: Path, walk: bytes, tmp_path: Path) -> None:
+    (tmp_path / "in" / "deep").mkdir(parents=True)
+    (tmp_path / "in" / "a.BVH").write_bytes(walk)
+    (tmp_path / "in" / "deep" / "b.bvh").write_bytes(walk)
+    code, _, _ = run("clean", tmp_path / "in", "-o", tmp_path / "out", "--report", "json")
+    assert code == 0
+    assert (tmp_path / "out" / "a.BVH").exists() and (tmp_path / "out" / "deep" / "b.report.json").exists()
+    assert not list((tmp_path / "out").rglob("a.report.html"))
+
+
+def test_existing_outputs_are_kept_without_force(run: Any, clip: Path) -> None:
+    label = clip.with_name("walk.contacts.json")
+    label.write_text("mine")
+    code, _, err = run("clean", clip)
+    assert code == 2 and "--force" in err and label.read_text() == "mine"
+    assert not clip.with_name("walk.clean.bvh").exists()
+    assert run("clean", clip, "--force")[0] == 0
+
+
+def test_in_place_and_dry_run(run: Any, clip: Path, walk: bytes) -> None:
+    assert run("clean", clip, "--dry-run")[0] == 0
+    assert [path.name for path in clip.parent.iterdir()] == ["walk.bvh"]
+    assert run("clean", clip, "--in-place")[0] == 0
+    assert clip.read_bytes() != walk
+    assert not clip.with_name("walk.clean.bvh").exists()
+
+
+def test_a_bad_file_does_not_stop_the_others(run: Any, clip: Path, tmp_path: Path) -> None:
+    (tmp_path / "bad.bvh").write_text("HIERARCHY\nROOT a\n{\n OFFSET 0 0\n")
+    code, _, err = run("clean", tmp_path, "-o", tmp_path / "out")
+    assert code == 3 and "bad.bvh" in err and "Traceback" not in err
+    assert (tmp_path / "out" / "walk.bvh").exists() and not (tmp_path / "out" / "bad.bvh").exists()
+
+
+def test_labels_take_the_detectors_place(run: Any, clip: Path, tmp_path: Path) -> None:
+    labels = tmp_path / "mine.csv"
+    labels.write_text("effector,start,end\nleft_heel,10,20\nleft_toe,12,30\nright_heel,40,50\nright_toe,40,60\n")
+    assert run("clean", clip, "-o", tmp_path / "out", "--labels", labels)[0] == 0
+    found = json.loads((tmp_path / "out" / "walk.contacts.json").read_text("utf-8"))
+    assert [[(c["start"], c["end"]) for c in e["contacts"]] for e in found["effectors"]] == [
+        [(10, 20)], [(12, 30)], [(40, 50)], [(40, 60)],
+    ]  # fmt: skip
+    labels.write_text("effector,start,end\nleft_heel,10,2000\n")
+    code, _, err = run("clean", clip, "-o", tmp_path / "out2", "--labels", labels)
+    assert code == 3 and "2000" in err
+
+
+@pytest.mark.parametrize("kind", ["json", "csv", "npz"])
+def test_detected_labels_are_read_back(run: Any, clip: Path, tmp_path: Path, kind: str) -> None:
+    assert run("detect", clip, "-o", tmp_path / "out", "--format", kind)[0] == 0
+    labels = tmp_path / "out" / f"walk.contacts.{kind}"
+    assert run("clean", clip, "-o", tmp_path / "again", "--labels", labels)[0] == 0
+    code, out, _ = run("detect", clip, "--json")
+    assert code == 0
+    again = json.loads((tmp_path / "again" / "walk.contacts.json").read_text("utf-8"))
+
+    def spans(document: Any) -> Any:
+        return [[(c["start"], c["end"]) for c in e["contacts"]] for e in document["effectors"]]
+
+    assert spans(json.loads(out)) == spans(again)
+
+
+def test_json_is_one_document_on_stdout(run: Any, clip: Path, tmp_path: Path) -> None:
+    code, out, _ = run("clean", clip, "-o", tmp_path / "out", "--json")
+    assert code == 0 and json.loads(out)["files"][0]["status"] == "cleaned"
+    code, out, _ = run("inspect", clip, "--json")
+    assert code == 0 and json.loads(out)["rig"]["legs"][0]["ankle"] == "LeftFoot"
+
+
+def test_inspect_says_what_a_person_asks(run: Any, clip: Path) -> None:
+    code, out, _ = run("inspect", clip)
+    assert code == 0
+    for word in ("121 frames", "60 fps", "LeftFoot", "0.01 m", "y is up"):
+        assert word in out
+
+
+def test_settings_are_yaml_with_origins_and_can_be_read_back(run: Any, clip: Path, tmp_path: Path) -> None:
+    code, out, _ = run("settings", "--set", "smooth.seconds=0.2")
+    assert code == 0 and "seconds: 0.2  # --set" in out
+    (tmp_path / "mine.yaml").write_text(out)
+    code, again, _ = run("settings", "--config", tmp_path / "mine.yaml")
+    assert code == 0 and yaml.safe_load(again) == yaml.safe_load(out)
+
+
+def test_a_config_is_found_above_the_inputs_and_overrides_by_glob(run: Any, clip: Path, tmp_path: Path) -> None:
+    (tmp_path / "footfix.yaml").write_text(
+        "report: {kind: json}\noverrides:\n- files: 'slow/*'\n  report: {kind: none}\n"
+    )
+    (tmp_path / "slow").mkdir()
+    (tmp_path / "slow" / "b.bvh").write_bytes(clip.read_bytes())
+    assert run("clean", tmp_path, "-o", tmp_path / "out")[0] == 0
+    assert (tmp_path / "out" / "walk.report.json").exists()
+    assert not (tmp_path / "out" / "slow" / "b.report.json").exists()
+    assert (tmp_path / "out" / "slow" / "b.contacts.json").exists()
+
+
+WRONG = {
+    "no such file": (["clean", "nowhere.bvh"], "nowhere.bvh"),
+    "unknown option": (["clean", "{clip}", "--fast"], "--fast"),
+    "misspelt setting": (["clean", "{clip}", "--set", "detect.methd=auto"], "method"),
+    "wrong kind": (["clean", "{clip}", "--set", "smooth.seconds=soon"], "a number"),
+    "unknown choice": (["clean", "{clip}", "--set", "detect.method=magic"], "magic"),
+    "unknown preset": (["clean", "{clip}", "--preset", "mocp"], "mocap"),
+    "nothing set": (["clean", "{clip}", "--set", "smooth.seconds"], "NAME=VALUE"),
+    "both places": (["clean", "{clip}", "-o", "x", "--in-place"], "exclude"),
+    "a group is no value": (["clean", "{clip}", "--set", "smooth=3"], "group"),
+}
+
+
+@pytest.mark.parametrize("why", WRONG)
+def test_wrong_usage_exits_2_before_any_work(run: Any, clip: Path, why: str) -> None:
+    args, word = WRONG[why]
+    code, out, err = run(*(arg.format(clip=clip) for arg in args))
+    assert code == 2 and out == "" and word in err and "Traceback" not in err
+    assert [path.name for path in clip.parent.iterdir()] == ["walk.bvh"]
+
+
+def test_a_yaml_bomb_is_refused(run: Any, clip: Path, tmp_path: Path) -> None:
+    bomb = "a: &a [x,x,x,x,x,x,x,x,x]\n" + "".join(
+        f"{new}: &{new} [{','.join(['*' + old] * 9)}]\n" for old, new in zip("abcdefghi", "bcdefghij", strict=True)
+    )
+    (tmp_path / "footfix.yaml").write_text(bomb)
+    code, _, err = run("clean", clip)
+    assert code == 2 and "aliases" in err
+
+
+def test_a_bug_of_ours_says_so(run: Any, clip: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("never")
+
+    monkeypatch.setattr(cli, "_config", broken)
+    code, _, err = run("clean", clip)
+    assert code == 4 and "bug" in err and "Traceback" not in err
+    assert issubclass(FootfixError, Exception)
