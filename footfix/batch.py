@@ -118,7 +118,8 @@ def plan(
     Raises:
         UsageError: two inputs would write one output, or an output is there already.
     """
-    jobs, owners = [], {}
+    jobs: list[Job] = []
+    owners: dict[str, str] = {}
     for source in found:
         if source.path == STDIN and output is None:
             jobs.append(Job(source.path, None, None))

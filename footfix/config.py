@@ -163,7 +163,7 @@ def _overrides(listed: Any, where: str) -> tuple[tuple[str, Layer], ...]:
         listed = [{"files": glob, **values} for glob, values in listed.items() if isinstance(values, dict)]
     if not isinstance(listed, list) or not all(isinstance(each, dict) and "files" in each for each in listed):
         raise UsageError(f"{where}: overrides is a list of mappings, each with `files: GLOB` and settings")
-    found = []
+    found: list[tuple[str, Layer]] = []
     for entry in listed:
         values = {key: value for key, value in entry.items() if key != "files"}
         globs = entry["files"] if isinstance(entry["files"], list) else [entry["files"]]

@@ -68,7 +68,8 @@ def clean(
     """
     settings = settings or Settings()
     rig = rig or find_rig(clip, settings.rig)
-    smoothed, smoothing_notes = clip, ()
+    smoothed: Clip = clip
+    smoothing_notes: tuple[Note, ...] = ()
     if settings.smooth.channels:
         smoothed, smoothing_notes = smooth_clip(clip, settings.smooth, motion_proper(clip))
     contacts = contacts or detect(smoothed, rig, settings.detect)

@@ -120,7 +120,9 @@ def f1(truth: np.ndarray, found: np.ndarray, tolerance: int) -> float:
 
 def test_a_clip_that_needs_nothing_comes_back_as_the_same_file() -> None:
     walk = make(Gait(name="stand", duration=2.0, fps=60.0))
-    still = replace(walk.clip, positions=walk.clip.positions[:1].repeat(120, 0), rotations=walk.clip.rotations[:1].repeat(120, 0))
+    still = replace(
+        walk.clip, positions=walk.clip.positions[:1].repeat(120, 0), rotations=walk.clip.rotations[:1].repeat(120, 0)
+    )
     data = exports.bvh(still, Spelling())
     outputs = clean_file(data, "stand.bvh", SETTINGS)
     assert outputs.status == "unchanged" and outputs.bvh == data

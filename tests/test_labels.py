@@ -43,7 +43,9 @@ def test_out_and_in_again(encode: object) -> None:
 
 def test_json_keeps_confidence_place_and_wishes() -> None:
     first = Contact(3, 9, 0.25, (1.0, -2.5, 0.125), "force")
-    contacts = Contacts(100, 0.01, (Effector("left_heel", "left", "heel", "x", (first, Contact(20, 30, wish="forbid"))),))
+    contacts = Contacts(
+        100, 0.01, (Effector("left_heel", "left", "heel", "x", (first, Contact(20, 30, wish="forbid"))),)
+    )
     assert labels.decode(as_json(contacts)).effectors["left_heel"] == contacts.effectors[0].contacts
     assert labels.decode(labels.encode_csv(contacts)).effectors["left_heel"] == contacts.effectors[0].contacts
 

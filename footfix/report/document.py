@@ -32,7 +32,7 @@ def measures(found: Measures) -> dict[str, float]:
 
 def note(each: Note) -> dict[str, Any]:
     """A note with what it has to say, and no empty fields."""
-    plain = {"id": each.id, "severity": each.severity, "text": each.text}
+    plain: dict[str, Any] = {"id": each.id, "severity": each.severity, "text": each.text}
     for key in ("line", "column", "start", "end"):
         if getattr(each, key) is not None:
             plain[key] = getattr(each, key)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts, Effector, Part
 from footfix.motion.kinematics import Pose, forward
@@ -92,7 +94,7 @@ class Rig:
 
     def tracks(self, pose: Pose) -> tuple[Floats, ...]:
         """For each sole point its (F, 3) [m] track in the world."""
-        return tuple(pose.point(sole.joint, sole.offset) for sole in self.soles)
+        return tuple(pose.point(sole.joint, np.array(sole.offset)) for sole in self.soles)
 
     def no_contacts(self, clip: Clip) -> Contacts:
         """The effectors of this rig, nothing in contact."""
