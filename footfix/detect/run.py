@@ -7,14 +7,16 @@ from typing import Literal
 
 import numpy as np
 
+from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.auto import AutoParams, auto
+from footfix.detect.lyard import LyardParams, lyard
 from footfix.detect.threshold import ThresholdParams, threshold
 from footfix.detect.tracks import Finding, Tracks, tracks_of
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
 
-Method = Literal["auto", "threshold"]
+Method = Literal["auto", "threshold", "adaptive", "lyard"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,11 +26,13 @@ class DetectParams:
     Args:
         method: "auto" (ours), "threshold" (Kim & Neff), "adaptive" (Glardon et al.) or "lyard" (Lyard &
             Magnenat-Thalmann).
-        threshold, auto: their parameters.
+        threshold, adaptive, lyard, auto: their parameters.
     """
 
     method: Method = "auto"
     threshold: ThresholdParams = field(default_factory=ThresholdParams)
+    adaptive: AdaptiveParams = field(default_factory=AdaptiveParams)
+    lyard: LyardParams = field(default_factory=LyardParams)
     auto: AutoParams = field(default_factory=AutoParams)
 
 
@@ -58,4 +62,8 @@ def find(tracks: Tracks, params: DetectParams) -> Finding:
         return Finding(np.zeros((len(tracks), 2 * len(tracks.feet)), dtype=np.bool_))
     if params.method == "threshold":
         return threshold(tracks, params.threshold)
+    if params.method == "adaptive":
+        return adaptive(tracks, params.adaptive)
+    if params.method == "lyard":
+        return lyard(tracks, params.lyard)
     return auto(tracks, params.auto)

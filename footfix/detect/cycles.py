@@ -1,0 +1,113 @@
+"""Gait cycles of a clip: from one right strike to the next, and whether it walks or runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.detect.tracks import Foot, Tracks
+from footfix.motion.clip import Floats
+from footfix.motion.smoothing import savgol
+
+
+@dataclass(frozen=True, kw_only=True)
+class CycleParams:
+    """What counts as a cycle.
+
+    Args:
+        smooth: [s] window over the feet's distance.
+        stride: [leg lengths] by which one foot must pass the other, and back.
+        shortest, longest: [s] of a cycle.
+        lopsided: how far from the middle of the cycle, as a share of it, the left foot may strike.
+        uneven: how much longer a cycle may be than the one before it.
+    """
+
+    smooth: float = 0.15
+    stride: float = 0.25
+    shortest: float = 0.35
+    longest: float = 2.2
+    lopsided: float = 0.2
+    uneven: float = 1.5
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One stride: frames from a right strike to the next, and whether it is run."""
+
+    start: float
+    end: float
+    run: bool
+
+
+def find_cycles(tracks: Tracks, left: Foot, right: Foot, params: CycleParams) -> list[Cycle]:
+    """The cycles of a pair of legs.
+
+    A foot strikes about when it is farthest from the pelvis in the direction of travel (J. A. Zeni et al.,
+    Gait & Posture 27, 2008), which needs no floor, and no root that tells the truth.
+    """
+    forward = _travel(tracks, left, right)
+    apart = np.sum((right.ankle - left.ankle)[:, ::2] * forward, axis=1) / tracks.leg_length
+    apart = savgol(apart, tracks.frame_time, seconds=params.smooth, degree=2)
+    turns = zigzag(apart, params.stride)
+    height = savgol(tracks.pelvis[:, 1], tracks.frame_time, seconds=params.smooth, degree=2)
+    cycles: list[Cycle] = []
+    for a, b, c in zip(turns[:-2], turns[1:-1], turns[2:], strict=True):
+        period = (c - a) * tracks.frame_time
+        centred = abs((b - a) / (c - a) - 0.5) <= params.lopsided
+        if apart[a] > apart[b] and params.shortest <= period <= params.longest and centred:
+            cycles.append(Cycle(float(a), float(c), _runs(height, a, b, c)))
+    return _even(cycles, params.uneven)
+
+
+def _even(cycles: list[Cycle], uneven: float) -> list[Cycle]:
+    """Without those much longer than a neighbour that touches them: a pause is in there."""
+
+    def paused(k: int) -> bool:
+        length = cycles[k].end - cycles[k].start
+        beside = [cycles[j] for j in (k - 1, k + 1) if 0 <= j < len(cycles)]
+        touching = [near for near in beside if near.end == cycles[k].start or near.start == cycles[k].end]
+        return any(length > uneven * (near.end - near.start) for near in touching)
+
+    return [cycle for k, cycle in enumerate(cycles) if not paused(k)]
+
+
+def _travel(tracks: Tracks, left: Foot, right: Foot) -> Floats:
+    """(F, 2) unit vectors in the ground plane: where the figure goes, forwards or backwards."""
+    across = savgol((left.hip - right.hip)[:, ::2], tracks.frame_time, seconds=0.3, degree=1)
+    forward = np.stack([-across[:, 1], across[:, 0]], axis=1)
+    forward /= np.maximum(np.linalg.norm(forward, axis=1)[:, None], 1e-12)
+    # a foot is low while it goes against the way of the pelvis, whatever the root says
+    backing = 0.0
+    for foot in (left, right):
+        past = np.gradient(np.sum((foot.ankle - tracks.pelvis)[:, ::2] * forward, axis=1))
+        height = np.minimum(foot.heel[:, 1], foot.toe[:, 1])
+        backing += float(np.sum(past * (height - height.mean())))
+    return forward if backing >= 0.0 else -forward
+
+
+def zigzag(curve: Floats, least: float) -> list[int]:
+    """Frames of highs and lows by turns, each at least `least` away from the one before."""
+    slope = np.sign(np.diff(curve))
+    extremes = np.flatnonzero(slope[1:] * slope[:-1] < 0.0) + 1
+    candidates = [0, *extremes.tolist(), len(curve) - 1]
+    turns: list[int] = []
+    high = low = candidates[0]
+    rising: bool | None = None
+    for frame in candidates:
+        high = frame if curve[frame] > curve[high] else high
+        low = frame if curve[frame] < curve[low] else low
+        if rising is not False and curve[high] - curve[frame] > least:
+            turns, rising, low = [*turns, high], False, frame
+        elif rising is not True and curve[frame] - curve[low] > least:
+            turns, rising, high = [*turns, low], True, frame
+    inside = (frame for frame in turns if 0 < frame < len(curve) - 1)
+    return list(inside)
+
+
+def _runs(height: Floats, a: int, b: int, c: int) -> bool:
+    """Whether a cycle is run: over the standing leg the pelvis is lower than between, on springs, not stilts."""
+    middles = [height[a + (b - a) * 2 // 5], height[b + (c - b) * 2 // 5]]
+    # in a run the foot lands at once after the pelvis was highest; in a walk the pelvis is lowest about then
+    between = [height[a], height[b], height[c]]
+    return bool(np.mean(middles) < np.mean(between))

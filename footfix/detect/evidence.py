@@ -1,0 +1,190 @@
+"""Evidence for a contact, as curves without a scale, on a time grid of its own.
+
+Everything is in leg lengths and seconds, relative to the floor right there, to the pelvis or to the other
+foot, so that neither the unit, the size of the figure, where and which way it walks nor the height of the
+floor matter; and it is sampled at one rate, so that the rate of the clip does not matter either.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.detect.tracks import Foot, Tracks
+from footfix.motion.clip import Floats
+from footfix.motion.smoothing import savgol
+
+STEP = 0.01  # [s] of the grid
+
+# What is said of each foot, in this order, and the unit in which each is squashed by asinh.
+OWN: dict[str, float] = {
+    "heel over floor ahead": 0.02, "heel over floor behind": 0.02,
+    "toe over floor ahead": 0.02, "toe over floor behind": 0.02,
+    "heel rise": 0.3, "toe rise": 0.3,
+    "heel lift": 10.0, "toe lift": 10.0,
+    "heel speed": 0.3, "toe speed": 0.3,
+    "forward of pelvis": 0.3, "outward of pelvis": 0.1,
+    "forward speed past pelvis": 0.5, "outward speed past pelvis": 0.3,
+    "forward push": 10.0,
+    "reach": 0.1, "reach speed": 0.5,
+    "over lower foot": 0.05,
+}  # fmt: skip
+# What the other foot of the pair is asked, of the above.
+OTHER = (
+    "heel over floor ahead", "toe over floor behind", "heel rise", "toe rise", "heel speed", "toe speed",
+    "forward of pelvis", "forward speed past pelvis", "reach",
+)  # fmt: skip
+BODY: dict[str, float] = {"pelvis rise": 0.3, "pelvis lift": 5.0, "jitter": 2.0}
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvidenceParams:
+    """How evidence is sampled.
+
+    Args:
+        smooth: [s] window of the smoothing before a clip is sampled down to the grid.
+        speed, lift: [s] windows of the first and second derivative.
+        floor: [s] how far ahead and behind the floor under a foot is looked for.
+        both: [s] the same for the lower foot of a pair.
+    """
+
+    smooth: float = 0.03
+    speed: float = 0.05
+    lift: float = 0.09
+    floor: float = 0.5
+    both: float = 0.8
+
+
+def evidence(tracks: Tracks, params: EvidenceParams) -> tuple[Floats, ...]:
+    """For each foot its curves (n, features) on a grid of `STEP`, from the first frame to the last.
+
+    Columns: `OWN` of the foot, `OTHER` of the other foot of its pair, `BODY`; see `COLUMNS`.
+    """
+    sampled = resample(tracks, params)
+    body = _body(sampled, tracks, params)
+    forwards = [_forward(sampled, k) for k in range(len(sampled.feet))]
+    lowest = [np.minimum(foot.heel[:, 1], foot.toe[:, 1]) for foot in sampled.feet]
+    own = []
+    for k, foot in enumerate(sampled.feet):
+        pair = np.minimum(lowest[k], lowest[other(k, len(lowest))])
+        own.append(_own(foot, sampled.pelvis, forwards[k], pair, params))
+    asked = [list(OWN).index(name) for name in OTHER]
+    return tuple(
+        np.concatenate([own[k], own[other(k, len(own))][asked], body]).T for k in range(len(own))
+    )
+
+
+COLUMNS = tuple(OWN) + tuple(f"other {name}" for name in OTHER) + tuple(BODY)
+
+
+def other(leg: int, legs: int) -> int:
+    """The other leg of the pair (left and right of a biped, of the fore legs, of the hind legs)."""
+    return min(leg ^ 1, legs - 1)
+
+
+def resample(tracks: Tracks, params: EvidenceParams) -> Tracks:
+    """The tracks in leg lengths, sampled every `STEP` seconds."""
+
+    def sample(x: Floats) -> Floats:
+        if params.smooth > 2.5 * tracks.frame_time:
+            x = savgol(x, tracks.frame_time, seconds=params.smooth, degree=2)
+        return catmull_rom(x, STEP / tracks.frame_time) / tracks.leg_length
+
+    feet = tuple(
+        Foot(foot.side, sample(foot.hip), sample(foot.ankle), sample(foot.heel), sample(foot.toe))
+        for foot in tracks.feet
+    )
+    return Tracks(sample(tracks.pelvis), feet, 1.0, STEP)
+
+
+def catmull_rom(x: Floats, step: float) -> Floats:
+    """A track (F, ...) sampled every `step` frames by Catmull-Rom splines, from its first frame on."""
+    places = np.arange(0.0, len(x) - 1 + 1e-9, step)
+    left = np.minimum(places.astype(np.intp), max(len(x) - 2, 0))
+    q = (places - left).reshape(-1, *[1] * (x.ndim - 1))
+    before, after = np.maximum(left - 1, 0), np.minimum(left + 2, len(x) - 1)
+    a, b, c, d = x[before], x[left], x[np.minimum(left + 1, len(x) - 1)], x[after]
+    return np.asarray(
+        b + 0.5 * q * (c - a + q * (2 * a - 5 * b + 4 * c - d + q * (3 * (b - c) + d - a)))
+    )
+
+
+def _body(sampled: Tracks, tracks: Tracks, params: EvidenceParams) -> Floats:
+    """(len(BODY), n): how the pelvis rises and is accelerated, and how noisy the clip is."""
+    height = sampled.pelvis[:, 1]
+    rise = savgol(height, STEP, seconds=0.11, degree=2, derivative=1)
+    lift = savgol(height, STEP, seconds=0.15, degree=2, derivative=2)
+    jitter = np.full(len(height), _jitter(tracks))
+    return np.asarray(np.arcsinh(np.stack([rise, lift, jitter]) / np.array(list(BODY.values()))[:, None]))
+
+
+def _jitter(tracks: Tracks) -> float:
+    """Noise of the ankles [mm per metre of leg]: what is left of third differences where the foot is slow."""
+    thirds = [np.abs(np.diff(foot.ankle[:, 1], 3)) for foot in tracks.feet]
+    if not thirds or len(thirds[0]) == 0:
+        return 0.0
+    # for white noise the third difference has sqrt(20) times its deviation
+    noise = float(np.quantile(np.concatenate(thirds), 0.3)) / (0.385 * 20.0**0.5)
+    return 1e3 * noise / tracks.leg_length
+
+
+def _forward(sampled: Tracks, leg: int) -> tuple[Floats, Floats]:
+    """Unit vectors (n, 2) in the ground plane: where the hips face, and outward on this leg's side."""
+    legs = sampled.feet
+    mate = other(leg, len(legs))
+    outward = (legs[leg].hip - legs[mate].hip)[:, ::2]
+    if leg == mate:
+        outward = (legs[leg].toe - legs[leg].heel)[:, ::2] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    outward = savgol(outward, STEP, seconds=0.25, degree=1)
+    outward = outward / np.maximum(np.hypot(*outward.T)[:, None], 1e-9)
+    forward = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
+    facing = (legs[leg].toe - legs[leg].heel)[:, ::2]
+    return forward * np.where(np.sum(np.sum(forward * facing, axis=1)) < 0.0, -1.0, 1.0), outward
+
+
+def _own(
+    foot: Foot, pelvis: Floats, axes: tuple[Floats, Floats], pair: Floats, params: EvidenceParams
+) -> Floats:
+    """(len(OWN), n) what is said of one foot, squashed."""
+    heel, toe = foot.heel, foot.toe
+    lowest = np.minimum(heel[:, 1], toe[:, 1])
+    ahead, behind = floors(lowest, params.floor)
+    both = np.minimum(*floors(pair, params.both))
+    heel_velocity, toe_velocity = (
+        savgol(p, STEP, seconds=params.speed, degree=2, derivative=1) for p in (heel, toe)
+    )
+    heel_lift, toe_lift = (
+        savgol(p[:, 1], STEP, seconds=params.lift, degree=2, derivative=2) for p in (heel, toe)
+    )
+    from_pelvis = (foot.ankle - pelvis)[:, ::2]
+    forward, outward = (np.sum(from_pelvis * axis, axis=1) for axis in axes)
+    past = savgol(np.stack([forward, outward], axis=1), STEP, seconds=params.speed, degree=2, derivative=1)
+    push = savgol(forward, STEP, seconds=params.lift, degree=2, derivative=2)
+    reach = np.linalg.norm(foot.ankle - foot.hip, axis=1)
+    reach_speed = savgol(reach, STEP, seconds=params.speed, degree=2, derivative=1)
+    curves = [
+        heel[:, 1] - ahead, heel[:, 1] - behind, toe[:, 1] - ahead, toe[:, 1] - behind,
+        heel_velocity[:, 1], toe_velocity[:, 1], heel_lift, toe_lift,
+        np.hypot(heel_velocity[:, 0], heel_velocity[:, 2]), np.hypot(toe_velocity[:, 0], toe_velocity[:, 2]),
+        forward, outward, past[:, 0], past[:, 1], push, 1.0 - reach, reach_speed, lowest - both,
+    ]  # fmt: skip
+    return np.asarray(np.arcsinh(np.stack(curves) / np.array(list(OWN.values()))[:, None]))
+
+
+def floors(height: Floats, seconds: float) -> tuple[Floats, Floats]:
+    """The lowest place (n,) within some seconds ahead, and behind, both with now."""
+    n = max(round(seconds / STEP), 1) + 1
+    ahead, width = np.concatenate([height, np.full(n, np.inf)]), 1
+    while width < n:  # the lowest of 2 w is the lower of two lowest of w
+        hop = min(width, n - width)
+        ahead[:-hop] = np.minimum(ahead[:-hop], ahead[hop:])
+        width += hop
+    ahead = ahead[: len(height)]
+    last_of = np.concatenate([np.full(n, np.inf), height])
+    width = 1
+    while width < n:
+        hop = min(width, n - width)
+        last_of[hop:] = np.minimum(last_of[hop:], last_of[:-hop])
+        width += hop
+    return ahead, last_of[n:]

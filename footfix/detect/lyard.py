@@ -1,0 +1,92 @@
+"""Lyard & Magnenat-Thalmann's detector: the sole point that could stay where it is (L §3.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.detect.tracks import GRAVITY, Finding, Tracks
+from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.smoothing import savgol
+
+
+@dataclass(frozen=True, kw_only=True)
+class LyardParams:
+    """What L §3.1 leaves open, and where its assumption of a foot on the ground ends.
+
+    Args:
+        step: [s] over which the root's way is compared, L's one frame of motion "no more than 25 Hz".
+        smooth: [s] window of the speeds by which the point is picked (L §3.1.2: 5 frames).
+        still: [sqrt(g leg)] below this speed the root goes nowhere and the dot product means nothing; then
+            every point slower than this is static.
+        fall: [g] in flight the pelvis falls faster than this, and no sole point is low.
+        low: [leg lengths] above the lowest place nearby; what is higher is not on the floor.
+        nearby: [s] to both sides.
+    """
+
+    step: float = 0.04
+    smooth: float = 0.2
+    still: float = 0.03
+    fall: float = 0.4
+    low: float = 0.02
+    nearby: float = 0.6
+
+
+def lyard(tracks: Tracks, params: LyardParams) -> Finding:
+    """One static sole point at a time (L §3.1), none in flight, all slow ones where the root stands still."""
+    points = np.stack([point for foot in tracks.feet for point in foot.soles])  # (E, F, 3)
+    speeds = _smooth_speeds(points, tracks, params)  # (E, F)
+    hop = min(max(round(params.step / tracks.frame_time), 1), len(tracks) - 1)
+    frames = np.arange(len(tracks))
+    first = np.clip(frames - (hop - 1) // 2, 0, len(tracks) - 1 - hop)
+    agreement, way = _agreement(points, tracks.pelvis, first, hop)
+    foot = _follow(agreement, speeds) // 2  # (F,)
+    # L §3.1.2: on that foot, the point of least speed
+    static = 2 * foot + np.argmin(np.stack([speeds[2 * foot, frames], speeds[2 * foot + 1, frames]]), axis=0)
+    mask = static[:, None] == np.arange(len(points))
+    still = way < params.still * tracks.froude_speed * hop * tracks.frame_time
+    slow = (speeds < params.still * tracks.froude_speed).T
+    mask = np.where(still[:, None], slow, mask)
+    return Finding(mask & ~_in_flight(points, tracks, params)[:, None])
+
+
+def _smooth_speeds(points: Floats, tracks: Tracks, params: LyardParams) -> Floats:
+    """(E, F) [m/s] the mean over a window."""
+    speeds = np.linalg.norm(np.gradient(points, tracks.frame_time, axis=1), axis=-1)
+    return savgol(speeds.T, tracks.frame_time, seconds=params.smooth, degree=0).T
+
+
+def _agreement(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Floats, Floats]:
+    """L eq. 1 and the dot product p, for every pair of points: (F, E, E) by i and j, and |dR| (F,) [m]."""
+    offset = points - root  # o(v, t), in world axes
+    now, then = offset[:, first], offset[:, first + hop]
+    half = 0.5 * (now + then)  # o(v, t + delta), delta = 1/2, by linear interpolation
+    # eq. 1: dR' = o(vi, t) - o(vi, t + delta) + o(vj, t + delta) - o(vj, t + 1)
+    leave, arrive = (now - half).transpose(1, 0, 2), (half - then).transpose(1, 0, 2)  # (F, E, 3)
+    moved = leave[:, :, None] + arrive[:, None, :]
+    way = root[first + hop] - root[first]
+    lengths = np.linalg.norm(way, axis=-1)[:, None, None] * np.linalg.norm(moved, axis=-1)
+    dots = np.einsum("fijk,fk->fij", moved, way) / np.maximum(lengths, 1e-12)
+    return dots, np.linalg.norm(way, axis=-1)
+
+
+def _follow(agreement: Floats, speeds: Floats) -> Ints:
+    """(F,) the static point of each frame: the first by speed alone, each next by what the last one allows."""
+    best = np.argmax(agreement, axis=2)  # (F, E): the next point, by the last
+    static = np.empty(len(best), dtype=np.intp)
+    point = static[0] = int(np.argmin(speeds[:, 0]))
+    for t, following in enumerate(best[:-1].tolist(), start=1):
+        static[t] = point = following[point]
+    return static
+
+
+def _in_flight(points: Floats, tracks: Tracks, params: LyardParams) -> Bools:
+    """(F,) nothing is low, and the pelvis falls freely or everything is far up."""
+    lowest = points[:, :, 1].min(axis=0)
+    reach = max(round(params.nearby / tracks.frame_time), 1)
+    padded = np.pad(lowest, reach, mode="edge")
+    floor = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).min(axis=1)
+    height = (lowest - floor) / tracks.leg_length
+    fall = savgol(tracks.pelvis[:, 1], tracks.frame_time, seconds=0.12, degree=2, derivative=2)
+    return np.asarray((height > params.low) & ((fall < -params.fall * GRAVITY) | (height > 5.0 * params.low)))
