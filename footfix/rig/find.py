@@ -1,28 +1,26 @@
-"""Finds the rig of a figure: which joints are its legs, what carries it, its soles, its size and its floor."""
+"""Finds the rig of a figure: its legs, what carries it, its soles, its size and its floor."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from footfix.errors import NoLegsError
+from footfix.errors import UsageError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.rig import soles
-from footfix.rig.limbs import Limb, Pair, pairs, toes
-from footfix.rig.names import read
-from footfix.rig.params import RigParams
+from footfix.rig.figure import Figure, figures, joint
+from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
 from footfix.rig.sample import Sample, sample
 
-_LEAST = 0.9  # score below which a pair of limbs is no pair of legs
-
 
 def find_rig(clip: Clip, params: RigParams | None = None) -> Rig:
-    """The rig of a clip's figure, of the first one where there are several.
+    """The rig of a clip's figure; of the first one where there are several.
 
     Args:
         clip: metres, y up.
@@ -48,123 +46,144 @@ def find_rigs(clip: Clip, params: RigParams | None = None) -> tuple[Rig, ...]:
     """
     params = params or RigParams()
     seen = sample(clip, motion_proper(clip))
-    roots = np.flatnonzero(clip.skeleton.parents < 0).tolist()
-    rigs = []
-    for root in roots:
-        pair = legs_of(seen, root)
-        if pair is not None:
-            rigs.append(_rig(seen, root, pair, params))
-    if not rigs:
-        raise no_legs(clip)
-    return tuple(rigs)
+    return tuple(_rig(seen, figure, params) for figure in figures(seen, params, y_up=True))
 
 
-def no_legs(clip: Clip) -> NoLegsError:
-    """What to say about a skeleton without legs."""
-    return NoLegsError(
-        f"no legs found among its {len(clip.skeleton)} joints",
-        hint="name them in the config under rig.legs if it has some",
-    )
-
-
-def legs_of(seen: Sample, root: int) -> Pair | None:
-    """The pair of limbs that are the legs of a figure; None where nothing is."""
-    found = pairs(seen, root)
-    return found[0] if found and found[0].score >= _LEAST else None
-
-
-def _rig(seen: Sample, root: int, pair: Pair, params: RigParams) -> Rig:
-    toe_joints = toes(seen, pair)
-    limbs, toe_joints, origin = _sided(seen, pair.limbs, toe_joints)
-    legs = tuple(
-        Leg(name, name, limb.hip, limb.knee, limb.ankle, toe, limb.chain)
-        for name, limb, toe in zip(("left", "right"), limbs, toe_joints, strict=True)
-    )
-    length = 0.5 * sum(limb.length for limb in limbs)
+def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
+    legs, sides_origin = _legs(seen, figure)
     facing = _facing(seen, legs)
-    feet = soles.alike(*(soles.foot(seen, leg.ankle, leg.toe, facing, length) for leg in legs), length)
-    points = _points(legs, feet)
-    level, others = _floor(seen, points, length)
-    notes = []
-    if others and params.floor is None:
-        notes.append(
-            Note(
-                "floor-ambiguous",
-                f"the feet rest at {level:.2f} m and at {others[0]:.2f} m; set rig.floor if the first is wrong",
-                "warning",
-            )
-        )
+    feet = [soles.foot(seen, leg.ankle, leg.toe, facing, figure.length) for leg in legs]
+    feet = soles.alike(feet, [leg.name.removesuffix(leg.side) for leg in legs], figure.length)
+    points, given = _points(seen, legs, feet, params.soles)
+    level, others = _floor(seen, points, figure.length)
+    if params.floor is not None:
+        level, others = params.floor, ()
+    root = _carrier(seen, figure) if params.root is None else joint(seen.skeleton, params.root, "rig.root")
+    origins = {
+        "root": "geometry" if params.root is None else "config",
+        "legs": figure.origin,
+        "sides": sides_origin,
+        "floor": "where the soles rest most" if params.floor is None else "config",
+    }
+    for index, (leg, foot) in enumerate(zip(legs, feet, strict=True)):
+        origins |= {f"leg.{leg.name}.{part}": figure.origin for part in ("hip", "knee", "ankle", "toe")}
+        for point in points:
+            if point.leg == index:
+                origins[f"sole.{point.name}"] = "config" if point.name in given else foot.origin
     return Rig(
-        root=_carrier(seen, root, pair.pelvis),
-        pelvis=pair.pelvis,
+        root=root,
+        pelvis=figure.pelvis,
         legs=legs,
         soles=points,
-        leg_length=length,
-        floor=level if params.floor is None else params.floor,
-        notes=tuple(notes),
-        origins={"sides": origin},
+        leg_length=figure.length,
+        floor=level,
+        notes=_notes(legs, feet, level, others, given),
+        origins=origins,
     )
 
 
-def _sided(
-    seen: Sample, limbs: Sequence[Limb], toe_joints: Sequence[int | None]
-) -> tuple[list[Limb], list[int | None], str]:
-    """Left before right: by name, else by the way the figure faces."""
-    names = seen.skeleton.names
-    sides = []
-    for limb, toe in zip(limbs, toe_joints, strict=True):
-        votes = [read(names[j]).side for j in (limb.branch, *limb.chain, *(() if toe is None else (toe,)))]
-        sides.append("left" if votes.count("left") > votes.count("right") else "right" if "right" in votes else "")
-    if set(sides) == {"left", "right"} or (any(sides) and not all(sides)):
-        first_is_left = sides[0] == "left" or sides[1] == "right"
-        origin = "names"
-    else:
-        ahead = _ahead(seen, limbs, toe_joints)
-        left = np.cross(soles.UP, ahead)
-        across = seen.places[:, limbs[0].hip] - seen.places[:, limbs[1].hip]
-        first_is_left = float(np.einsum("fi,fi->f", left, across).mean()) >= 0.0
-        origin = "geometry"
-    order = (0, 1) if first_is_left else (1, 0)
-    return [limbs[i] for i in order], [toe_joints[i] for i in order], origin
+def _notes(
+    legs: Sequence[Leg], feet: Sequence[soles.Foot], level: float, others: Sequence[float], given: set[str]
+) -> tuple[Note, ...]:
+    notes = []
+    if others:
+        text = f"the feet rest at {level:.2f} m and as well at {others[0]:.2f} m; set rig.floor if the first is wrong"
+        notes.append(Note("floor-ambiguous", text, "warning"))
+    unknown = [
+        leg.name for leg, foot in zip(legs, feet, strict=True) if foot.guessed and f"{leg.name}_toe" not in given
+    ]
+    if unknown:
+        text = "the skeleton ends at the ankle, so where heel and ball are is guessed; rig.soles can say it"
+        notes.append(Note("feet-without-toes", text))
+    return tuple(notes)
 
 
-def _ahead(seen: Sample, limbs: Sequence[Limb], toe_joints: Sequence[int | None]) -> Floats:
-    """(S, 3) roughly the way the figure faces, whatever is left and right: where toes point and knees bend."""
+def _legs(seen: Sample, figure: Figure) -> tuple[tuple[Leg, ...], str]:
+    """The legs with their sides and names, left before right in each pair, and how sides were found."""
+    sides, origin = list(figure.sides), figure.origin if figure.origin == "config" else "names"
+    ahead = _ahead(seen, figure)
+    for pair in _pairs(figure):
+        own = [sides[i] for i in pair]
+        if len(pair) == 2 and sorted(own) == ["left", "right"]:
+            continue
+        if len(pair) == 2 and own.count("") == 1:
+            known = next(side for side in own if side)
+            other = "right" if known == "left" else "left"
+            for i in pair:
+                sides[i] = sides[i] or other
+        elif len(pair) == 2:
+            first_left = _is_left(seen, ahead, figure.limbs[pair[0]].hip, figure.limbs[pair[1]].hip)
+            sides[pair[0]], sides[pair[1]] = ("left", "right") if first_left else ("right", "left")
+            origin = "geometry"
+    order = [i for pair in _pairs(figure) for i in sorted(pair, key=lambda i: sides[i] == "right")]
+    legs = []
+    for i in order:
+        limb, toe, side = figure.limbs[i], figure.toes[i], sides[i]
+        given = figure.origin == "config"
+        name = figure.names[i] if given else f"{figure.names[i]}_{side}" if figure.names[i] else side
+        legs.append(Leg(name, side or name, limb.hip, limb.knee, limb.ankle, toe, limb.chain))
+    return tuple(legs), origin
+
+
+def _pairs(figure: Figure) -> list[list[int]]:
+    """Indices of legs that make a pair: found ones come in pairs, given ones where there are just two."""
+    count = len(figure.limbs)
+    if figure.origin == "config" and count != 2:
+        return [[i] for i in range(count)]
+    return [[i, i + 1] for i in range(0, count, 2)]
+
+
+def _is_left(seen: Sample, ahead: Floats, one: int, other: int) -> bool:
+    """Whether one joint is on the left of another, seen the way the figure faces."""
+    across = seen.places[:, one] - seen.places[:, other]
+    return float(np.einsum("fi,fi->f", np.cross(soles.UP, ahead), across).mean()) >= 0.0
+
+
+def _ahead(seen: Sample, figure: Figure) -> Floats:
+    """(S, 3) roughly the way a figure faces, whatever its left and right: where toes point and knees bend."""
     ahead = np.zeros((len(seen), 3))
-    for limb, toe in zip(limbs, toe_joints, strict=True):
+    for limb, toe in zip(figure.limbs, figure.toes, strict=True):
         hip, knee, ankle = (seen.places[:, j] for j in (limb.hip, limb.knee, limb.ankle))
         ahead += knee - 0.5 * (hip + ankle)
-        if toe is not None:
-            ahead += 2.0 * (seen.places[:, toe] - ankle)
-        else:
-            for e, parent in enumerate(seen.skeleton.end_parents.tolist()):
-                if parent == limb.ankle:
-                    ahead += 2.0 * (seen.ends[:, e] - ankle)
+        tips = [seen.places[:, toe]] if toe is not None else []
+        below = seen.below(limb.ankle)
+        tips += [seen.ends[:, e] for e, parent in enumerate(seen.skeleton.end_parents.tolist()) if parent in below]
+        for tip in tips:
+            ahead += (2.0 / len(tips)) * (tip - ankle)
     ahead[:, 1] = 0.0
     return ahead
 
 
 def _facing(seen: Sample, legs: Sequence[Leg]) -> Floats:
     """(S, 3) the way the figure faces: level, from its left hip and its right hip."""
-    left = np.mean([seen.places[:, leg.hip] for leg in legs if leg.side == "left"], axis=0)
-    right = np.mean([seen.places[:, leg.hip] for leg in legs if leg.side == "right"], axis=0)
-    facing = np.cross(left - right, soles.UP)
+    hips = {side: [seen.places[:, leg.hip] for leg in legs if leg.side == side] for side in ("left", "right")}
+    if not all(hips.values()):
+        return np.tile([0.0, 0.0, 1.0], (len(seen), 1))
+    facing = np.cross(np.mean(hips["left"], axis=0) - np.mean(hips["right"], axis=0), soles.UP)
     return np.asarray(facing / np.maximum(np.linalg.norm(facing, axis=-1, keepdims=True), 1e-12))
 
 
-def _points(legs: Sequence[Leg], feet: Sequence[soles.Foot]) -> tuple[SolePoint, ...]:
+def _points(
+    seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], given: Mapping[str, SoleParams]
+) -> tuple[tuple[SolePoint, ...], set[str]]:
+    """Heel and toe of each leg, and the names of those that the config placed."""
     points = []
     for index, (leg, foot) in enumerate(zip(legs, feet, strict=True)):
         heel = -foot.ankle_height * foot.up - foot.behind * foot.ahead
         points.append(SolePoint(f"{leg.name}_heel", index, "heel", leg.ankle, _triple(heel)))
         if leg.toe is not None and foot.up_at_toe is not None:
-            points.append(
-                SolePoint(f"{leg.name}_toe", index, "toe", leg.toe, _triple(-foot.ball_height * foot.up_at_toe))
-            )
+            carrier, ball = leg.toe, -foot.ball_height * foot.up_at_toe
         else:
-            ball = -foot.ankle_height * foot.up + foot.reach * foot.ahead
-            points.append(SolePoint(f"{leg.name}_toe", index, "toe", leg.ankle, _triple(ball)))
-    return tuple(points)
+            carrier, ball = leg.ankle, -foot.ankle_height * foot.up + foot.reach * foot.ahead
+        points.append(SolePoint(f"{leg.name}_toe", index, "toe", carrier, _triple(ball)))
+    names = [point.name for point in points]
+    for name, sole in given.items():
+        if name not in names:
+            raise UsageError(f"rig.soles.{name} is no sole point of this rig; it has {', '.join(names)}")
+        at = names.index(name)
+        carrier = joint(seen.skeleton, sole.joint, f"rig.soles.{name}.joint") if sole.joint else points[at].joint
+        points[at] = replace(points[at], joint=carrier, offset=_triple(np.asarray(sole.offset, dtype=np.float64)))
+    return tuple(points), set(given)
 
 
 def _triple(vector: Floats) -> tuple[float, float, float]:
@@ -181,29 +200,16 @@ def _floor(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float
     return soles.floor(np.stack(heights, axis=1), np.stack(speeds, axis=1), leg)
 
 
-def _carrier(seen: Sample, root: int, pelvis: int) -> int:
+def _carrier(seen: Sample, figure: Figure) -> int:
     """The joint nearest to the pelvis that translates the whole figure."""
     skeleton = seen.skeleton
-    figure = _count_below(seen, root)
-    way = skeleton.ancestors(pelvis)
+    whole = len(seen.below(figure.root))
+    way = skeleton.ancestors(figure.pelvis)
     able = [
         joint
         for joint in way
-        if skeleton.translates[joint] and _count_below(seen, joint) + len(skeleton.ancestors(joint)) > 0.8 * figure
+        if skeleton.translates[joint] and len(seen.below(joint)) + len(skeleton.ancestors(joint)) > 0.8 * whole
     ]
     travel = {joint: float(np.ptp(seen.local[:, joint], axis=0).max()) for joint in able}
-    moving = [
-        joint for joint in able if travel[joint] > 1e-3 * max(travel.values(), default=0.0) and travel[joint] > 0.0
-    ]
-    return (moving or able or [way[-1]])[0]
-
-
-def _count_below(seen: Sample, joint: int) -> int:
-    below = {joint}
-    for other in range(joint + 1, len(seen.skeleton)):
-        if int(seen.skeleton.parents[other]) in below:
-            below.add(other)
-    return len(below)
-
-
-
+    moving = [joint for joint in able if travel[joint] > 0.02 * max(travel.values())]
+    return (moving or able or [figure.root])[0]

@@ -81,7 +81,10 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
     if not found:
         return []
     longest = max(pair.length for pair in found if pair.score > max(p.score for p in found) - 8.0)
-    away = {pair.pelvis: _way(sample, root, pair.pelvis) for pair in found}
+    fork = root
+    while len(sample.skeleton.children[fork]) == 1:
+        fork = sample.skeleton.children[fork][0]  # a reference or simulation bone above the hips is no body
+    away = {pair.pelvis: _way(sample, fork, pair.pelvis) for pair in found}
     judged = [
         replace(
             pair,
@@ -111,10 +114,22 @@ def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
     return found[:_BEST_OF]
 
 
+def limb_of(sample: Sample, ankle: int, knee: int | None, hip: int | None) -> Limb | None:
+    """The chain above a given ankle; knee and hip where its shape says, or as given. None where it has none."""
+    path = sample.skeleton.ancestors(ankle)[::-1]
+    way = tuple(np.cumsum([0.0, *(float(sample.bones[joint]) for joint in path[1:])]).tolist())
+    found = []
+    for h in range(len(path) - 2) if hip is None else [path.index(hip)]:
+        for k in range(h + 1, len(path) - 1) if knee is None else [path.index(knee)]:
+            if h < k:
+                found.append(_cut(sample, path[h], path, way, h, k, 0.0))
+    given = [limb for limb in found if limb.thigh > 0.0 and limb.shin > 0.0]
+    return max(given, key=lambda limb: limb.score, default=None)
+
+
 def _split(sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float, ...]) -> list[Limb]:
     """The ways in which a path can be cut into thigh and shin, its last joint being the ankle."""
-    ankle = path[-1]
-    foot, total = float(sample.reach[ankle]), float(sample.reach[branch])
+    foot = float(sample.reach[path[-1]])
     found = []
     for h in range(len(path) - 2):
         length = way[-1] - way[h]
@@ -122,23 +137,32 @@ def _split(sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float,
         if length <= 0.0 or upper > 0.9 * length or foot > 1.2 * length:
             continue
         for k in range(h + 1, len(path) - 1):
-            thigh, shin = way[k] - way[h], way[-1] - way[k]
-            if not (0.35 * shin < thigh < 2.8 * shin):
-                continue
-            named = _named(sample, path, h, k)
-            score = (
-                length / total
-                - (math.log(thigh / shin) / 0.45) ** 2
-                - 3.0 * max(0.0, upper / length - 0.35)
-                - 3.0 * max(0.0, foot / length - 0.5)
-                + (0.3 + 0.05 * foot / length if foot > 0.06 * length else 0.0)
-                - 15.0 * (_slack(sample, path, way, h, k) + _slack(sample, path, way, k, len(path) - 1))
-                - 0.01 * (h + k)
-                + 0.005 * len(path)
-                + named
-            )
-            found.append(Limb(branch, path[h], path[k], ankle, path[h:], thigh, shin, score, named))
+            if 0.35 * (way[-1] - way[k]) < way[k] - way[h] < 2.8 * (way[-1] - way[k]):
+                found.append(_cut(sample, branch, path, way, h, k, upper))
     return found
+
+
+def _cut(
+    sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float, ...], h: int, k: int, upper: float
+) -> Limb:
+    """The limb with its hip and knee at places `h` and `k` of a path, and how much of a leg it is."""
+    last = len(path) - 1
+    thigh, shin = way[k] - way[h], way[last] - way[k]
+    length = max(thigh + shin, 1e-12)
+    foot, total = float(sample.reach[path[last]]), float(sample.reach[branch])
+    named = _named(sample, path, h, k)
+    score = (
+        length / max(total, length)
+        - (math.log(max(thigh, 1e-12) / max(shin, 1e-12)) / 0.45) ** 2
+        - 3.0 * max(0.0, upper / length - 0.35)
+        - 3.0 * max(0.0, foot / length - 0.5)
+        + (0.3 + 0.05 * foot / length if foot > 0.06 * length else 0.0)
+        - 15.0 * (_slack(sample, path, way, h, k) + _slack(sample, path, way, k, last))
+        - 0.01 * (h + k)
+        + 0.005 * last
+        + named
+    )
+    return Limb(branch, path[h], path[k], path[last], path[h:], thigh, shin, score, named)
 
 
 def _slack(sample: Sample, path: tuple[int, ...], way: tuple[float, ...], a: int, b: int) -> float:
@@ -189,11 +213,15 @@ def toes(sample: Sample, pair: Pair) -> tuple[int | None, int | None]:
     a, b = (_toes(sample, limb) for limb in pair.limbs)
     if not a or not b:
         return (a[0][1] if a else None, b[0][1] if b else None)
-    both = max(
-        ((x, y) for x in a for y in b),
-        key=lambda two: two[0][0] + two[1][0] - 5.0 * abs(two[0][2] - two[1][2]) - 0.2 * abs(two[0][3] - two[1][3]),
-    )
-    return both[0][1], both[1][1]
+    worth = {(x[1], y[1]): x[0] + y[0] - 5.0 * abs(x[2] - y[2]) - 0.2 * abs(x[3] - y[3]) for x in a for y in b}
+    best = max(worth.values())
+    # Where each toe has its joint, the big toes, which are nearest to each other, stand for the balls.
+    apart = {
+        two: float(np.linalg.norm(sample.places[:, two[0]] - sample.places[:, two[1]], axis=-1).mean())
+        for two in worth
+        if worth[two] > best - 0.3
+    }
+    return min(apart, key=lambda two: apart[two])
 
 
 def _toes(sample: Sample, limb: Limb) -> list[tuple[float, int, float, int]]:

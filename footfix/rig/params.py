@@ -11,17 +11,17 @@ class LegParams:
     """One leg, by joint names.
 
     Args:
-        hip, knee, ankle: names of the joints at the top of the thigh, at the knee and at the ankle. Either
-            all three, or the ankle alone: then hip and knee are found above it.
-        toe: name of the joint at the ball of the foot; "" lets it be found, "none" says there is none.
-        side: "left", "right", or "" to take it from the leg's name or the geometry.
+        hip, knee: the joints at the top of the thigh and at the knee; "" lets them be found above the ankle.
+        ankle: the joint at the ankle, where the shin ends.
+        toe: the joint at the ball of the foot; "" lets it be found, "none" says that there is none.
+        side: "left", "right", or "" to take it from the leg's name or else its place.
     """
 
-    hip: str = ""  # joint at the top of the thigh
-    knee: str = ""  # joint at the knee
+    hip: str = ""  # joint at the top of the thigh; "": found
+    knee: str = ""  # joint at the knee; "": found
     ankle: str = ""  # joint at the ankle
-    toe: str = ""  # joint at the ball of the foot; "none": there is none
-    side: str = ""  # left, right, or "" to find out
+    toe: str = ""  # joint at the ball of the foot; "": found; "none": there is none
+    side: str = ""  # left or right; "": from the leg's name, or else its place
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,32 +29,33 @@ class SoleParams:
     """One sole point.
 
     Args:
-        joint: name of the joint it is fixed to; "" keeps the one that was found.
-        offset: (x, y, z) [m] in that joint's frame of the clip turned y up.
+        joint: the joint it moves with; "" keeps the one that was found.
+        offset: (x, y, z) [m] from that joint, in that joint's frame.
     """
 
-    joint: str = ""  # joint it moves with; "" keeps the found one
-    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)  # place in that joint's frame, in metres, y up
+    joint: str = ""  # joint it moves with; "": the one found
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] from that joint, in its frame
 
 
 @dataclass(frozen=True, kw_only=True)
 class RigParams:
-    """Everything about the rig that can be set. What is not set is found in the clip.
+    """Everything about a rig that can be set. What is not set is found in the clip.
 
-    Joint names are compared without the namespace (`mixamorig:`) and without case where that is unique.
+    Joints are given by name. A name may leave out its namespace (`mixamorig:`) and need not mind case, as long
+    as it is still the name of one joint only.
 
     Args:
         unit_m: metres per unit of the file.
-        up: the file's up axis: "y", "z", "x", "-y", "-z", "-x".
-        floor: height of the floor [m], y up.
+        up: the file's up axis: "y", "z", "x", "-y", "-z" or "-x".
+        floor: height of the floor [m], with y up.
         root: the joint that carries the figure through the world.
-        legs: leg name -> its joints. Given legs replace the found ones, any number of them.
-        soles: sole point name (`left_heel`) -> its place.
+        legs: leg name -> its joints. Given legs stand in place of the found ones; there may be any number.
+        soles: sole point name (`left_heel`) -> its place; the others are found.
     """
 
-    unit_m: float | None = None  # metres per unit of the file; none: from the leg's length
-    up: str | None = None  # the file's up axis; none: from the motion
+    unit_m: float | None = None  # metres per unit of the file; none: from the length of the legs
+    up: str | None = None  # up axis of the file: y, z, x, -y, -z, -x; none: from the motion
     floor: float | None = None  # [m] height of the floor; none: where the soles rest most
-    root: str | None = None  # name of the joint that carries the travel; none: found
-    legs: Mapping[str, LegParams] = field(default_factory=dict)  # none: found
-    soles: Mapping[str, SoleParams] = field(default_factory=dict)  # none: found
+    root: str | None = None  # joint that carries the travel; none: found
+    legs: Mapping[str, LegParams] = field(default_factory=dict)  # leg name -> joints; none: found
+    soles: Mapping[str, SoleParams] = field(default_factory=dict)  # sole point name -> place; none: found

@@ -23,7 +23,6 @@ class Sample:
         places: (S, J, 3) joints in the world, in the clip's units and axes.
         turns: (S, J, 4) their frames in the world.
         velocities: (S, J, 3) units per second, from pairs of frames.
-        angular: (S, J) [rad/s], likewise.
         ends: (S, E, 3) End Sites in the world.
         bones: (J,) length of the bone from each joint's parent, 0 for roots.
         local: (S, J, 3) places in the parents' frames.
@@ -39,6 +38,14 @@ class Sample:
 
     def __len__(self) -> int:
         return int(self.places.shape[0])
+
+    def below(self, joint: int) -> tuple[int, ...]:
+        """A joint and all joints that hang from it, in the order of the file."""
+        found = {joint}
+        for other in range(joint + 1, len(self.skeleton)):
+            if int(self.skeleton.parents[other]) in found:
+                found.add(other)
+        return tuple(sorted(found))
 
     @cached_property
     def reach(self) -> Floats:
@@ -59,14 +66,15 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
     """Up to `MOST_FRAMES` pairs of frames spread evenly over a part of a clip; the rest pose where it has none."""
     skeleton = clip.skeleton
     frames = np.arange(len(clip))[within]
-    frames = frames[_sound(clip, frames)]
-    if not len(frames):
+    if len(frames):
+        frames = frames[_sound(clip, frames)]
+    if not len(frames) or _collapsed(clip, frames):
         clip = _at_rest(clip)
         frames = np.zeros(1, np.intp)
     step = max(1, round(STEP / clip.frame_time))
-    first = frames[:-step] if len(frames) > step else frames[:1]
-    first = first[np.unique(np.linspace(0, len(first) - 1, min(MOST_FRAMES, len(first))).round().astype(np.intp))]
-    second = np.minimum(first + step, frames[-1])
+    count = int(np.searchsorted(frames, frames[-1] - step, side="right")) or 1
+    first = frames[np.unique(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))]
+    second = frames[np.minimum(np.searchsorted(frames, first + step), len(frames) - 1)]
     both = clip.frames(np.concatenate([first, second]))
     pose = forward(both)
     n = len(first)
@@ -102,6 +110,13 @@ def _sound(clip: Clip, frames: Ints) -> Bools:
         return finite
     usual = float(np.median(extent[finite]))
     return np.asarray(finite & (np.where(finite, extent, 0.0) <= 1e4 * max(usual, 1e-9)))
+
+
+def _collapsed(clip: Clip, frames: Ints) -> bool:
+    """Whether position channels of zero have drawn all bones to nothing, as in files that hold a rest pose only."""
+    long_at_rest = (clip.skeleton.parents >= 0) & (np.abs(clip.skeleton.offsets).max(axis=1) > 0.0)
+    drawn = np.abs(clip.positions[frames[len(frames) // 2]][long_at_rest]).max(axis=1, initial=0.0)
+    return bool(len(drawn) and (drawn == 0.0).mean() > 0.6)
 
 
 def _at_rest(clip: Clip) -> Clip:

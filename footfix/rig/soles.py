@@ -8,7 +8,7 @@ front of its back.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,6 +46,11 @@ class Foot:
     behind: float
     reach: float
     guessed: tuple[str, ...]
+
+    @property
+    def origin(self) -> str:
+        """How it was found, for people."""
+        return "a usual foot on this leg" if self.guessed else "the pose in which the foot lies flat"
 
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -148,16 +153,24 @@ def _below(sample: Sample, toe: int, flat: Floats) -> float:
     return max((float(np.median(sample.places[flat, toe, 1] - tip[:, 1])) for tip in tips), default=0.0)
 
 
-def alike(left: Foot, right: Foot, leg: float) -> tuple[Foot, Foot]:
-    """Both feet with the mean of their measures, where those agree."""
-    from dataclasses import replace
+def alike(feet: list[Foot], ends: list[str], leg: float) -> list[Foot]:
+    """The same feet; left and right of one end of the body get the mean of their measures, where those agree."""
+    out = list(feet)
+    for end in set(ends):
+        pair = [i for i, own in enumerate(ends) if own == end]
+        if len(pair) != 2:
+            continue
+        a, b = (feet[i] for i in pair)
+        if (a.up_at_toe is None) != (b.up_at_toe is None):
+            continue
+        means = {name: 0.5 * (getattr(a, name) + getattr(b, name)) for name in _MEASURES}
+        agreed = {name: mean for name, mean in means.items() if abs(getattr(a, name) - mean) < 0.015 * leg}
+        for i in pair:
+            out[i] = replace(feet[i], **agreed)
+    return out
 
-    measures = {}
-    for name in ("ankle_height", "ball_height", "behind", "reach"):
-        a, b = getattr(left, name), getattr(right, name)
-        if abs(a - b) < 0.03 * leg and (left.up_at_toe is None) == (right.up_at_toe is None):
-            measures[name] = 0.5 * (a + b)
-    return replace(left, **measures), replace(right, **measures)
+
+_MEASURES = ("ankle_height", "ball_height", "behind", "reach")
 
 
 def floor(heights: Floats, speeds: Floats, leg: float) -> tuple[float, tuple[float, ...]]:

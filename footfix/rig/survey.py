@@ -11,8 +11,7 @@ from footfix.errors import UsageError
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
-from footfix.rig.find import legs_of, no_legs
-from footfix.rig.limbs import Pair
+from footfix.rig.figure import Figure, figures
 from footfix.rig.params import RigParams
 from footfix.rig.sample import Sample, sample
 
@@ -25,9 +24,11 @@ _UNITS = (
     ("centimetres", 0.01, 0.35, 1.3),
     ("millimetres", 0.001, 0.35, 1.3),
     ("decimetres", 0.1, 0.6, 1.2),
-    ("CMU units, 17.7 to the metre", 1.0 / 17.7, 0.78, 1.1),
+    ("CMU units, 17.7 to the metre", 1.0 / 17.7, 0.7, 1.12),
+    ("metres, of a small figure", 1.0, 0.12, 0.35),
 )
 _TYPICAL_LEG = 0.9  # [m]
+_CLEAR = 0.25  # evidence by which one up axis must lead
 
 
 @dataclass(frozen=True)
@@ -61,12 +62,9 @@ def survey(clip: Clip, params: RigParams | None = None) -> Survey:
     if params.up is not None and params.up not in AXES:
         raise UsageError(f"rig.up must be one of {', '.join(AXES)}, not {params.up!r}")
     seen = sample(clip, motion_proper(clip))
-    roots = np.flatnonzero(clip.skeleton.parents < 0).tolist()
-    pair = next((found for found in (legs_of(seen, root) for root in roots) if found is not None), None)
-    if pair is None:
-        raise no_legs(clip)
-    unit, unit_notes, unit_origin = _unit(pair.length)
-    up, up_notes = _up(seen, pair)
+    figure = figures(seen, params, y_up=False)[0]
+    unit, unit_notes, unit_origin = _unit(figure.length)
+    up, up_notes = _up(seen, figure)
     return Survey(
         unit_m=params.unit_m or unit,
         up=params.up or up,
@@ -87,26 +85,71 @@ def _unit(leg: float) -> tuple[float, tuple[Note, ...], str]:
     return unit, (note,), f"leg length {leg:.4g} scaled to {_TYPICAL_LEG} m"
 
 
-def _up(seen: Sample, pair: Pair) -> tuple[str, tuple[Note, ...]]:
-    ankles = np.mean([seen.places[:, limb.ankle] for limb in pair.limbs], axis=0)
-    hips = np.mean([seen.places[:, limb.hip] for limb in pair.limbs], axis=0)
-    body = (hips - ankles) / pair.length + 0.5 * _unit_vectors(seen.places.mean(axis=1) - hips)
-    lean = body.mean(axis=0)
-    scores = {
-        axis: float(lean @ vector(axis)) + 0.6 * _steady(seen, axis, pair.length) - 0.02 * AXES.index(axis)
-        for axis in AXES
-    }
-    best = max(AXES, key=lambda axis: scores[axis])
-    second = max((axis for axis in AXES if axis != best), key=lambda axis: scores[axis])
-    if scores[best] - scores[second] < 0.2:
-        return best, (
-            Note(
-                "up-ambiguous",
-                f"up is taken to be {best}; {second} is nearly as likely; set rig.up if it is",
-                "warning",
-            ),
-        )
+def _up(seen: Sample, figure: Figure) -> tuple[str, tuple[Note, ...]]:
+    by_axis = {axis: sum(evidence.values()) for axis, evidence in scores(seen, figure).items()}
+    best, second = sorted(AXES, key=lambda axis: -by_axis[axis])[:2]
+    if by_axis[best] - by_axis[second] < _CLEAR:
+        text = f"up is taken to be {best}; {second} is nearly as likely; set rig.up if it is"
+        return best, (Note("up-ambiguous", text, "warning"),)
     return best, ()
+
+
+def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
+    """What speaks for each axis being up: axis -> kind of evidence -> its weight."""
+    ankles = np.mean([seen.places[:, limb.ankle] for limb in figure.limbs], axis=0)
+    hips = np.mean([seen.places[:, limb.hip] for limb in figure.limbs], axis=0)
+    lean = ((hips - ankles) / figure.length + 0.5 * _unit_vectors(_trunk(seen, figure) - hips)).mean(axis=0)
+    rest = _at_rest(seen, figure)
+    evidence = {}
+    for axis in AXES:
+        up = vector(axis)
+        heights = seen.places @ up
+        ground = _ground(heights, figure.length)
+        thick = float(np.quantile(np.ptp(heights, axis=1), 0.9)) > 0.08 * figure.length  # else a flat figure
+        evidence[axis] = {
+            "lean": float(lean @ up),
+            "steady": 0.6 * thick * _steady(heights, figure.length),
+            "zero": 0.3 * thick * float(np.exp(-((ground / (0.12 * figure.length)) ** 2))),
+            "lying": 0.6 * thick * _lying(heights, ground, figure.length),
+            "travel": -0.5 * float(np.clip(np.ptp(hips @ up) / figure.length - 1.5, 0.0, 1.0)),
+            "rest": 0.3 * float(rest @ up),
+            "usual": 0.03 * (len(AXES) - AXES.index(axis)),
+        }
+    return evidence
+
+
+def _trunk(seen: Sample, figure: Figure) -> Floats:
+    """(S, 3) the middle of what is not legs."""
+    legs = {joint for limb in figure.limbs for joint in seen.below(limb.branch)}
+    others = [joint for joint in range(len(seen.skeleton)) if joint not in legs]
+    return np.asarray(seen.places[:, others].mean(axis=1))
+
+
+def _at_rest(seen: Sample, figure: Figure) -> Floats:
+    """(3,) where the hips are from the ankles in the rest pose, in leg lengths; joints bear no turns there."""
+    bones = seen.skeleton.offsets
+    spans = [-np.sum([bones[joint] for joint in limb.chain[1:]], axis=0) for limb in figure.limbs]
+    return np.asarray(np.nan_to_num(np.mean(spans, axis=0)) / figure.length)
+
+
+def _ground(heights: Floats, leg: float) -> float:
+    """The height to which the lowest joint comes back most often."""
+    lowest = np.sort(heights.min(axis=1))
+    band = 0.05 * leg
+    count = np.searchsorted(lowest, lowest + band, side="right") - np.arange(len(lowest))
+    first = int(np.argmax(count))
+    return float(np.median(lowest[first : first + int(count[first])]))
+
+
+def _steady(heights: Floats, leg: float) -> float:
+    """How steadily the lowest joint stays at one height, 0 to 1."""
+    low, high = np.quantile(heights.min(axis=1), [0.1, 0.9])
+    return float(np.exp(-(high - low) / (0.15 * leg)))
+
+
+def _lying(heights: Floats, ground: float, leg: float) -> float:
+    """How much of the body is down on the ground, 0 to 1: all of it where somebody lies."""
+    return float((np.abs(heights - ground) < 0.2 * leg).mean())
 
 
 def vector(axis: str) -> Floats:
@@ -118,10 +161,3 @@ def vector(axis: str) -> Floats:
 
 def _unit_vectors(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12))
-
-
-def _steady(seen: Sample, axis: str, leg: float) -> float:
-    """How steadily the lowest point of the body returns to one height, 0 to 1, if this axis is up."""
-    lowest = (seen.places @ vector(axis)).min(axis=1)
-    low, high = np.quantile(lowest, [0.1, 0.9])
-    return float(np.exp(-(high - low) / (0.15 * leg)))

@@ -1,0 +1,194 @@
+"""Which limbs of a clip are the legs of its figures, found or given."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.errors import NoLegsError, UsageError
+from footfix.motion.clip import Floats, Skeleton
+from footfix.rig.limbs import Limb, Pair, limb_of, pairs, toes
+from footfix.rig.names import bare, read
+from footfix.rig.params import LegParams, RigParams
+from footfix.rig.sample import Sample
+
+_LEAST = 1.2  # score below which a pair of limbs is no pair of legs
+_ALIKE = (0.75, 1.35)  # front legs against hind legs, hip to tip; a man's arms have 0.7 of his legs
+_GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
+_MOSTLY = 0.6  # share of the frames in which all four must stand, or two of each pair by turns
+
+
+@dataclass(frozen=True)
+class Figure:
+    """The legs of one figure, before it is known which is left.
+
+    Args:
+        root: the root joint that it hangs from.
+        pelvis: the joint that its (hind) legs hang from.
+        limbs: the legs.
+        toes: the ball joint of each, None without one.
+        names: the name of each, "" until sides are known.
+        sides: "left", "right" or "" of each, as given or as the joints' names say.
+        origin: how they were found: "config", "names and geometry" or "geometry".
+    """
+
+    root: int
+    pelvis: int
+    limbs: tuple[Limb, ...]
+    toes: tuple[int | None, ...]
+    names: tuple[str, ...]
+    sides: tuple[str, ...]
+    origin: str
+
+    @property
+    def length(self) -> float:
+        """Mean length of the legs, hip to ankle along the bones."""
+        return float(np.mean([limb.length for limb in self.limbs]))
+
+
+def figures(seen: Sample, params: RigParams, *, y_up: bool) -> tuple[Figure, ...]:
+    """The figures of a clip that have legs: one for each root that has some.
+
+    Args:
+        seen: frames of the clip.
+        params: legs that are given, if any.
+        y_up: whether y is known to be up; only then can front legs be told from arms.
+
+    Raises:
+        NoLegsError: no figure has legs.
+        UsageError: a joint that is given is not there.
+    """
+    if params.legs:
+        return _given(seen, params.legs)
+    found = []
+    for root in np.flatnonzero(seen.skeleton.parents < 0).tolist():
+        candidates = pairs(seen, root)
+        if candidates and candidates[0].score >= _LEAST:
+            found.append(_figure(seen, root, candidates, y_up))
+    if not found:
+        raise NoLegsError(
+            f"no legs found among {len(seen.skeleton)} joints",
+            hint="if it has some, name their joints in the config under rig: legs:",
+        )
+    return tuple(found)
+
+
+def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figure:
+    hind = candidates[0]
+    front = _front_legs(seen, hind, candidates[1:]) if y_up else None
+    legs, balls, ends = [], [], []
+    for pair, end in ((front, "front"), (hind, "hind" if front else "")):
+        if pair is not None:
+            legs += pair.limbs
+            balls += toes(seen, pair)
+            ends += [end, end]
+    sides = tuple(_named_side(seen.skeleton, limb, toe) for limb, toe in zip(legs, balls, strict=True))
+    origin = "names and geometry" if hind.named > 1.0 else "geometry"
+    return Figure(root, hind.pelvis, tuple(legs), tuple(balls), tuple(ends), sides, origin)
+
+
+def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
+    """The second pair of legs of an animal that stands on four for most of the clip."""
+    taken = {joint for limb in hind.limbs for joint in seen.below(limb.branch)}
+    for pair in sorted(others, key=lambda pair: pair.named - pair.score):
+        apart = all(limb.branch not in taken for limb in pair.limbs) and not any(
+            limb.branch in seen.skeleton.ancestors(hind.pelvis) for limb in pair.limbs
+        )
+        if not apart or pair.score - pair.named < _LEAST:
+            continue
+        ratio = _reach(seen, pair) / _reach(seen, hind)
+        if _ALIKE[0] <= ratio <= _ALIKE[1] and _stand(seen, hind, pair):
+            return pair
+    return None
+
+
+def _reach(seen: Sample, pair: Pair) -> float:
+    return float(np.mean([limb.length + seen.reach[limb.ankle] for limb in pair.limbs]))
+
+
+def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:
+    """Whether both pairs have a foot on the ground for most of the clip."""
+    down = [np.min([_lowest(seen, limb.ankle) for limb in pair.limbs], axis=0) for pair in (hind, front)]
+    near = _GROUND * hind.length
+    ground = float(np.quantile(np.minimum(*down), 0.1))
+    return bool(np.mean((down[0] < ground + near) & (down[1] < ground + near)) > _MOSTLY)
+
+
+def _lowest(seen: Sample, ankle: int) -> Floats:
+    """(S,) height of the lowest point from the ankle down."""
+    joints = list(seen.below(ankle))
+    ends = [e for e, parent in enumerate(seen.skeleton.end_parents.tolist()) if parent in joints]
+    heights = np.concatenate([seen.places[:, joints, 1], seen.ends[:, ends, 1]], axis=1)
+    return np.asarray(heights.min(axis=1))
+
+
+def _named_side(skeleton: Skeleton, limb: Limb, toe: int | None) -> str:
+    joints = (limb.branch, *limb.chain, *(() if toe is None else (toe,)))
+    votes = [read(skeleton.names[joint]).side for joint in joints]
+    left, right = votes.count("left"), votes.count("right")
+    return "left" if left > right else "right" if right > left else ""
+
+
+def _given(seen: Sample, legs: Mapping[str, LegParams]) -> tuple[Figure, ...]:
+    """The figures whose legs the config names."""
+    by_root: dict[int, list[tuple[str, LegParams, Limb]]] = {}
+    for name, leg in legs.items():
+        limb = _given_limb(seen, name, leg)
+        by_root.setdefault(seen.skeleton.ancestors(limb.ankle)[-1], []).append((name, leg, limb))
+    figures = []
+    for root, entries in by_root.items():
+        limbs = tuple(limb for _, _, limb in entries)
+        balls, sides = [], []
+        for name, leg, limb in entries:
+            ball = (
+                None
+                if leg.toe == "none"
+                else joint(seen.skeleton, leg.toe, f"rig.legs.{name}.toe")
+                if leg.toe
+                else None
+            )
+            balls.append(ball if leg.toe else toes(seen, Pair(limb.branch, (limb, limb), 0.0))[0])
+            sides.append(leg.side or read(name).side or _named_side(seen.skeleton, limb, None))
+        shared = set.intersection(*(set(seen.skeleton.ancestors(limb.hip)[1:] or (limb.hip,)) for limb in limbs))
+        names = tuple(name for name, _, _ in entries)
+        figures.append(Figure(root, max(shared), limbs, tuple(balls), names, tuple(sides), "config"))
+    return tuple(figures)
+
+
+def _given_limb(seen: Sample, name: str, leg: LegParams) -> Limb:
+    if not leg.ankle:
+        raise UsageError(f"rig.legs.{name} names no ankle; at least that joint is needed")
+    if leg.side not in ("", "left", "right"):
+        raise UsageError(f"rig.legs.{name}.side must be left or right, not {leg.side!r}")
+    places = {
+        part: joint(seen.skeleton, getattr(leg, part), f"rig.legs.{name}.{part}")
+        for part in ("hip", "knee", "ankle")
+        if getattr(leg, part)
+    }
+    above = seen.skeleton.ancestors(places["ankle"])
+    for part in ("hip", "knee"):
+        if part in places and places[part] not in above[1:]:
+            raise UsageError(f"rig.legs.{name}: {getattr(leg, part)} is not above {leg.ankle} in the skeleton")
+    limb = limb_of(seen, places["ankle"], places.get("knee"), places.get("hip"))
+    if limb is None:
+        raise UsageError(f"rig.legs.{name}: no thigh and shin found above {leg.ankle}; name its hip and knee")
+    return limb
+
+
+def joint(skeleton: Skeleton, name: str, where: str) -> int:
+    """The index of a joint by its name.
+
+    Raises:
+        UsageError: no joint has it, or several do; `where` says which setting asked for it.
+    """
+    for form in (str, bare, lambda text: bare(text).casefold()):
+        hits = [index for index, own in enumerate(skeleton.names) if form(own) == form(name)]
+        if len(hits) == 1:
+            return hits[0]
+        if hits:
+            raise UsageError(f"{where}: {len(hits)} joints are called {name!r}")
+    near = difflib.get_close_matches(name, skeleton.names, 1, 0.5)
+    raise UsageError(f"{where}: no joint is called {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
