@@ -3,12 +3,12 @@
 const NEAR = 0.02;
 
 class Camera {
-  constructor(extent) {
-    this.extent = extent;
+  constructor(radius) {
+    this.radius = radius; // of what is looked at
     this.yaw = 0.6;
     this.pitch = 0.2;
-    this.distance = extent * 2.6;
-    this.target = [0, extent / 2, 0];
+    this.distance = radius;
+    this.target = [0, 0, 0];
     this.pan = [0, 0, 0]; // added to what is followed
   }
 
@@ -18,7 +18,7 @@ class Camera {
   }
 
   zoom(factor) {
-    this.distance = Math.max(this.extent * 0.08, Math.min(this.extent * 40, this.distance * factor));
+    this.distance = Math.max(this.radius * 0.15, Math.min(this.radius * 80, this.distance * factor));
   }
 
   /** Moves the target so that what is under the pointer goes along with it; dx, dy in pixels. */

@@ -44,7 +44,7 @@ function readMotion(packed) {
     joints: { before, after: corrected(before, packed.joints, shown, joints, quantum.joints) },
     points,
     speeds,
-    extent: extentOf(before, shown, joints, packed.floor),
+    size: sizeOf(before, shown, joints, packed.floor),
   };
 }
 
@@ -67,14 +67,26 @@ function corrected(before, packed, shown, joints, quantum) {
   return after;
 }
 
-/** How tall the figure usually is above its floor: the scale of everything that is drawn. */
-function extentOf(positions, shown, joints, floor) {
-  const heights = [];
+/** How large the figure usually is: `height` above its floor and `radius` about its middle. */
+function sizeOf(positions, shown, joints, floor) {
+  const sizes = { height: [], radius: [] };
   for (let i = 0; i < shown; i += Math.max(1, Math.floor(shown / 50))) {
-    let top = 0;
-    for (let j = 0; j < joints; j++) top = Math.max(top, positions[(i * joints + j) * 3 + 1] - floor);
-    heights.push(top);
+    const [low, high] = bounds(positions, i, joints);
+    sizes.height.push(high[1] - Math.min(floor, low[1]));
+    sizes.radius.push(Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2);
   }
-  heights.sort((a, b) => a - b);
-  return Math.max(heights[heights.length >> 1] || 1, 0.05);
+  const usual = (values, rank) => Math.max(values.sort((a, b) => a - b)[Math.floor(values.length * rank)] || 1, 0.05);
+  return { height: usual(sizes.height, 0.5), radius: usual(sizes.radius, 0.9) };
+}
+
+/** The corners of the box about a figure at a shown frame. */
+function bounds(positions, i, joints) {
+  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  for (let at = i * joints * 3; at < (i + 1) * joints * 3; at += 3) {
+    for (let k = 0; k < 3; k++) {
+      low[k] = Math.min(low[k], positions[at + k]);
+      high[k] = Math.max(high[k], positions[at + k]);
+    }
+  }
+  return [low, high];
 }

@@ -123,7 +123,8 @@ def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
         rig.tracks(rig.pose(clip.frames(frames))) for frames in (behind, ahead)
     ]
     steps = np.stack([b - a for a, b in zip(*tracks, strict=True)], axis=1)  # (D, E, 3) [m]
-    return np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]
+    speeds: Floats = np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]
+    return speeds
 
 
 _JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # what one step of the packed integers means [m, m, m/s]

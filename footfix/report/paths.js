@@ -7,7 +7,7 @@ class PathMap {
     this.after = this.track(motion.joints.after);
     const all = [...this.before, ...this.after];
     const span = (k) => all.reduce(([low, high], place) => [Math.min(low, place[k]), Math.max(high, place[k])], [Infinity, -Infinity]);
-    const reach = motion.extent * 0.25; // feet stand beside the root's way
+    const reach = motion.size.height * 0.25; // feet stand beside the root's way
     this.box = [span(0), span(1)].map(([low, high]) => [low - reach, high + reach]);
     canvas.addEventListener("click", (event) => this.jump(event));
   }
@@ -150,7 +150,8 @@ class DriftPlot {
     context.font = theme.small;
     context.textAlign = "right";
     context.textBaseline = "middle";
-    const marks = [0, this.high, ...(y(this.low) - y(0) > 16 ? [this.low] : [])];
+    const apart = (value) => value === 0 || Math.abs(y(value) - y(0)) > 16;
+    const marks = [0, this.high, this.low].filter((value, k) => (k === 0 || value !== 0) && apart(value));
     for (const value of marks) {
       context.fillStyle = theme.muted;
       context.fillText(`${value.toFixed(0)} mm`, 56, y(value));

@@ -34,40 +34,46 @@ def tiles(report: Report, verdict: Verdict) -> str:
     """The numbers of the first screen."""
     parts = []
     if verdict.plants:
-        pinned = Counter(str(plant.get("outcome")) for plant in report.get("plants") or ())
-        fate = ", ".join(f"{count} {text(outcome)}" for outcome, count in pinned.most_common() if outcome != "None")
-        parts.append(_tile("Footplants found", str(verdict.plants), "", fate))
-        parts.append(
-            _tile(f"Slide more than {NOTICED_MM:g} mm", f"{verdict.over_before}", f"{verdict.over_after}", "plants")
-        )
-        parts.append(_tile("Longest slide", f"{verdict.worst_before:.0f}", f"{verdict.worst_after:.0f}", "mm"))
-    parts += [_tile(row.label, row.before, row.after, row.unit) for row in measure_rows(report) if row.headline]
-    correction: Report = report.get("correction") or {}
-    drift = number(correction.get("root_path_drift_m"))
+        parts.append(_tile("Footplants", "", str(verdict.plants)))
+        parts.append(_tile(f"Slide over {NOTICED_MM:g} mm", "", str(verdict.over_before), str(verdict.over_after)))
+        parts.append(_tile("Longest slide", "mm", f"{verdict.worst_before:.0f}", f"{verdict.worst_after:.0f}"))
+    parts += [
+        _tile(row.headline, row.unit, row.before, row.after, row.worse) for row in measure_rows(report) if row.headline
+    ]
+    drift = number((report.get("correction") or {}).get("root_path_drift_m"))
     if drift is not None:
-        shift = number(correction.get("max_root_shift_mm"))
-        parts.append(
-            _tile("Drift of the root's path", f"{100.0 * drift:.1f}", "", "cm" + _most(shift, "mm at most"))
-        )
+        parts.append(_tile("Drift of the path", "cm", f"{100.0 * drift:.1f}"))
     return "".join(parts)
 
 
-def _most(value: float | None, unit: str) -> str:
-    return "" if value is None else f"; shifted {value:.0f} {unit}"
-
-
-def _tile(label: str, before: str, after: str, unit: str) -> str:
-    """One number, or one before and one after; the figures are our own, the label is escaped."""
-    figure = f"<b>{before}</b>"
+def _tile(label: str, unit: str, before: str, after: str = "", worse: bool = False) -> str:
+    """One number, or one before and one after; a triangle where it got worse."""
+    figure = f"<b>{text(before)}</b>"
     if after:
         figure = (
-            f'<span class="was">{before}</span><span class="to" aria-hidden="true">→</span>'
-            f'<span class="unseen"> before, </span><b>{after}</b><span class="unseen"> after</span>'
+            f'<span class="was">{text(before)}</span><span class="to" aria-hidden="true">→</span>'
+            f'<span class="unseen"> before, </span><b>{text(after)}</b><span class="unseen"> after</span>'
         )
-    return f"<div><dt>{text(label)}</dt><dd>{figure} <small>{unit}</small></dd></div>"
+    if worse:
+        figure += '<span class="worse" title="more than before">▲<span class="unseen"> more than before</span></span>'
+    return f"<div><dt>{text(label)}{f' <small>{text(unit)}</small>' if unit else ''}</dt><dd>{figure}</dd></div>"
 
 
-def fate_list(report: Report) -> str:
+_FATES = (
+    ("pinned", "pinned to their places"),
+    ("kept", "kept as they were, still enough"),
+    ("partly", "held in part"),
+    ("released", "let go"),
+)
+
+
+def fate(report: Report) -> str:
+    """What became of the plants, in a line."""
+    counts = Counter(str(plant.get("outcome")) for plant in report.get("plants") or ())
+    return ", ".join(f"{counts[key]} {words}" for key, words in _FATES if counts[key])
+
+
+def released_list(report: Report) -> str:
     """What was let go, and why."""
     return "".join(f"<li>{text(line)}</li>" for line in released(report))
 
@@ -75,7 +81,8 @@ def fate_list(report: Report) -> str:
 def measures_table(report: Report) -> str:
     """The measures before and after, as table rows."""
     return "\n".join(
-        f'<tr><th scope="row">{text(row.label)}</th><td>{row.before}</td><td>{row.after}</td>'
+        f'<tr><th scope="row">{text(row.label)}</th><td>{row.before}</td>'
+        f"<td>{'▲ ' if row.worse else ''}{row.after}</td>"
         f"<td>{text(row.unit)}</td></tr>"
         for row in measure_rows(report)
     )
@@ -109,9 +116,10 @@ def _plant_row(plant: Report, longest: float) -> str:
         f'<td data-value="{start}">{start}–{end}</td>'
         f"<td>{_figure(before)}</td><td>{_figure(after)}</td>"
         f'<td data-value="{after or 0.0:.3f}">{_bars(before, after, longest)}</td>'
+        f'<td class="word">{text(outcome)}</td>'
         f"<td>{_figure(number(plant.get('penetration_after_mm')))}</td>"
         f"<td>{_figure(number(plant.get('residual_mm')))}</td>"
-        f'<td>{text(outcome)}{f" <small>{text(reason)}</small>" if reason else ""}</td></tr>'
+        f"<td>{text(reason)}</td></tr>"
     )
 
 
@@ -132,8 +140,8 @@ def _bars(before: float | None, after: float | None, longest: float) -> str:
 def plants_caption(plants: Sequence[Report]) -> str:
     """Says so where the table does not hold every plant."""
     if len(plants) <= MOST_PLANTS:
-        return "Worst first. Click a plant to see it in a loop."
-    return f"The worst {MOST_PLANTS} of {len(plants)} plants. Click a plant to see it in a loop."
+        return "How far each plant slides, the worst first. Click one to see it in a loop; the ring on the floor is 21 mm."
+    return f"The worst {MOST_PLANTS} of {len(plants)} plants, by how far they slide. Click one to see it in a loop."
 
 
 def notes_list(notes: Sequence[Report]) -> str:

@@ -1,25 +1,26 @@
 // The stage: the figure before and after on its floor, drawn with a painter's order on a 2D canvas.
 
+const NOTICED = 0.021; // a slide that viewers notice [m]
+
 class Stage {
   constructor(canvas, motion, player, contacts) {
     Object.assign(this, { canvas, motion, player, contacts });
     this.show = { before: true, trails: true, prints: true, follow: true };
-    this.camera = new Camera(motion.extent);
+    this.camera = new Camera(motion.size.radius);
     this.closeUp = null; // [x, y, z] of a plant that is looked at, or null for the whole figure
     this.bones = motion.parents.flatMap((parent, joint) => (parent >= 0 ? [[parent, joint]] : []));
     this.sides = sidesOf(motion);
     this.feet = feetOf(motion, contacts.effectors);
     this.path = smoothPath(motion);
-    this.camera.target = this.restingTarget();
+    this.frame(null);
     this.view("three-quarter");
   }
 
   // ---- where to look -------------------------------------------------------------------------------
 
   restingTarget() {
-    const { index } = this.player;
-    const half = this.motion.floor + this.motion.extent * 0.47;
-    return [this.path[index * 3], Math.max(half, this.path[index * 3 + 1] * 0.9), this.path[index * 3 + 2]];
+    const at = this.player.index * 3;
+    return [this.path[at], this.path[at + 1], this.path[at + 2]];
   }
 
   /** Looks at the figure from its front, side or top, or from three quarters. */
@@ -36,7 +37,7 @@ class Stage {
   frame(place) {
     this.closeUp = place;
     this.camera.pan = [0, 0, 0];
-    this.camera.distance = this.motion.extent * (place ? 0.75 : 2.6);
+    this.camera.distance = place ? this.motion.size.height * 0.75 : this.motion.size.radius * 3.7;
     this.camera.target = place || this.restingTarget();
   }
 
@@ -53,6 +54,7 @@ class Stage {
     context.lineCap = context.lineJoin = "round";
     this.drawGrid();
     if (this.show.prints) this.drawPrints();
+    this.drawChosen();
     this.drawShadow();
     if (this.show.trails) this.drawTrails();
     if (this.show.before) this.drawGhost();
@@ -116,7 +118,7 @@ class Stage {
     const cz = Math.round((camera.target[2] + camera.pan[2]) / this.square);
     const floor = this.motion.floor;
     context.strokeStyle = this.theme.line;
-    for (let ring = 0; ring < 4; ring++) context.lineWidth = 1;
+    context.lineWidth = 1;
     const layers = [[], [], [], []];
     for (let a = -reach; a <= reach; a++) {
       for (let b = -reach; b < reach; b++) {
@@ -147,7 +149,7 @@ class Stage {
   drawPrints() {
     const { motion, player, theme } = this;
     const near = 4 / motion.frameTime;
-    const thick = Math.max(1.5, Math.min(4, this.camera.focal * motion.extent * 0.004 / this.camera.distance));
+    const thick = Math.max(1.5, Math.min(4, this.camera.focal * motion.size.height * 0.004 / this.camera.distance));
     this.contacts.lanes.forEach((lane, k) => {
       if (k >= motion.soles.length) return;
       for (const contact of lane) {
@@ -164,6 +166,22 @@ class Stage {
         this.context.globalAlpha = 1;
       }
     });
+  }
+
+  /** The plant that is looked at: its way before and after, and around its place how far viewers let it slide. */
+  drawChosen() {
+    const { selection } = this.contacts;
+    if (!selection || selection.lane >= this.motion.soles.length) return;
+    const { lane, contact } = selection;
+    const is = this.printOf(this.motion.points.after, lane, contact);
+    const [x, y, z] = is[is.length >> 1];
+    const ring = Array.from({ length: 49 }, (_, k) => {
+      const turn = (k / 48) * 2 * Math.PI;
+      return [x + NOTICED * Math.cos(turn), y, z + NOTICED * Math.sin(turn)];
+    });
+    this.trace(ring, this.theme.ink, 1.2, { dash: [3, 3] });
+    this.trace(this.printOf(this.motion.points.before, lane, contact), this.theme.was, 3);
+    this.trace(is, this.sideColor(lane), 3);
   }
 
   /** The way of a sole point over the floor during a contact, at the height it has on average. */
@@ -187,7 +205,7 @@ class Stage {
       context.moveTo(line[0][0], line[0][1]);
       context.lineTo(line[1][0], line[1][1]);
     }
-    context.lineWidth = Math.max(3, (camera.focal * motion.extent * 0.03) / camera.distance);
+    context.lineWidth = Math.max(3, Math.min(18, (camera.focal * motion.size.height * 0.03) / camera.distance));
     context.strokeStyle = this.theme.shadow;
     context.stroke();
   }
@@ -210,7 +228,7 @@ class Stage {
 
   drawGhost() {
     const { motion, theme, context } = this;
-    const width = Math.max(1.2, (this.camera.focal * motion.extent * 0.006) / this.camera.distance);
+    const width = Math.max(1.2, Math.min(2.4, (this.camera.focal * motion.size.height * 0.006) / this.camera.distance));
     for (const [a, b] of this.bones) {
       this.trace([this.joint(motion.joints.before, a), this.joint(motion.joints.before, b)], theme.was, width);
     }
@@ -248,7 +266,7 @@ class Stage {
   drawBone([from, to], side) {
     const { context, camera, motion, theme } = this;
     const depth = (from[2] + to[2]) / 2;
-    const width = Math.max(2, Math.min(14, (camera.focal * motion.extent * 0.013) / depth));
+    const width = Math.max(2, Math.min(9, (camera.focal * motion.size.height * 0.013) / depth));
     const line = () => {
       context.beginPath();
       context.moveTo(from[0], from[1]);
@@ -328,17 +346,20 @@ function headingAt({ joints, parents, hips, root, shown }, index) {
   return Math.atan2(x, z);
 }
 
-/** The root's way, smoothed over a second, so that a camera that follows does not bob. */
-function smoothPath({ joints, parents, root, shown, step, frameTime }) {
+/** The way of the figure's middle, smoothed over a second, so that a camera that follows does not bob. */
+function smoothPath({ joints, parents, shown, step, frameTime }) {
+  const middles = Array.from({ length: shown }, (_, i) => {
+    const [low, high] = bounds(joints.after, i, parents.length);
+    return low.map((value, k) => (value + high[k]) / 2);
+  });
   const half = Math.round(0.5 / (frameTime * step));
   const path = new Float32Array(shown * 3);
   for (let k = 0; k < 3; k++) {
-    const value = (i) => joints.after[(Math.max(0, Math.min(shown - 1, i)) * parents.length + root) * 3 + k];
-    let sum = 0;
-    for (let i = -half; i <= half; i++) sum += value(i);
+    const sums = [0];
+    for (const middle of middles) sums.push(sums[sums.length - 1] + middle[k]);
     for (let i = 0; i < shown; i++) {
-      path[i * 3 + k] = sum / (2 * half + 1);
-      sum += value(i + half + 1) - value(i - half);
+      const reach = Math.min(half, i, shown - 1 - i);
+      path[i * 3 + k] = (sums[i + reach + 1] - sums[i - reach]) / (2 * reach + 1);
     }
   }
   return path;

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from footfix.report.verdict import Report, judge, measure_rows, number, source_name
+from footfix.report.verdict import Report, Row, judge, measure_rows, number, source_name
 
 _SEVERITIES = ("error", "warning")
 _FATES = {"released": "let go", "partly": "held only in part"}
+_PLAIN_UNITS = {"10² m/s³": "x 100 m/s^3", "°": "deg", "°/s": "deg/s", "m/s²": "m/s^2"}  # for terminals without Unicode
 _FIGURE = re.compile(r"\d+(?:\.\d+)?")
 
 
@@ -29,9 +30,9 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
         lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm")
     if verbose:
         width = max((len(row.label) for row in rows), default=0)
-        lines += [f"  {row.label:<{width}}  {row.before:>8} -> {row.after:>8} {row.unit}" for row in rows]
+        lines += [f"  {row.label:<{width}}  {row.before:>8} -> {row.after:>8} {_unit(row)}" for row in rows]
     elif rows:
-        figures = (f"{row.label[0].lower()}{row.label[1:]} {row.before} -> {row.after} {row.unit}" for row in rows)
+        figures = (f"{row.headline.lower()} {row.before} -> {row.after} {_unit(row)}" for row in rows)
         lines.append("  " + ", ".join(figures))
     drift = number((report.get("correction") or {}).get("root_path_drift_m"))
     if drift is not None and drift >= 0.0005:
@@ -66,8 +67,12 @@ def released(report: Report) -> list[str]:
 def _ranged(reasons: Sequence[str]) -> str:
     """One sentence for many that differ only in their figures."""
     columns = [sorted(set(column), key=float) for column in zip(*map(_FIGURE.findall, reasons), strict=True)]
-    ranges = iter(column[0] if len(column) == 1 else f"{column[0]} to {column[-1]}" for column in columns)
+    ranges = iter(column[0] if len(column) == 1 else f"{column[0]}-{column[-1]}" for column in columns)
     return _FIGURE.sub(lambda _: next(ranges), reasons[0])
+
+
+def _unit(row: Row) -> str:
+    return _PLAIN_UNITS.get(row.unit, row.unit)
 
 
 def printable(text: str) -> str:

@@ -33,7 +33,7 @@ class Timeline {
       }
       for (const speed of motion.speeds[when]) fast = Math.max(fast, speed);
     }
-    const near = { height: roundStep(motion.extent * 0.13), speed: roundStep(motion.extent * 0.7) };
+    const near = { height: roundStep(motion.size.height * 0.13), speed: roundStep(motion.size.height * 0.7) };
     near.bottom = Math.max(low, -near.height / 4);
     return { near, whole: { height: Math.max(high, 0.01), speed: Math.max(fast, 0.1), bottom: Math.min(low, 0) } };
   }

@@ -113,9 +113,10 @@ class Measure:
         key: its key in the report.
         label: for people.
         unit: "" where it has none.
-        scale: factor to that unit.
         digits: decimals.
-        headline: whether it stands on the first screen.
+        scale: factor to that unit.
+        headline: its label on the first screen, "" where it does not stand there.
+        tolerance: what it may grow by, in its unit, before that is called worse; None where more is not worse.
     """
 
     key: str
@@ -123,25 +124,26 @@ class Measure:
     unit: str
     digits: int
     scale: float = 1.0
-    headline: bool = False
+    headline: str = ""
+    tolerance: float | None = 0.0
 
 
 MEASURES = (
     Measure("slide_mm", "Longest slide of a plant", "mm", 1),
-    Measure("slide_median_mm", "Median slide of the plants", "mm", 1, headline=True),
+    Measure("slide_median_mm", "Median slide of the plants", "mm", 1, headline="Median slide", tolerance=0.5),
     Measure("share_over_21mm", "Plants that slide more than 21 mm", "%", 0, 100.0),
     Measure("yaw_deg", "Largest turn of a planted foot", "°", 1),
-    Measure("skate_cm_s", "Mean speed while planted", "cm/s", 1, headline=True),
+    Measure("skate_cm_s", "Mean speed while planted", "cm/s", 1, headline="Planted speed", tolerance=0.5),
     Measure("skate_worst_cm_s", "Highest speed while planted", "cm/s", 1),
-    Measure("coverage", "Contact share of the clip", "%", 1, 100.0),
-    Measure("penetration_mm", "Deepest below the floor", "mm", 1, headline=True),
+    Measure("coverage", "Contact share of the clip", "%", 1, 100.0, tolerance=None),
+    Measure("penetration_mm", "Deepest below the floor while planted", "mm", 1, headline="Below floor", tolerance=0.5),
     Measure("float_mm", "Highest above the floor while planted", "mm", 1),
     Measure("skating_ratio", "Foot skating ratio (GMD, OmniControl)", "%", 2, 100.0),
     Measure("weighted_skate_cm_s", "Height-weighted skate (MANN)", "cm/s", 2),
     Measure("phys_penetrate_mm", "Penetrate (PhysDiff)", "mm", 2),
     Measure("phys_float_mm", "Float (PhysDiff)", "mm", 2),
     Measure("phys_skate_mm", "Skate (PhysDiff)", "mm", 2),
-    Measure("jitter_100m_s3", "Jitter", "10² m/s³", 2, headline=True),
+    Measure("jitter_100m_s3", "Jitter", "10² m/s³", 2, headline="Jitter", tolerance=0.1),
     Measure("peak_acceleration_m_s2", "Peak leg acceleration", "m/s²", 1),
     Measure("peak_knee_speed_deg_s", "Peak knee speed", "°/s", 0),
 )
@@ -154,14 +156,16 @@ class Row:
     Args:
         label, unit: of the measure.
         before, after: as text; "–" where it was not measured.
-        headline: whether it stands on the first screen.
+        headline: its label on the first screen, "" where it does not stand there.
+        worse: whether it grew so much that a person should know.
     """
 
     label: str
     unit: str
     before: str
     after: str
-    headline: bool
+    headline: str
+    worse: bool
 
 
 def measure_rows(report: Report) -> list[Row]:
@@ -172,6 +176,15 @@ def measure_rows(report: Report) -> list[Row]:
     for measure in MEASURES:
         pair = number(before.get(measure.key)), number(after.get(measure.key))
         if pair != (None, None):
-            first, second = ("–" if v is None else f"{v * measure.scale:.{measure.digits}f}" for v in pair)
-            rows.append(Row(measure.label, measure.unit, first, second, measure.headline))
+            digits = 0 if max(value or 0.0 for value in pair) * measure.scale >= 100.0 else measure.digits
+            first, second = ("–" if value is None else f"{value * measure.scale:.{digits}f}" for value in pair)
+            worse = _is_worse(measure, *pair)
+            rows.append(Row(measure.label, measure.unit, first, second, measure.headline, worse))
     return rows
+
+
+def _is_worse(measure: Measure, before: float | None, after: float | None) -> bool:
+    """Whether a measure grew by a tenth and by more than it is allowed."""
+    if before is None or after is None or measure.tolerance is None:
+        return False
+    return after * measure.scale > max(1.1 * before * measure.scale, before * measure.scale + measure.tolerance)
