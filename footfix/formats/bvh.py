@@ -48,6 +48,7 @@ class Document:
         rows: the numbers, and where they stand.
         frame_time: [s]; a plausible one where the file's own makes no sense.
         notes: what was assumed, and what is wrong.
+        base: (J, 3) what position channels are counted from, in file units.
         unit_m: [m] one unit of the file.
         up: the file's upward axis: "y", "-y", "z", "-z", "x" or "-x".
     """
@@ -60,6 +61,7 @@ class Document:
     rows: Rows
     frame_time: float
     notes: tuple[Note, ...]
+    base: Floats
     unit_m: float = 1.0
     up: str = "y"
 
@@ -76,7 +78,7 @@ class Document:
     @cached_property
     def file_clip(self) -> Clip:
         """The motion in the file's units and axes."""
-        return bvh_channels.to_clip(self.skeleton, self.channels, self.values, self.frame_time)
+        return bvh_channels.to_clip(self.skeleton, self.channels, self.values, self.base, self.frame_time)
 
     @cached_property
     def clip(self) -> Clip:
@@ -135,7 +137,7 @@ def encode(document: Document, clip: Clip | None = None) -> bytes:
         if clip.positions.shape != document.clip.positions.shape:
             raise ValueError(f"the clip is {clip.positions.shape}, the file {document.clip.positions.shape}")
         found = bvh_channels.changes(
-            document.channels, document.values, document.clip, clip, document.unit_m, document.up
+            document.channels, document.values, document.base, document.clip, clip, document.unit_m, document.up
         )
         text = splice(text, document.rows, list(found))
     return text.decode("utf-8").encode(document.encoding) if document.encoding else text
@@ -158,7 +160,8 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
     _settle(cursor, tree, columns, len(rows.values))
     seconds = frame_time(headings, notes)
     skeleton = tree.skeleton()
-    look_over(tree, skeleton, headings, rows, notes)
+    base = bvh_channels.position_base(skeleton, tree.channels, rows.values)
+    look_over(tree, skeleton, headings, rows, base, notes)
     return Document(
         name=name,
         text=text,
@@ -168,6 +171,7 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
         rows=replace(rows, values=frozen(rows.values)),
         frame_time=seconds,
         notes=tuple(sorted(notes.found, key=lambda note: (note.line or 0, note.column or 0))),
+        base=frozen(base),
     )
 
 

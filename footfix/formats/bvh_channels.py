@@ -33,7 +33,23 @@ def joint_channels(channels: Sequence[Channel], joints: int, kind: str) -> list[
     return found
 
 
-def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, frame_time: float) -> Clip:
+def position_base(skeleton: Skeleton, channels: Sequence[Channel], values: Floats) -> Floats:
+    """(J, 3) what position channels are counted from, in file units.
+
+    Zero, for they take the place of the OFFSET. But where those of a joint below the root never leave zero, and
+    its OFFSET is not zero, the exporter counts from the OFFSET: else the bone would have no length.
+    """
+    base = np.zeros((len(skeleton), 3))
+    for joint, columns in enumerate(joint_channels(channels, len(skeleton), "P")):
+        below = columns and skeleton.parents[joint] >= 0 and skeleton.offsets[joint].any()
+        if below and len(values) and not any(values[0, c] or values[:, c].any() for c, _ in columns):
+            base[joint] = skeleton.offsets[joint]
+    return base
+
+
+def to_clip(
+    skeleton: Skeleton, channels: Sequence[Channel], values: Floats, base: Floats, frame_time: float
+) -> Clip:
     """The motion in units and axes of the file.
 
     Position channels take the place of the OFFSET; an axis without one keeps the OFFSET's value.
@@ -42,6 +58,7 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, fra
         skeleton: in the file's units and axes.
         channels: what each column of `values` is.
         values: (F, C) as in the file: its units, degrees.
+        base: (J, 3) what positions are counted from.
         frame_time: [s].
     """
     joints, frames = len(skeleton), len(values)
@@ -57,7 +74,7 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, fra
         block = np.ascontiguousarray(values[start : start + _BLOCK].T)  # (C, frames of the block)
         span = slice(start, start + block.shape[1])
         for column, joint, axis in moves:
-            positions[joint, axis, span] = block[column]
+            positions[joint, axis, span] = block[column] + base[joint, axis]
         for order, group in orders.items():
             if not order:
                 rotations[group, :, span] = rotation.identity()[:, None]
@@ -135,7 +152,7 @@ class Change:
 
 
 def changes(
-    channels: Sequence[Channel], values: Floats, old: Clip, new: Clip, unit_m: float, up: str
+    channels: Sequence[Channel], values: Floats, base: Floats, old: Clip, new: Clip, unit_m: float, up: str
 ) -> Iterator[Change]:
     """What is to be written so that the file says `new` where it says `old`.
 
@@ -146,6 +163,7 @@ def changes(
     Args:
         channels: what each column of `values` is.
         values: (F, C) of the file.
+        base: (J, 3) what its positions are counted from.
         old: the clip that the file says, [m], y up.
         new: the clip that is wanted; the same skeleton and frames.
         unit_m: metres in a unit of the file.
@@ -156,7 +174,8 @@ def changes(
     for joint in range(joints):
         axes = AXES[up] if old.skeleton.parents[joint] < 0 else AXES["y"]
         if moves[joint] and new.positions is not old.positions:
-            yield from _moved(moves[joint], old.positions[:, joint], new.positions[:, joint], unit_m, axes)
+            for change in _moved(moves[joint], old.positions[:, joint], new.positions[:, joint], unit_m, axes):
+                yield replace(change, values=change.values - base[joint, channels[change.column].axis])
         if turns[joint] and new.rotations is not old.rotations:
             turned: Bools = np.asarray(_differs(old.rotations[:, joint], new.rotations[:, joint]).any(axis=1))
             if turned.any():

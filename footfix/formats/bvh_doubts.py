@@ -10,7 +10,7 @@ from footfix.formats.bvh_hierarchy import Hierarchy
 from footfix.formats.bvh_motion import Headings, Rows
 from footfix.formats.bvh_numbers import number
 from footfix.formats.bvh_text import Notes, readable
-from footfix.motion.clip import Skeleton
+from footfix.motion.clip import Floats, Skeleton
 
 USUAL_FRAME_TIME = 1.0 / 30.0  # [s] where a file says nothing of use
 HUGE = 1e9  # no place and no angle is so large in any unit
@@ -63,11 +63,12 @@ def _not_seconds(value: float, at: int, notes: Notes) -> float:
     return value / 1000.0
 
 
-def look_over(tree: Hierarchy, skeleton: Skeleton, headings: Headings, rows: Rows, notes: Notes) -> None:
+def look_over(tree: Hierarchy, skeleton: Skeleton, headings: Headings, rows: Rows, base: Floats, notes: Notes) -> None:
     """Adds what is odd and still readable."""
     _frame_count(headings, len(rows.values), notes)
     _text(rows, notes)
     _joints(tree, skeleton, notes)
+    _odd_channels(tree, skeleton, base, notes)
     if rows.values.size:
         _values(tree, rows, notes)
 
@@ -131,10 +132,9 @@ def _joints(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
                   joints=tuple(names[j] for j in beside))  # fmt: skip
     if len(names) > 1 and not np.any(skeleton.offsets[1:]) and not np.any(skeleton.end_offsets):
         notes.add("offsets-zero", "every OFFSET is 0 0 0: the figure has no size", "warning", at=places[0])
-    _odd_channels(tree, skeleton, notes)
 
 
-def _odd_channels(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
+def _odd_channels(tree: Hierarchy, skeleton: Skeleton, base: Floats, notes: Notes) -> None:
     names, places = tree.names, tree.places
     moved = {channel.joint for channel in tree.channels if channel.kind == "P"}
     turned = Counter(channel.joint for channel in tree.channels if channel.kind == "R")
@@ -146,7 +146,11 @@ def _odd_channels(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
     if partly:
         notes.add("rotation-partial", "joints with other than three rotation channels", at=places[partly[0]],
                   joints=tuple(names[j] for j in partly))  # fmt: skip
-    free = [j for j in sorted(moved) if tree.parents[j] >= 0]
+    added = np.flatnonzero(base.any(axis=1)).tolist()
+    if added:
+        notes.add("positions-zero", f"{len(added)} joints have position channels that stay at zero; read as counted "
+                  "from the OFFSET", "warning", at=places[added[0]], joints=tuple(names[j] for j in added))  # fmt: skip
+    free = [j for j in sorted(moved) if tree.parents[j] >= 0 and not base[j].any()]
     if free:
         notes.add("positions-below-root", f"{len(free)} joints below the root have position channels; they take the "
                   "place of the OFFSET", at=places[free[0]], joints=tuple(names[j] for j in free))  # fmt: skip

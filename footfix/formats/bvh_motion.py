@@ -32,7 +32,7 @@ class Rows:
             in its place.
         start, stop: where the numbers begin and end in it.
         first: (F,) for each row the index of its first word, or None where row f begins at word f C.
-        whole: (F,) rows with all their numbers, or None where all rows are so.
+        width: (F,) for each row how many words it has, or None where all have C or more.
         comma: numbers are written with a decimal comma.
     """
 
@@ -41,7 +41,7 @@ class Rows:
     start: int
     stop: int
     first: Ints | None = None
-    whole: Bools | None = None
+    width: Ints | None = None
     comma: bool = False
 
 
@@ -128,12 +128,12 @@ def _read_irregular(cursor: Cursor, layouts: list[int], declared: int | None) ->
             break
     else:
         raise _misfit(cursor, starts, firsts, counts, layouts)
-    first, whole = found
-    if len(first) and whole is None and np.array_equal(first, np.arange(len(first)) * columns):
+    first, width = found
+    if len(first) and width is None and np.array_equal(first, np.arange(len(first)) * columns):
         stop = int(ends[first[-1] + columns - 1])
         rows = Rows(values[: len(first) * columns].reshape(-1, columns), text, start, stop, comma=comma)
     else:
-        rows = _gather(Rows(values, text, start, stop, first, whole, comma), columns)
+        rows = _gather(Rows(values, text, start, stop, first, width, comma), columns)
     _note_strange(cursor, rows, starts, ends, strange & keep)
     return rows
 
@@ -222,8 +222,8 @@ def _line_counts(line: Ints, keep: Bools) -> tuple[Ints, Ints]:
 
 def _arrange(
     cursor: Cursor, starts: Ints, firsts: Ints, counts: Ints, columns: int, declared: int | None
-) -> tuple[Ints, Bools | None] | None:
-    """How lines make up rows of `columns` numbers: where each row begins, and which rows are whole."""
+) -> tuple[Ints, Ints | None] | None:
+    """How lines make up rows of `columns` numbers: where each row begins, and how long rows are if some are short."""
     notes, total, right = cursor.notes, int(counts.sum()), counts == columns
     tidy = np.array_equal(firsts, np.cumsum(counts) - counts)  # nothing was passed over between the rows
     if 2 * right.sum() < len(counts) and tidy and _is_wrapped(counts, columns, declared):
@@ -245,7 +245,7 @@ def _arrange(
             notes.add(f"row-{kind}", f"{len(frames)} of {len(counts)} rows too {kind}: frame {frames[0]} has "
                       f"{counts[frames[0]]} numbers where the channels ask for {columns}; {what}", "warning",
                       at=int(starts[firsts[frames[0]]]), start=int(frames[0]), end=int(frames[-1]) + 1)  # fmt: skip
-    return firsts, counts >= columns if np.any(counts < columns) else None
+    return firsts, counts if np.any(counts < columns) else None
 
 
 def _is_wrapped(counts: Ints, columns: int, declared: int | None) -> bool:
@@ -282,9 +282,9 @@ def _gather(rows: Rows, columns: int) -> Rows:
     assert first is not None
     index = first[:, None] + np.arange(columns)
     values = flat[np.minimum(index, len(flat) - 1)]
-    if rows.whole is None:
+    if rows.width is None:
         return replace(rows, values=values)
-    good, bad = np.flatnonzero(rows.whole), np.flatnonzero(~rows.whole)
+    good, bad = np.flatnonzero(rows.width >= columns), np.flatnonzero(rows.width < columns)
     before = good[np.maximum(np.searchsorted(good, bad) - 1, 0)]
     after = good[np.minimum(np.searchsorted(good, bad), len(good) - 1)]
     share = np.where(after > before, (bad - before) / np.maximum(after - before, 1), 0.0)[:, None]
@@ -308,7 +308,11 @@ def _note_strange(cursor: Cursor, rows: Rows, starts: Ints, ends: Ints, strange:
         )  # fmt: skip
 
 
-def consecutive(first: Ints, columns: int) -> list[tuple[int, int]]:
-    """Stretches of rows `[a, b)` whose words follow one another without a gap."""
-    breaks = np.flatnonzero(np.diff(first) != columns) + 1
-    return list(pairwise([0, *breaks.tolist(), len(first)]))
+def consecutive(rows: Rows) -> list[tuple[int, int]]:
+    """Stretches of rows `[a, b)` whose words follow one another without a gap; a short row is its own."""
+    assert rows.first is not None
+    columns = rows.values.shape[1]
+    breaks = np.diff(rows.first) != columns
+    if rows.width is not None:
+        breaks |= rows.width[1:] < columns
+    return list(pairwise([0, *(np.flatnonzero(breaks) + 1).tolist(), len(rows.first)]))

@@ -39,23 +39,33 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> bytes:
             break
         span = slice(frame, frame + len(starts))
         here = [change for change in changed if change.frames[span].any()] if span.stop > first else []
-        if here:
+        if here and starts.shape[1] < rows.values.shape[1]:
+            pieces += [view[done : int(starts[0, 0])], _row_text(rows, frame, here)]
+            done = int(ends[0, -1])
+        elif here:
             done = _splice_block(view, rows, span, starts, ends, here, pieces, done)
     pieces.append(view[done:])
     return b"".join(pieces)
 
 
+def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
+    """A row that lacks numbers can't be mended number by number: all of it anew."""
+    values = rows.values[frame].copy()
+    for change in changed:
+        values[change.column] = change.values[frame]
+    text = b" ".join(word.tobytes().translate(None, b"\0") for word in fixed(values, LEAST_DECIMALS))
+    return text.replace(b".", b",") if rows.comma else text
+
+
 def _row_blocks(rows: Rows) -> Iterator[RowBlock]:
-    """The places of all numbers, some thousand rows at a time; rows that lack numbers are left out."""
+    """The places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
     columns = rows.values.shape[1]
     if rows.first is not None:
         starts, ends = tokens(rows.text, rows.start, rows.stop)
-        whole = np.ones(len(rows.first), dtype=np.bool_) if rows.whole is None else rows.whole
-        for a, b in consecutive(rows.first, columns):
-            for f in np.flatnonzero(whole[a:b]).tolist() if not whole[a:b].all() else [None]:
-                begin, stop = (a, b) if f is None else (a + f, a + f + 1)
-                which = slice(int(rows.first[begin]), int(rows.first[begin]) + (stop - begin) * columns)
-                yield begin, starts[which].reshape(-1, columns), ends[which].reshape(-1, columns)
+        for a, b in consecutive(rows):
+            words = columns if rows.width is None else min(columns, int(rows.width[a]))
+            which = slice(int(rows.first[a]), int(rows.first[a]) + (b - a) * words)
+            yield a, starts[which].reshape(b - a, words), ends[which].reshape(b - a, words)
         return
     frame, starts, ends = 0, np.zeros(0, np.intp), np.zeros(0, np.intp)
     for more_starts, more_ends in token_chunks(rows.text, rows.start, rows.stop):
