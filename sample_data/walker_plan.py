@@ -170,7 +170,7 @@ def plan(body: Body, gait: Gait) -> Plan:
         return _stand(body, gait, style, grid)
     length = gait.step or np.sqrt(style.walk_ratio * max(abs(speed), 0.35) * scale**1.5)
     period = 2.0 * length / abs(speed) if speed else 1.3 * np.sqrt(scale)
-    path, heading = _way(gait, speed, grid)
+    path, heading = _way(gait, speed, float(_strikes(gait, style, period)[-1]), grid)
     random = np.random.default_rng(gait.seed)
     steps = [_footsteps(body, gait, style, side, period, speed, grid, path, heading, random) for side in (0, 1)]
     floor = _floor_below(steps, grid)
@@ -184,14 +184,14 @@ def _stance_height(style: Style) -> float:
     return style.reach - 0.005 + 0.13 * float(np.sin(max(style.mid_pitch, 0.0)))
 
 
-def _way(gait: Gait, speed: float, grid: Floats) -> tuple[Floats, Floats]:
+def _way(gait: Gait, speed: float, last_strike: float, grid: Floats) -> tuple[Floats, Floats]:
     """The pelvis's path over the floor (n, 3) [m] and where it faces (n,) [rad]."""
     start, end = gait.rest[0], gait.duration - gait.rest[1]
     pace = np.full(len(grid), speed)
     if gait.rest[0] > 0.0:
-        pace *= _step((grid - start) / 0.9)
+        pace *= _step((grid - start + 0.3) / 0.9)
     if gait.rest[1] > 0.0:
-        pace *= 1.0 - _step((grid - end + 0.5) / 0.9)
+        pace *= 1.0 - _step((grid - last_strike + 0.7) / 0.9)
     share = (grid - start) / max(end - start, 1e-9)
     if gait.name == "turn":
         heading = gait.turn * _step((share - 0.32) / 0.36)
@@ -215,24 +215,38 @@ def _step(u: Floats) -> Floats:
     return np.asarray(u**3 * (10.0 + u * (6.0 * u - 15.0)))
 
 
+def _strikes(gait: Gait, style: Style, period: float) -> Floats:
+    """When feet land [s], left and right in turn: from margin to margin, or between the two rests."""
+    first = gait.rest[0] if gait.rest[0] > 0.0 else -MARGIN + 0.5
+    last = gait.duration - gait.rest[1] if gait.rest[1] > 0.0 else gait.duration + MARGIN - 0.5
+    swing = (1.0 - style.duty) * period
+    count = max(int((last - first - swing) / (0.5 * period)), 2) + 1
+    return np.asarray(first + swing + 0.5 * period * np.arange(count))
+
+
 def _footsteps(
     body: Body, gait: Gait, style: Style, side: int, period: float, speed: float, grid: Floats, path: Floats,
     heading: Floats, random: np.random.Generator,
 ) -> tuple[Footstep, ...]:  # fmt: skip
-    first = gait.rest[0] if gait.rest[0] > 0.0 else -MARGIN + 0.5
-    last = gait.duration - gait.rest[1] if gait.rest[1] > 0.0 else gait.duration + MARGIN - 0.5
     stance, swing = style.duty * period, (1.0 - style.duty) * period
-    count = max(int((last - first) / period), 1)
-    strikes = first + (0.5 * side * period) + swing + period * np.arange(count)
-    strikes = strikes + 0.015 * period * gait.variation * random.uniform(-1.0, 1.0, count)
+    strikes = _strikes(gait, style, period)[side::2]
+    strikes = strikes + 0.015 * period * gait.variation * random.uniform(-1.0, 1.0, len(strikes))
     offs = np.append(strikes[1:] - swing, strikes[-1] + stance)
     standing = strikes[0] - swing
     times = [(standing - stance, standing), *zip(strikes.tolist(), offs.tolist(), strict=True)]
     steps = []
     for k, (strike, off) in enumerate(times):
+        from_rest = k == 0 and gait.rest[0] > 0.0
+        to_rest = k == len(times) - 1 and gait.rest[1] > 0.0
         over = strike + style.over * (off - strike)
+        over = float(grid[0]) if from_rest else float(grid[-1]) if to_rest else over
         wobble = gait.variation * random.normal(size=6)
-        steps.append(_footstep(body, gait, style, side, k, strike, off, over, wobble, speed, grid, path, heading))
+        step = _footstep(body, gait, style, side, k, strike, off, over, wobble, speed, grid, path, heading)
+        if from_rest:
+            step = replace(step, pitch=step.pitch[2:])
+        if to_rest:
+            step = replace(step, pitch=step.pitch[:3])
+        steps.append(step)
     return tuple(steps)
 
 
@@ -264,15 +278,20 @@ def _footstep(
 def _roll(style: Style, strike: float, off: float, wobble: Floats) -> tuple[Knot, ...]:
     """The foot's pitch over its stance."""
     stance, mid = off - strike, style.mid_pitch
-    rolling = (1.0 - style.lift_at) * stance
-    rate = float(np.sign(style.off_pitch)) * min(abs(style.off_rate), 2.4 * abs(style.off_pitch - mid) / rolling)
     land = style.strike_pitch * float(np.exp(0.06 * wobble[5]))
+    flat, lift = strike + style.flat_at * stance, strike + style.lift_at * stance
+    landing, leaving = land - mid, style.off_pitch - mid
+    # the sole settles and leaves briskly, as feet do: no long creep into and out of the flat foot
+    settle = np.sign(landing) * min(14.0, 2.0 * abs(landing) / (flat - strike) ** 2)
+    peel = np.sign(leaving) * min(10.0, 2.0 * abs(leaving) / (off - lift) ** 2)
+    rate = np.sign(leaving) * min(abs(style.off_rate), 2.4 * abs(leaving) / (off - lift))
     return (
         Knot(strike, land, style.strike_rate),
-        Knot(strike + style.flat_at * stance, mid),
-        Knot(strike + style.lift_at * stance, mid),
-        Knot(strike + style.lift_at * stance, mid, 0.0, float(np.sign(style.off_pitch)) * 4.0),
-        Knot(off, style.off_pitch, rate),
+        Knot(flat, mid, 0.0, float(settle)),
+        Knot(flat, mid),
+        Knot(lift, mid),
+        Knot(lift, mid, 0.0, float(peel)),
+        Knot(off, style.off_pitch, float(rate)),
     )
 
 
