@@ -18,7 +18,7 @@ from footfix.formats.contacts import Labels
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
-from footfix.pipeline import Result, clean, remeasured
+from footfix.pipeline import Result, clean
 from footfix.report import document as report_format
 from footfix.rig.find import find_rig
 from footfix.rig.params import RigParams
@@ -112,16 +112,21 @@ def clean_file(
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
         return _too_short(data, document, source, settings, output)
+    written = data
+
+    def as_written(corrected: Clip) -> Clip:
+        nonlocal written
+        written = encode(document, corrected)
+        if written == data:
+            return clip
+        return decode(written, name=name, limits=settings.limits).placed(unit_m=document.unit_m, up=document.up).clip
+
     try:
         rig = find_rig(clip, settings.rig)
         contacts = find_contacts(clip, rig, settings, labels)
-        result = clean(clip, settings, rig=rig, contacts=contacts)
+        result = clean(clip, settings, rig=rig, contacts=contacts, as_written=as_written)
     except InputError as error:
         raise error if error.file else error.within(name) from None
-    written = encode(document, result.clip)
-    if written != data:
-        again = decode(written, name=name, limits=settings.limits)
-        result = remeasured(result, again.placed(unit_m=document.unit_m, up=document.up).clip)
     status: Status = "unchanged" if written == data else "cleaned"
     report = _report(document, result, source, settings, status=status, output=output)
     contacts_file = contacts_json(result.contacts, source, report["rig"], settings)

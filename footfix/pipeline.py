@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -50,7 +51,12 @@ class Result:
 
 
 def clean(
-    clip: Clip, settings: Settings | None = None, *, rig: Rig | None = None, contacts: Contacts | None = None
+    clip: Clip,
+    settings: Settings | None = None,
+    *,
+    rig: Rig | None = None,
+    contacts: Contacts | None = None,
+    as_written: Callable[[Clip], Clip] = lambda corrected: corrected,
 ) -> Result:
     """Finds the footplants of a clip and takes the foot skate out.
 
@@ -59,6 +65,7 @@ def clean(
         settings: the parameters of all steps.
         rig: legs and soles; found where it is not given.
         contacts: which sole points are planted when; detected where they are not given.
+        as_written: what a file makes of the corrected clip; `after` is measured on that.
 
     Returns:
         The corrected clip and all that was found on the way.
@@ -77,9 +84,8 @@ def clean(
     corrected = apply(smoothed, enforcement.correction)
     levels = plant_levels(contacts, enforcement.plants)
     before, plants_before = measure(clip, rig, contacts, levels=levels)
-    after, plants_after = (
-        (before, plants_before) if corrected is clip else measure(corrected, rig, contacts, levels=levels)
-    )
+    written = as_written(corrected)
+    after, plants_after = (before, plants_before) if written is clip else measure(written, rig, contacts, levels=levels)
     return Result(
         clip=corrected,
         rig=rig,
@@ -101,10 +107,3 @@ def plant_levels(contacts: Contacts, plants: tuple[Footplant, ...]) -> tuple[Flo
         np.array([height.get((effector.name, c.start), np.nan) for c in effector.contacts])
         for effector in contacts.effectors
     )
-
-
-def remeasured(result: Result, written: Clip) -> Result:
-    """The same result with `after` measured on another clip: what was written, read again."""
-    levels = plant_levels(result.contacts, result.plants)
-    after, plants_after = measure(written, result.rig, result.contacts, levels=levels)
-    return replace(result, after=after, plants_after=plants_after)

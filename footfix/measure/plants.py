@@ -11,6 +11,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
+from footfix.motion.segments import Segments, segments
 from footfix.rig.rig import Rig
 
 # A slide that viewers notice: M. Prazak, L. Hoyet, C. O'Sullivan, Perceptual evaluation of footskate
@@ -44,22 +45,34 @@ class PlantMeasure:
     peak_speed_cm_s: float
 
 
-def slide(track: Floats) -> float:
-    """Farthest horizontal distance [m] of a track (n, 3) [m] from its median place."""
-    places = track[:, [0, 2]]
-    return float(np.max(np.linalg.norm(places - np.median(places, axis=0), axis=1)))
+def slide(track: Floats, plants: Segments) -> Floats:
+    """(S,) [m] farthest horizontal distance of a track (F, 3) [m] from its median place in each plant."""
+    x, z = track[plants.frames, 0], track[plants.frames, 2]
+    away = np.hypot(x - plants.median(x)[plants.owner], z - plants.median(z)[plants.owner])
+    return plants.largest(away)
 
 
-def yaw(turns: Floats) -> float:
-    """Farthest turn [rad] about the vertical of rotations (n, 4) from their median heading.
+def yaw(turns: Floats, plants: Segments) -> Floats:
+    """(S,) [rad] farthest turn of rotations (F, 4) about the vertical from their median heading in each plant.
 
-    The heading is the twist of the rotation about the vertical axis, so a foot that only rolls from heel
-    to toe does not turn.
+    Each frame is held against the plant's middle one, in the world; of that turn, the twist about the
+    vertical counts, so a foot that only rolls from heel to toe does not turn.
     """
-    # Each frame against the middle one, in the world; of that turn, the twist about the vertical.
-    q = rotation.multiply(turns, rotation.inverse(turns[len(turns) // 2]))
-    twist = np.unwrap(2.0 * np.arctan2(q[:, 1], q[:, 3]))
-    return float(np.max(np.abs(twist - np.median(twist))))
+    planted = turns[plants.frames]
+    middle = planted[plants.middle()][plants.owner]
+    q = rotation.multiply(planted, rotation.inverse(middle))
+    twist = 2.0 * np.arctan2(q[:, 1], q[:, 3])
+    twist = twist - 2.0 * np.pi * np.round(twist / (2.0 * np.pi))
+    return plants.largest(np.abs(twist - plants.median(twist)[plants.owner]))
+
+
+def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, Floats]:
+    """(S,), (S,) [m/s] mean and highest horizontal speed of a track (F, 3) [m] from frame to frame in each plant."""
+    steps = np.zeros(len(plants.frames))
+    steps[1:] = np.hypot(*np.diff(track[plants.frames][:, [0, 2]], axis=0).T) / frame_time
+    steps[plants.starts] = 0.0  # the step into a plant is none of its own
+    mean = plants.mean(steps) * plants.lengths / np.maximum(plants.lengths - 1, 1)
+    return mean, plants.largest(steps)
 
 
 def measure_plants(
@@ -77,30 +90,27 @@ def measure_plants(
     Returns:
         One measure a contact, effector by effector, in order of time.
     """
-    found = []
+    found: list[PlantMeasure] = []
     for sole, effector, heights in zip(rig.soles, contacts.effectors, levels, strict=True):
+        counted = np.array([contact.wish != "forbid" for contact in effector.contacts], dtype=np.bool_)
+        if not np.any(counted):
+            continue
+        plants = segments([(c.start, c.end) for c in effector.contacts if c.wish != "forbid"])
         track = pose.point(sole.joint, np.asarray(sole.offset))  # (F, 3) [m]
-        turns = pose.rotation(sole.joint)
-        for contact, level in zip(effector.contacts, heights, strict=True):
-            if contact.wish == "forbid":
-                continue
-            span = slice(contact.start, contact.end)
-            planted = track[span]
-            steps = np.linalg.norm(np.diff(planted[:, [0, 2]], axis=0), axis=1) / clip.frame_time  # [m/s]
-            above = planted[:, 1] - level
-            found.append(
-                PlantMeasure(
-                    effector.name,
-                    contact.start,
-                    contact.end,
-                    slide_mm=1000.0 * slide(planted),
-                    yaw_deg=float(np.degrees(yaw(turns[span]))),
-                    penetration_mm=1000.0 * max(0.0, -float(above.min())),
-                    float_mm=1000.0 * max(0.0, float(above.max())),
-                    speed_cm_s=100.0 * float(steps.mean()) if len(steps) else 0.0,
-                    peak_speed_cm_s=100.0 * float(steps.max()) if len(steps) else 0.0,
-                )
-            )
+        mean_speed, peak_speed = speeds(track, plants, clip.frame_time)
+        above = track[plants.frames, 1] - heights[counted][plants.owner]  # (N,) [m]
+        columns = (
+            1000.0 * slide(track, plants),
+            np.degrees(yaw(pose.rotation(sole.joint), plants)),
+            1000.0 * np.maximum(plants.largest(-above), 0.0),
+            1000.0 * np.maximum(plants.largest(above), 0.0),
+            100.0 * mean_speed,
+            100.0 * peak_speed,
+        )
+        rows = np.stack(columns, axis=1).tolist()
+        found.extend(
+            PlantMeasure(effector.name, start, end, *row) for (start, end), row in zip(plants.spans, rows, strict=True)
+        )
     return tuple(found)
 
 
@@ -113,6 +123,7 @@ def floor_levels(rig: Rig, contacts: Contacts, pose: Pose) -> tuple[Floats, ...]
     levels = []
     for sole, effector in zip(rig.soles, contacts.effectors, strict=True):
         height = pose.point(sole.joint, np.asarray(sole.offset))[:, 1]
-        own = np.array([np.median(height[c.start : c.end]) for c in effector.contacts])
+        plants = segments([(c.start, c.end) for c in effector.contacts])
+        own = plants.median(height[plants.frames])
         levels.append(np.where(np.abs(own - rig.floor) < 0.05 * rig.leg_length, rig.floor, own))
     return tuple(levels)
