@@ -112,7 +112,9 @@ class Page:
     def call(self, method: str, params: Mapping[str, Any] | None = None) -> dict[str, Any]:
         return self.browser.call(method, params, self.session)
 
-    def resize(self, width: int = 1366, height: int = 768, scale: float = 1.0, dark: bool = False, touch: bool = False) -> None:
+    def resize(
+        self, width: int = 1366, height: int = 768, scale: float = 1.0, dark: bool = False, touch: bool = False
+    ) -> None:
         """The screen and the colour scheme."""
         screen = {"width": width, "height": height, "deviceScaleFactor": scale, "mobile": touch}
         self.call("Emulation.setDeviceMetricsOverride", screen)
@@ -143,8 +145,8 @@ class Page:
     def box(self, selector: str) -> tuple[float, float, float, float]:
         """Left, top, width, height of an element, scrolled into view."""
         found = self.run(
-            f"(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});"
-            " const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()"
+            f"(() => {{ const e = document.querySelector({json.dumps(selector)});"
+            " e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()"
         )
         return tuple(found)  # type: ignore[return-value]
 

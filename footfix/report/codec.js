@@ -54,15 +54,18 @@ function corrected(before, packed, shown, joints, quantum) {
   const shift = unpack(packed.shift, shown, 3, quantum);
   const own = unpack(packed.own, shown, packed.moved.length * 3, quantum);
   const after = new Float32Array(before);
+  const { moved } = packed;
   for (let i = 0; i < shown; i++) {
-    for (let j = 0; j < joints; j++) {
-      for (let k = 0; k < 3; k++) after[(i * joints + j) * 3 + k] += shift[i * 3 + k];
+    const [dx, dy, dz] = [shift[i * 3], shift[i * 3 + 1], shift[i * 3 + 2]];
+    for (let at = i * joints * 3; at < (i + 1) * joints * 3; at += 3) {
+      after[at] += dx;
+      after[at + 1] += dy;
+      after[at + 2] += dz;
     }
-    packed.moved.forEach((joint, m) => {
-      for (let k = 0; k < 3; k++) {
-        after[(i * joints + joint) * 3 + k] += own[(i * packed.moved.length + m) * 3 + k];
-      }
-    });
+    for (let m = 0; m < moved.length; m++) {
+      const [to, from] = [(i * joints + moved[m]) * 3, (i * moved.length + m) * 3];
+      for (let k = 0; k < 3; k++) after[to + k] += own[from + k];
+    }
   }
   return after;
 }

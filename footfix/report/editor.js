@@ -87,7 +87,7 @@ class TimelineInput {
   }
 
   showDraft(frame) {
-    this.timeline.stale = true;
+    this.timeline.still.stale = true;
     this.timeline.player.seek(frame);
   }
 
@@ -100,7 +100,7 @@ class TimelineInput {
     if (draft && draft.contact !== draft.old && event.type === "pointerup") {
       timeline.contacts.replace(draft.lane, draft.old, draft.contact);
     }
-    timeline.stale = true;
+    timeline.still.stale = true;
     timeline.player.changed();
   }
 
@@ -233,7 +233,7 @@ class Editor {
       parts[wish].setAttribute("aria-pressed", String(Boolean(selection && wishOf(selection.contact) === wish)));
     }
     parts.state.textContent = done.length ? `${done.length} ${done.length === 1 ? "change" : "changes"}, not yet downloaded` : "";
-    this.timeline.stale = true;
+    this.timeline.still.stale = true;
     this.timeline.player.changed();
   }
 

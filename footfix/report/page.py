@@ -97,7 +97,7 @@ def _length(motion: Motion | None) -> str:
     if motion is None:
         return ""
     seconds = motion.frames * motion.frame_time
-    shown = "" if motion.step == 1 else f"; every {motion.step}. frame is shown"
+    shown = "" if motion.step == 1 else f"; one frame in {motion.step} is shown"
     return f"{motion.frames} frames, {seconds:.1f} s at {1.0 / motion.frame_time:.4g} fps{shown}"
 
 

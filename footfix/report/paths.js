@@ -2,11 +2,19 @@
 
 class PathMap {
   constructor(canvas, motion, player, contacts) {
-    Object.assign(this, { canvas, motion, player, contacts });
+    Object.assign(this, { canvas, motion, player, contacts, still: new Still() });
+    contacts.listeners.add(() => {
+      this.still.stale = true;
+    });
     this.before = this.track(motion.joints.before);
     this.after = this.track(motion.joints.after);
-    const all = [...this.before, ...this.after];
-    const span = (k) => all.reduce(([low, high], place) => [Math.min(low, place[k]), Math.max(high, place[k])], [Infinity, -Infinity]);
+    const span = (k) => {
+      let [low, high] = [Infinity, -Infinity];
+      for (const track of [this.before, this.after]) {
+        for (const place of track) [low, high] = [Math.min(low, place[k]), Math.max(high, place[k])];
+      }
+      return [low, high];
+    };
     const reach = motion.size.height * 0.25; // feet stand beside the root's way
     this.box = [span(0), span(1)].map(([low, high]) => [low - reach, high + reach]);
     canvas.addEventListener("click", (event) => this.jump(event));
@@ -40,11 +48,13 @@ class PathMap {
   draw(theme) {
     const { context, width, height } = fit(this.canvas);
     const { scale, spot } = this.place();
-    context.clearRect(0, 0, width, height);
-    context.lineJoin = context.lineCap = "round";
-    this.drawPlants(context, theme, spot);
-    this.line(context, this.before.map(spot), theme.was, 1.6, [5, 4]);
-    this.line(context, this.after.map(spot), theme.ink, 1.8, []);
+    this.still.show(context, (still) => {
+      still.lineJoin = still.lineCap = "round";
+      this.drawPlants(still, theme, spot);
+      this.line(still, this.before.map(spot), theme.was, 1.6, [5, 4]);
+      this.line(still, this.after.map(spot), theme.ink, 1.8, []);
+      this.drawScale(still, theme, scale, width, height);
+    });
     const [x, y] = spot(this.after[this.player.index]);
     context.beginPath();
     context.arc(x, y, 5, 0, 2 * Math.PI);
@@ -53,7 +63,6 @@ class PathMap {
     context.lineWidth = 2;
     context.strokeStyle = theme.stage;
     context.stroke();
-    this.drawScale(context, theme, scale, width, height);
   }
 
   line(context, places, color, width, dash) {
@@ -120,7 +129,7 @@ class PathMap {
 /** How far the root was moved, over time: over the floor and upwards, in millimetres. */
 class DriftPlot {
   constructor(canvas, motion, player) {
-    Object.assign(this, { canvas, motion, player });
+    Object.assign(this, { canvas, motion, player, still: new Still() });
     const { shown, parents, root, joints } = motion;
     this.across = new Float32Array(shown);
     this.upwards = new Float32Array(shown);
@@ -143,10 +152,15 @@ class DriftPlot {
 
   draw(theme) {
     const { context, width, height } = fit(this.canvas);
+    const x = (i) => 64 + ((width - 76) * i) / Math.max(this.motion.shown - 1, 1);
+    this.still.show(context, (still) => this.drawStill(still, theme, x, width, height));
+    const now = x(this.player.index);
+    this.line(context, [[now, 6], [now, height - 6]], theme.ink, 1.2, []);
+  }
+
+  drawStill(context, theme, x, width, height) {
     const { shown } = this.motion;
-    const x = (i) => 64 + ((width - 76) * i) / Math.max(shown - 1, 1);
     const y = (value) => height - 12 - ((height - 24) * (value - this.low)) / (this.high - this.low);
-    context.clearRect(0, 0, width, height);
     context.font = theme.small;
     context.textAlign = "right";
     context.textBaseline = "middle";
@@ -165,8 +179,6 @@ class DriftPlot {
     };
     this.line(context, series(this.upwards), theme.muted, 1.3, [1.5, 3]);
     this.line(context, series(this.across), theme.ink, 1.6, []);
-    const now = x(this.player.index);
-    this.line(context, [[now, 6], [now, height - 6]], theme.ink, 1.2, []);
   }
 
   line(context, places, color, width, dash) {

@@ -129,10 +129,10 @@ def _figure(value: float | None) -> str:
 
 def _bars(before: float | None, after: float | None, longest: float) -> str:
     """The slides as two bars, with the mark of what viewers notice."""
-    wide = [60.0 * min((value or 0.0) / longest, 1.0) for value in (before, after)]
-    mark = 60.0 * NOTICED_MM / longest
+    wide = [44.0 * min((value or 0.0) / longest, 1.0) for value in (before, after)]
+    mark = 44.0 * NOTICED_MM / longest
     return (
-        f'<svg class="bars" viewBox="0 0 60 12" aria-hidden="true"><rect class="was" y="1" width="{wide[0]:.1f}" '
+        f'<svg class="bars" viewBox="0 0 44 12" aria-hidden="true"><rect class="was" y="1" width="{wide[0]:.1f}" '
         f'height="4"/><rect class="now" y="7" width="{wide[1]:.1f}" height="4"/><path d="M{mark:.1f} 0V12"/></svg>'
     )
 
@@ -140,7 +140,7 @@ def _bars(before: float | None, after: float | None, longest: float) -> str:
 def plants_caption(plants: Sequence[Report]) -> str:
     """Says so where the table does not hold every plant."""
     if len(plants) <= MOST_PLANTS:
-        return "How far each plant slides, the worst first. Click one to see it in a loop; the ring on the floor is 21 mm."
+        return "How far each plant slides, the worst first. Click one to see it in a loop; the ring is 21 mm."
     return f"The worst {MOST_PLANTS} of {len(plants)} plants, by how far they slide. Click one to see it in a loop."
 
 

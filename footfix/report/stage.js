@@ -348,21 +348,27 @@ function headingAt({ joints, parents, hips, root, shown }, index) {
 
 /** The way of the figure's middle, smoothed over a second, so that a camera that follows does not bob. */
 function smoothPath({ joints, parents, shown, step, frameTime }) {
-  const middles = Array.from({ length: shown }, (_, i) => {
-    const [low, high] = bounds(joints.after, i, parents.length);
-    return low.map((value, k) => (value + high[k]) / 2);
-  });
   const half = Math.round(0.5 / (frameTime * step));
   const path = new Float32Array(shown * 3);
   for (let k = 0; k < 3; k++) {
-    const sums = [0];
-    for (const middle of middles) sums.push(sums[sums.length - 1] + middle[k]);
+    const sums = new Float64Array(shown + 1);
+    for (let i = 0; i < shown; i++) sums[i + 1] = sums[i] + middle(joints.after, parents.length, i, k);
     for (let i = 0; i < shown; i++) {
       const reach = Math.min(half, i, shown - 1 - i);
       path[i * 3 + k] = (sums[i + reach + 1] - sums[i - reach]) / (2 * reach + 1);
     }
   }
   return path;
+}
+
+/** The middle of the box about a figure, along one axis. */
+function middle(positions, joints, i, k) {
+  let [low, high] = [Infinity, -Infinity];
+  for (let at = i * joints * 3 + k; at < (i + 1) * joints * 3; at += 3) {
+    low = Math.min(low, positions[at]);
+    high = Math.max(high, positions[at]);
+  }
+  return (low + high) / 2;
 }
 
 // ---- drawing helpers shared by all canvases ----------------------------------------------------------
@@ -378,6 +384,30 @@ function fit(canvas) {
   const context = canvas.getContext("2d");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   return { context, width, height };
+}
+
+/** A picture that changes seldom: painted once, then copied, until it is stale or the canvas changes its size. */
+class Still {
+  constructor() {
+    this.canvas = document.createElement("canvas");
+    this.stale = true;
+  }
+
+  /** Puts the picture on a canvas that `fit` has readied; `paint(context)` draws in CSS pixels. */
+  show(context, paint) {
+    const target = context.canvas;
+    const [width, height] = [target.clientWidth, target.clientHeight];
+    if (this.stale || this.canvas.width !== target.width || this.canvas.height !== target.height) {
+      this.canvas.width = target.width;
+      this.canvas.height = target.height;
+      const still = this.canvas.getContext("2d");
+      still.setTransform(context.getTransform());
+      paint(still);
+      this.stale = false;
+    }
+    context.clearRect(0, 0, width, height);
+    if (this.canvas.width && this.canvas.height) context.drawImage(this.canvas, 0, 0, width, height);
+  }
 }
 
 /** The largest of 1, 2, 5 x 10^n that is not above a value. */

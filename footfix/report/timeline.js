@@ -16,10 +16,10 @@ class Timeline {
     this.hover = null; // {frame, lane}
     this.draft = null; // {lane, contact, old} while a contact is dragged
     this.rows = Math.min(contacts.effectors.length, motion.soles.length);
-    this.still = document.createElement("canvas"); // all but the playhead
-    this.stale = true;
+    this.still = new Still(); // all but the playhead
     canvas.style.height = `${RULER + this.rows * (LANE + HEIGHT_PLOT + SPEED_PLOT + GAP) + 4}px`;
     this.tops = this.rangeTops();
+    this.measure(canvas.clientWidth);
   }
 
   /** The top of the height and speed axes: near the floor, and over everything. */
@@ -40,12 +40,10 @@ class Timeline {
 
   // ---- places --------------------------------------------------------------------------------------
 
-  get gutter() {
-    return this.canvas.clientWidth < 560 ? 70 : 96;
-  }
-
-  get right() {
-    return this.canvas.clientWidth - 12;
+  /** Where the curves begin and end; kept, since asking the page for a width is slow. */
+  measure(width) {
+    this.gutter = width < 560 ? 70 : 96;
+    this.right = width - 12;
   }
 
   x(frame) {
@@ -73,7 +71,7 @@ class Timeline {
     const length = Math.min(frames, Math.max(8, to - from));
     const start = Math.max(0, Math.min(frames - length, from));
     this.window = [start, start + length];
-    this.stale = true;
+    this.still.stale = true;
   }
 
   /** Zooms about a frame. */
@@ -95,17 +93,8 @@ class Timeline {
   draw(theme) {
     this.keepPlayhead();
     const { context, width, height } = fit(this.canvas);
-    if (this.stale || this.still.width !== this.canvas.width || this.still.height !== this.canvas.height) {
-      this.still.width = this.canvas.width;
-      this.still.height = this.canvas.height;
-      const ratio = this.canvas.width / width;
-      const still = this.still.getContext("2d");
-      still.setTransform(ratio, 0, 0, ratio, 0, 0);
-      this.drawStill(still, theme, width, height);
-      this.stale = false;
-    }
-    context.clearRect(0, 0, width, height);
-    context.drawImage(this.still, 0, 0, width, height);
+    this.measure(width);
+    this.still.show(context, (still) => this.drawStill(still, theme));
     if (this.hover) this.line(context, this.hover.frame, theme.muted, 1, [2, 3], height);
     this.line(context, this.player.frame, theme.ink, 1.5, [], height);
     const x = this.x(this.player.frame);
@@ -131,8 +120,7 @@ class Timeline {
     context.setLineDash([]);
   }
 
-  drawStill(context, theme, width, height) {
-    context.clearRect(0, 0, width, height);
+  drawStill(context, theme) {
     this.drawRuler(context, theme);
     for (let lane = 0; lane < this.rows; lane++) {
       this.drawLabels(context, theme, lane);
@@ -229,7 +217,6 @@ class Timeline {
       const color = when === "before" ? theme.was : this.color(theme, lane);
       const points = motion.points[when];
       const speeds = motion.speeds[when];
-      if (when === "after" && points === motion.points.before) context.globalAlpha = 1;
       this.curve(context, (i) => heightAt(points[(i * lanes + lane) * 3 + 1] - motion.floor), color, when, top, HEIGHT_PLOT);
       this.curve(context, (i) => speedAt(speeds[i * lanes + lane]), color, when, top + HEIGHT_PLOT, SPEED_PLOT + 2);
     }

@@ -101,7 +101,7 @@ class Viewer {
     act("zoom-all", () => this.zoomTimeline(Infinity));
     act("range", (event) => {
       timeline.whole = this.press(event.currentTarget, !timeline.whole);
-      timeline.stale = true;
+      timeline.still.stale = true;
       this.refresh();
     });
     act("edit", () => this.toggleEditing());
@@ -149,7 +149,7 @@ class Viewer {
     const { timeline } = this;
     timeline.editing = this.press(element("edit"), !timeline.editing);
     element("editor").hidden = !timeline.editing;
-    timeline.stale = true;
+    timeline.still.stale = true;
     this.refresh();
   }
 
@@ -280,12 +280,17 @@ class Viewer {
     return true;
   }
 
+  /** Everything is painted anew at the next drawing. */
+  renew() {
+    for (const { still } of this.parts) if (still) still.stale = true;
+  }
+
   // ---- looks -----------------------------------------------------------------------------------------
 
   wireLooks() {
     const restyle = () => {
       this.theme = readTheme();
-      this.timeline.stale = true;
+      this.renew();
       this.refresh();
     };
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", restyle);
@@ -293,7 +298,7 @@ class Viewer {
     const print = (on) => () => {
       document.documentElement.classList.toggle("print", on);
       this.theme = readTheme();
-      this.timeline.stale = true;
+      this.renew();
       this.draw();
     };
     addEventListener("beforeprint", print(true));
