@@ -16,9 +16,10 @@ from footfix.rig.params import LegParams, RigParams
 from footfix.rig.sample import Sample
 
 _LEAST = 1.2  # score below which a pair of limbs is no pair of legs
+_LEAST_FRONT = -1.2  # shape below which it is no pair of front legs; they hang far out from the spine
 _ALIKE = (0.75, 1.35)  # front legs against hind legs, hip to tip; a man's arms have 0.7 of his legs
 _GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
-_MOSTLY = 0.6  # share of the frames in which all four must stand, or two of each pair by turns
+_MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; a gallop leaves half
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,9 @@ def figures(seen: Sample, params: RigParams, *, y_up: bool) -> tuple[Figure, ...
 def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figure:
     hind = candidates[0]
     front = _front_legs(seen, hind, candidates[1:]) if y_up else None
-    legs, balls, ends = [], [], []
+    legs: list[Limb] = []
+    balls: list[int | None] = []
+    ends: list[str] = []
     for pair, end in ((front, "front"), (hind, "hind" if front else "")):
         if pair is not None:
             legs += pair.limbs
@@ -93,11 +96,11 @@ def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figu
 def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
     """The second pair of legs of an animal that stands on four for most of the clip."""
     taken = {joint for limb in hind.limbs for joint in seen.below(limb.branch)}
-    for pair in sorted(others, key=lambda pair: pair.named - pair.score):
+    for pair in sorted(others, key=lambda pair: -pair.shape):
         apart = all(limb.branch not in taken for limb in pair.limbs) and not any(
             limb.branch in seen.skeleton.ancestors(hind.pelvis) for limb in pair.limbs
         )
-        if not apart or pair.score - pair.named < _LEAST:
+        if not apart or pair.shape < _LEAST_FRONT:
             continue
         ratio = _reach(seen, pair) / _reach(seen, hind)
         if _ALIKE[0] <= ratio <= _ALIKE[1] and _stand(seen, hind, pair):
@@ -110,11 +113,11 @@ def _reach(seen: Sample, pair: Pair) -> float:
 
 
 def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:
-    """Whether both pairs have a foot on the ground for most of the clip."""
+    """Whether both pairs have a foot on the ground for much of the clip."""
     down = [np.min([_lowest(seen, limb.ankle) for limb in pair.limbs], axis=0) for pair in (hind, front)]
     near = _GROUND * hind.length
     ground = float(np.quantile(np.minimum(*down), 0.1))
-    return bool(np.mean((down[0] < ground + near) & (down[1] < ground + near)) > _MOSTLY)
+    return all(bool(np.mean(each < ground + near) > _MOSTLY) for each in down)
 
 
 def _lowest(seen: Sample, ankle: int) -> Floats:

@@ -87,7 +87,8 @@ def _notes(
 ) -> tuple[Note, ...]:
     notes = []
     if others:
-        text = f"the feet rest at {level:.2f} m and as well at {others[0]:.2f} m; set rig.floor if the first is wrong"
+        high = " and ".join(f"{other:.2f}" for other in others[:3])
+        text = f"the feet rest at {level:.2f} m, taken as the floor, and at {high} m; set rig.floor if that is wrong"
         notes.append(Note("floor-ambiguous", text, "warning"))
     unknown = [
         leg.name for leg, foot in zip(legs, feet, strict=True) if foot.guessed and f"{leg.name}_toe" not in given
@@ -192,12 +193,12 @@ def _triple(vector: Floats) -> tuple[float, float, float]:
 
 
 def _floor(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float, tuple[float, ...]]:
-    heights, speeds = [], []
+    heights = []
     for point in points:
         arm = rotation.rotate(seen.turns[:, point.joint], np.asarray(point.offset))
         heights.append(seen.places[:, point.joint, 1] + arm[:, 1])
-        speeds.append(np.linalg.norm(seen.velocities[:, point.joint], axis=-1))
-    return soles.floor(np.stack(heights, axis=1), np.stack(speeds, axis=1), leg)
+    velocities = seen.velocities[:, [point.joint for point in points]]
+    return soles.floor(np.stack(heights, axis=1), velocities, leg)
 
 
 def _carrier(seen: Sample, figure: Figure) -> int:

@@ -42,11 +42,19 @@ class Limb:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two alike limbs that hang from one joint."""
+    """Two alike limbs that hang from one joint.
+
+    Args:
+        pelvis: that joint.
+        limbs: the two.
+        score: how much they look like the legs of their figure.
+        shape: the part of it that comes from their bones alone.
+    """
 
     pelvis: int
     limbs: tuple[Limb, Limb]
     score: float
+    shape: float = 0.0
 
     @property
     def length(self) -> float:
@@ -102,7 +110,7 @@ def _way(sample: Sample, root: int, joint: int) -> float:
 def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
     """The chains below one branch that are shaped like a leg, best first."""
     found: list[Limb] = []
-    stack = [(branch, (branch,), (0.0,))]
+    stack: list[tuple[int, tuple[int, ...], tuple[float, ...]]] = [(branch, (branch,), (0.0,))]
     while stack:
         joint, path, way = stack.pop()
         if len(path) >= 3 and way[-1] > 0.1 * size:
@@ -203,9 +211,9 @@ def _pair(sample: Sample, pelvis: int, a: Limb, b: Limb) -> Pair:
     apart = np.linalg.norm(sample.places[:, a.hip] - sample.places[:, b.hip], axis=-1).mean()
     width = float(apart) / (0.5 * (a.length + b.length))
     odd = 1.5 if width < 0.03 else 2.0 * max(0.0, width - 0.7)
-    return Pair(
-        pelvis, (a, b), 0.5 * (a.score + b.score) - unlike - abs(len(a.chain) - len(b.chain)) * 0.2 + named - odd
-    )
+    alike = -unlike - abs(len(a.chain) - len(b.chain)) * 0.2 - odd
+    own = 0.5 * (a.score + b.score)
+    return Pair(pelvis, (a, b), own + alike + named, own - 0.5 * (a.named + b.named) + alike)
 
 
 def toes(sample: Sample, pair: Pair) -> tuple[int | None, int | None]:

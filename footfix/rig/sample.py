@@ -107,16 +107,17 @@ def _sound(clip: Clip, frames: Ints) -> Bools:
     extent = np.abs(clip.positions[frames]).reshape(len(frames), -1).max(axis=1, initial=0.0)
     finite = np.isfinite(extent) & np.isfinite(clip.rotations[frames]).reshape(len(frames), -1).all(axis=1)
     if not finite.any():
-        return finite
+        return np.asarray(finite, dtype=np.bool_)
     usual = float(np.median(extent[finite]))
-    return np.asarray(finite & (np.where(finite, extent, 0.0) <= 1e4 * max(usual, 1e-9)))
+    return np.asarray(finite & (np.where(finite, extent, 0.0) <= 1e4 * max(usual, 1e-9)), dtype=np.bool_)
 
 
 def _collapsed(clip: Clip, frames: Ints) -> bool:
     """Whether position channels of zero have drawn all bones to nothing, as in files that hold a rest pose only."""
-    long_at_rest = (clip.skeleton.parents >= 0) & (np.abs(clip.skeleton.offsets).max(axis=1) > 0.0)
-    drawn = np.abs(clip.positions[frames[len(frames) // 2]][long_at_rest]).max(axis=1, initial=0.0)
-    return bool(len(drawn) and (drawn == 0.0).mean() > 0.6)
+    rest = np.abs(clip.skeleton.offsets).max(axis=1)
+    long_at_rest = (clip.skeleton.parents >= 0) & (rest > 0.0)
+    drawn = np.abs(clip.positions[frames[len(frames) // 2]]).max(axis=1)
+    return bool(long_at_rest.any() and (drawn < 1e-3 * rest)[long_at_rest].mean() > 0.6)
 
 
 def _at_rest(clip: Clip) -> Clip:

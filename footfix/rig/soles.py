@@ -13,15 +13,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, Ints
 from footfix.rig.sample import Sample
 
-# All in leg lengths.
-_ANKLE_HEIGHT = 0.095
-_BALL_HEIGHT = 0.045
-_HEEL_BEHIND = 0.065
+# All in leg lengths, but for the last three.
+_ANKLE_HEIGHT, _ANKLE_HEIGHTS = 0.095, (0.06, 0.14)  # the usual one, and the least and most that is believed
+_BALL_HEIGHT, _BALL_HEIGHTS = 0.045, (0.025, 0.06)
+_TIP_HEIGHT = 0.012  # of the tip of the toes
+_HEEL_BEHIND = 0.07
 _BALL_AHEAD = 0.16
+_ON_TOES = 0.2  # a foot that reaches so far below its ankle stands on its toes
+_BALL_OF_TIP = 0.72  # the ball's way ahead of the ankle, as a share of the tip's
+_HEEL_OF_BALL = 0.45  # the heel's way behind the ankle, as a share of the ball's way ahead
 _STILL = 0.25  # [leg lengths / s] a foot that moves less may be standing
+_LEVEL = 0.12  # [leg lengths / s] a foot that rises and falls less may be standing on something that moves
+_OFTEN = 0.4  # share of the most used level's frames that makes another height a level too
 
 
 @dataclass(frozen=True)
@@ -74,37 +80,44 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
         guessed.append("direction")
         ahead = _level(_usual(rotation.rotate(rotation.inverse(sample.turns[flat, ankle]), facing[flat])), up)
     ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-12)
+    far, deep = float(tip @ ahead), max(tip_down, 0.0)
     if toe is not None:
-        reach = float(tip @ ahead)
-        down = float(np.clip(-(tip @ up), 0.0, 0.09 * leg))
         below = _below(sample, toe, flat)
-        ball_height = (
-            float(np.clip(below + 0.012 * leg, 0.025 * leg, 0.06 * leg)) if below > 0.0 else _BALL_HEIGHT * leg
+        ball = (
+            float(np.clip(below + _TIP_HEIGHT * leg, *(leg * np.array(_BALL_HEIGHTS))))
+            if below > 0.0
+            else _BALL_HEIGHT * leg
         )
+        height = float(np.clip(deep + ball, *(leg * np.array(_ANKLE_HEIGHTS))))
         up_at_toe = _usual(rotation.rotate(rotation.inverse(sample.turns[flat, toe]), UP))
-        height = down + ball_height
-    else:
-        far = float(tip @ ahead)
-        if far < 0.03 * leg:
-            guessed.append("length")
-        reach = float(np.clip(0.72 * far, 0.1 * leg, 0.22 * leg)) if far >= 0.03 * leg else _BALL_AHEAD * leg
-        down = tip_down
-        height = (
-            float(np.clip(down + 0.015 * leg, 0.06 * leg, 0.13 * leg)) if down > 0.02 * leg else _ANKLE_HEIGHT * leg
-        )
-        ball_height, up_at_toe = height, None
-    behind = float(np.clip(0.42 * reach, 0.04 * leg, _HEEL_BEHIND * leg))
-    return Foot(up, ahead, up_at_toe, height, ball_height, behind, reach, tuple(guessed))
+        return Foot(up, ahead, up_at_toe, height, ball, _behind(far, leg), far, tuple(guessed))
+    if deep > _ON_TOES * leg:  # a paw: the ankle stands high, and only the toes touch
+        height = deep + _TIP_HEIGHT * leg
+        return Foot(up, ahead, None, height, height, 0.1 * leg - far, far, tuple(guessed))
+    height = _ANKLE_HEIGHT * leg
+    if deep > 0.02 * leg:
+        height = float(np.clip(deep + _TIP_HEIGHT * leg, *(leg * np.array(_ANKLE_HEIGHTS))))
+    if far < 0.03 * leg:
+        guessed.append("length")
+        far = _BALL_AHEAD * leg / _BALL_OF_TIP
+    ball_ahead = float(np.clip(_BALL_OF_TIP * far, 0.1 * leg, 0.22 * leg))
+    return Foot(up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, tuple(guessed))
 
 
-def _flat_frames(sample: Sample, ankle: int, toe: int | None, leg: float) -> Floats:
+def _behind(ahead: float, leg: float) -> float:
+    """How far the heel is behind the ankle when the ball is this far ahead of it."""
+    return float(np.clip(_HEEL_OF_BALL * ahead, 0.04 * leg, _HEEL_BEHIND * leg))
+
+
+def _flat_frames(sample: Sample, ankle: int, toe: int | None, leg: float) -> Ints:
     """The frames in which a foot most likely stands flat: slow and low. (n,) indices."""
     joints = [ankle] if toe is None else [ankle, toe]
-    speed = np.linalg.norm(sample.velocities[:, joints], axis=-1).max(axis=1)
-    height = sample.places[:, ankle, 1]
-    slow = speed <= max(_STILL * leg, float(np.quantile(speed, 0.2)))
-    low = height <= float(np.quantile(height[slow], 0.5)) + 0.03 * leg
-    return np.flatnonzero(slow & low)
+    heights, velocities = sample.places[:, joints, 1], sample.velocities[:, joints]
+    resting = _resting(heights, velocities, leg).all(axis=1)
+    if not resting.any():
+        resting = heights[:, 0] <= np.quantile(heights[:, 0], 0.2)
+    low = heights[:, 0] <= float(np.quantile(heights[resting, 0], 0.5)) + 0.03 * leg
+    return np.flatnonzero(resting & low)
 
 
 def _usual(vectors: Floats) -> Floats:
@@ -122,7 +135,7 @@ def _level(vector: Floats, up: Floats) -> Floats:
     return np.asarray(vector - (vector @ up) * up)
 
 
-def _tip(sample: Sample, ankle: int, toe: int | None, flat: Floats, up: Floats) -> tuple[Floats, float]:
+def _tip(sample: Sample, ankle: int, toe: int | None, flat: Ints, up: Floats) -> tuple[Floats, float]:
     """The toe joint, or else the farthest tip of the foot, in the ankle's frame; and how deep the foot reaches."""
     origin, back = sample.places[flat, ankle], rotation.inverse(sample.turns[flat, ankle])
     if toe is not None:
@@ -136,7 +149,7 @@ def _tip(sample: Sample, ankle: int, toe: int | None, flat: Floats, up: Floats) 
     return farthest, max(float(-(tip @ up)) for tip in seen)
 
 
-def _tips(sample: Sample, joint: int, flat: Floats) -> list[Floats]:
+def _tips(sample: Sample, joint: int, flat: Ints) -> list[Floats]:
     """The tracks of all joints and End Sites below a joint, in the flat frames."""
     skeleton = sample.skeleton
     below = {joint}
@@ -147,7 +160,7 @@ def _tips(sample: Sample, joint: int, flat: Floats) -> list[Floats]:
     return tips + [sample.ends[flat, e] for e, parent in enumerate(skeleton.end_parents.tolist()) if parent in below]
 
 
-def _below(sample: Sample, toe: int, flat: Floats) -> float:
+def _below(sample: Sample, toe: int, flat: Ints) -> float:
     """How far the deepest tip of the toes is below the ball."""
     tips = _tips(sample, toe, flat)
     return max((float(np.median(sample.places[flat, toe, 1] - tip[:, 1])) for tip in tips), default=0.0)
@@ -173,35 +186,40 @@ def alike(feet: list[Foot], ends: list[str], leg: float) -> list[Foot]:
 _MEASURES = ("ankle_height", "ball_height", "behind", "reach")
 
 
-def floor(heights: Floats, speeds: Floats, leg: float) -> tuple[float, tuple[float, ...]]:
-    """The height at which most soles rest, and other heights at which nearly as many do.
+def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple[float, ...]]:
+    """The lowest height at which soles rest often, and the others at which they do.
+
+    Somebody who jumps off a box or walks up stairs rests on several levels; the floor is the lowest of those
+    that at least `_OFTEN` as many rest on as on the most used one.
 
     Args:
         heights: (S, P) [m] of the sole points.
-        speeds: (S, P) [m/s].
+        velocities: (S, P, 3) [m/s].
         leg: leg length [m].
     """
-    resting = _resting(heights, speeds, leg)
-    values = np.sort(heights[resting])
+    values = np.sort(heights[_resting(heights, velocities, leg)])
     band = 0.015 * leg
-    grid = (
-        np.arange(values[0] - band, values[-1] + 2.0 * band, 0.25 * band)
-        if values[-1] - values[0] < 1e3 * band
-        else values
-    )
-    density = np.searchsorted(values, grid + band) - np.searchsorted(values, grid - band)
-    best = float(density.max())
-    level = float(np.median(grid[density >= 0.98 * best][:1]))
-    near = values[np.abs(values - level) <= band]
-    others = []
-    rest = np.abs(grid - level) > 5.0 * band
-    if rest.any() and float(density[rest].max()) > 0.4 * best:
-        others.append(float(grid[rest][np.argmax(density[rest])]))
-    return float(np.median(near)) if len(near) else level, tuple(others)
+    steps = min(20000, max(2, int((values[-1] - values[0]) / (0.25 * band)) + 8))
+    grid = np.linspace(values[0] - band, values[-1] + band, steps)
+    count = np.searchsorted(values, grid + band, side="right") - np.searchsorted(values, grid - band)
+    levels = []
+    left = count.astype(np.float64)
+    while left.max() > _OFTEN * count.max():
+        level = float(grid[np.argmax(left)])
+        levels.append(float(np.median(values[np.abs(values - level) <= band])))
+        left[np.abs(grid - level) < 6.0 * band] = 0.0
+    levels.sort()
+    return levels[0], tuple(levels[1:])
 
 
-def _resting(heights: Floats, speeds: Floats, leg: float) -> Bools:
-    still = speeds <= _STILL * leg
-    if still.mean() < 0.05:
-        still = speeds <= np.quantile(speeds, 0.2)
-    return np.asarray(still)
+def _resting(heights: Floats, velocities: Floats, leg: float) -> Bools:
+    """(S, P) which points may be resting: those that are still, or level and low where none is still for long.
+
+    On a treadmill, or in a clip whose root is held in place, planted feet travel; but not up or down.
+    """
+    still = np.linalg.norm(velocities, axis=-1) <= _STILL * leg
+    if still.mean() >= 0.25:
+        return np.asarray(still)
+    low, high = np.quantile(heights, [0.03, 0.97], axis=0)
+    level = (np.abs(velocities[..., 1]) <= _LEVEL * leg) & (heights <= low + 0.25 * (high - low) + 0.01 * leg)
+    return np.asarray(level if level.any() else heights <= low)
