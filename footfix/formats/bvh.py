@@ -16,23 +16,14 @@ from footfix.formats.bvh_doubts import frame_time, look_over
 from footfix.formats.bvh_hierarchy import Channel, Hierarchy, read_hierarchy
 from footfix.formats.bvh_motion import Rows, read_headings, read_rows
 from footfix.formats.bvh_numbers import number
-from footfix.formats.bvh_text import Cursor, Notes, unmask
+from footfix.formats.bvh_text import Cursor, Limits, Notes, unmask
 from footfix.formats.bvh_write import splice
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.notes import Note
 
 __all__ = ["Document", "Limits", "compose", "decode", "encode"]
 
-
-@dataclass(frozen=True, kw_only=True)
-class Limits:
-    """What is too much. A file beyond them is refused before memory is spent on it."""
-
-    bytes: int = 4 << 30  # [bytes] of a file: an hour of 200 joints at 120 frames per second
-    header: int = 64 << 20  # [bytes] in which the rows must have begun
-    frames: int = 20_000_000  # 46 hours at 120 frames per second
-    joints: int = 20_000
-    nesting: int = 10_000  # joints below joints
+_LIMITS = Limits()
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +95,7 @@ class Document:
         return document
 
 
-def decode(data: bytes, *, name: str = "", limits: Limits = Limits()) -> Document:
+def decode(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document:
     """Reads a BVH file.
 
     Args:
@@ -145,13 +136,13 @@ def encode(document: Document, clip: Clip | None = None) -> bytes:
 
 def _decode(data: bytes, name: str, limits: Limits) -> Document:
     if len(data) > limits.bytes:
-        raise InputError(f"the file has {len(data)} bytes, and the limit is {limits.bytes}", hint="raise the limit")
+        raise InputError(f"{len(data)} bytes, more than {limits.bytes}", hint="limits.bytes allows more")
     notes = Notes()
     notes.text = data
     text, encoding = unmask(data, notes)
     notes.text = text
     cursor = Cursor(text, notes)
-    tree = read_hierarchy(cursor, limits.joints, limits.nesting)
+    tree = read_hierarchy(cursor, limits)
     headings = read_headings(cursor)
     declared = number(headings.frames or b"")
     rows, columns = read_rows(

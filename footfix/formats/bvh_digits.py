@@ -60,6 +60,11 @@ def fixed(values: Floats, places: int) -> Bytes:
     """
     if not 0 < places <= _MOST_PLACES:
         return _one_by_one(values, places)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _by_tables(values, places)
+
+
+def _by_tables(values: Floats, places: int) -> Bytes:
     scaled = values * 10.0**places
     nearest = np.rint(scaled)
     # The product is off by at most 2^-53 of itself: below 2^42 that is 2^-11, so only what lies closer to a

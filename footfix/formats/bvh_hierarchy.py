@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from footfix.formats.bvh_numbers import number
-from footfix.formats.bvh_text import Cursor, Notes, readable
+from footfix.formats.bvh_text import Cursor, Limits, Notes, readable
 from footfix.motion.clip import Skeleton
 
 _CHANNEL = re.compile(rb"([xyz])[_-]?(pos(?:ition)?|trans(?:lation)?|rot(?:ation)?|scal(?:e|ing))", re.IGNORECASE)
@@ -77,7 +77,7 @@ class _Open:
     channels: bool = False
 
 
-def read_hierarchy(cursor: Cursor, max_joints: int, max_nesting: int) -> Hierarchy:
+def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
     """Reads up to the MOTION part, and leaves the cursor before it.
 
     Raises:
@@ -92,13 +92,17 @@ def read_hierarchy(cursor: Cursor, max_joints: int, max_nesting: int) -> Hierarc
             break
         if not (stack or tree.names or key in (b"ROOT", b"JOINT", b"}", b"HIERARCHY")):
             raise cursor.fail(f"the hierarchy begins with '{readable(word)}', not with ROOT", hint="it is damaged")
+        if cursor.start > limits.header:
+            what = f"there is no MOTION in the first {limits.header} bytes"
+            raise cursor.fail(what, hint="limits.header allows more")
         cursor.take()
         if key in (b"ROOT", b"JOINT"):
             _open_joint(cursor, tree, stack, key)
-            if len(tree.names) > max_joints:
-                raise cursor.fail(f"more than {max_joints} joints", hint="raise the limit if this is meant")
-            if len(stack) > max_nesting:
-                raise cursor.fail(f"joints are nested more than {max_nesting} deep", hint="raise the limit if meant")
+            if len(tree.names) > limits.joints:
+                raise cursor.fail(f"more than {limits.joints} joints", hint="limits.joints allows more")
+            if len(stack) > limits.nesting:
+                what = f"joints are nested more than {limits.nesting} deep"
+                raise cursor.fail(what, hint="limits.nesting allows more")
         elif key == b"}":
             _close(cursor, tree, stack)
         elif key == b"HIERARCHY" and not stack:

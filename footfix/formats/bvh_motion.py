@@ -99,7 +99,8 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
     if rows is None:
         rows = _read_irregular(cursor, layouts, declared)
     if len(rows.values) > max_frames:
-        raise cursor.fail(f"{len(rows.values)} frames, and the limit is {max_frames}", at=start, hint="raise the limit")
+        what = f"{len(rows.values)} frames, more than {max_frames}"
+        raise cursor.fail(what, at=start, hint="limits.frames allows more")
     return rows, rows.values.shape[1]
 
 

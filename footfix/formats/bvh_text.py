@@ -90,6 +90,17 @@ def place(text: bytes, offset: int) -> tuple[int, int]:
     return line, len(before.decode("utf-8", "replace")) + 1
 
 
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What is too much. A file beyond them is refused before memory is spent on it."""
+
+    bytes: int = 4 << 30  # [bytes] of a file: an hour of 200 joints at 120 frames per second
+    header: int = 64 << 20  # [bytes] in which the MOTION part must have begun
+    frames: int = 20_000_000  # 46 hours at 120 frames per second
+    joints: int = 20_000
+    nesting: int = 10_000  # joints below joints
+
+
 @dataclass
 class Notes:
     """Collects notes about one text; places are given as offsets into it."""
