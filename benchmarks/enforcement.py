@@ -19,19 +19,18 @@ from pathlib import Path
 
 import numpy as np
 
-from footfix import api, job
+from footfix import api
 from footfix.detect.run import detect
 from footfix.enforce.correction import apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import EnforceParams, enforce
 from footfix.errors import FootfixError
-from footfix.formats.bvh import encode
+from footfix.formats.bvh import decode, encode
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
-from footfix.pipeline import plant_levels
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
@@ -54,13 +53,16 @@ class Row:
 
 
 def jump(before: Clip, after: Clip, rig: Rig) -> float:
-    """The largest change of the correction from one frame to the next, over the leg joints [deg per 1/120 s]."""
+    """By how much a leg joint turns farther between two frames than it did thereabouts before [deg per 1/120 s]."""
     worst = 0.0
     for joint in {j for leg in rig.legs for j in (*leg.chain, leg.toe) if j is not None}:
-        turn = rotation.multiply(after.rotations[:, joint], rotation.inverse(before.rotations[:, joint]))
-        step = rotation.angle(rotation.multiply(turn[1:], rotation.inverse(turn[:-1])))
-        worst = max(worst, float(step.max(initial=0.0)))
-    return float(np.degrees(worst) * before.frame_time * 120.0) if worst else 0.0
+        old, new = (
+            rotation.angle(rotation.multiply(q[1:], rotation.inverse(q[:-1])))
+            for q in (before.rotations[:, joint], after.rotations[:, joint])
+        )
+        around = np.maximum(old, np.maximum(np.append(old[1:], 0.0), np.append(0.0, old[:-1])))
+        worst = max(worst, float((new - around).max(initial=0.0)))
+    return float(np.degrees(worst) / (120.0 * before.frame_time))
 
 
 def run(path: Path, params: EnforceParams) -> Row:
@@ -73,27 +75,30 @@ def run(path: Path, params: EnforceParams) -> Row:
     found = enforce(clip, rig, contacts, params)
     corrected = apply(clip, found.correction)
     spent = time.perf_counter() - start
-    written = job.decode(encode(document, corrected)).placed(unit_m=document.unit_m, up=document.up).clip
-    return _row(path.name, clip, written, rig, contacts, found.plants, params, spent, corrected is not clip)
+    written = decode(encode(document, corrected)).placed(unit_m=document.unit_m, up=document.up).clip
+    held = found.contacts or contacts
+    return _row(path.name, clip, written, rig, held, found.plants, params, spent, corrected is not clip)
 
 
 def _row(
     name: str, clip: Clip, written: Clip, rig: Rig, contacts: Contacts, plants: tuple[Footplant, ...],
     params: EnforceParams, spent: float, changed: bool,
 ) -> Row:  # fmt: skip
-    levels = plant_levels(contacts, plants)
+    levels = tuple(
+        np.array([plant.target[1] for plant in plants if plant.effector == effector.name])
+        for effector in contacts.effectors
+    )
     before, _ = measure(clip, rig, contacts, levels=levels)
     after, measured = measure(written, rig, contacts, levels=levels)
-    released = {(plant.effector, plant.start) for plant in plants if plant.outcome == "released"}
+    outcomes = [plant.outcome for name in contacts.names for plant in plants if plant.effector == name]
     again = enforce(written, rig, contacts, params)
     twice = apply(written, again.correction)
-    moved = max(
-        (float(np.abs(a - b).max()) for a, b in zip(rig.tracks(rig.pose(written)), rig.tracks(rig.pose(twice)), strict=True)),
-        default=0.0,
-    )  # fmt: skip
+    once, then = rig.tracks(rig.pose(written)), rig.tracks(rig.pose(twice))
+    moved = max((float(np.abs(a - b).max()) for a, b in zip(once, then, strict=True)), default=0.0)
     shift = written.positions[:, rig.root] - clip.positions[:, rig.root]
     return Row(
-        name, before, after, tuple(m for m in measured if (m.effector, m.start) not in released), plants,
+        name, before, after,
+        tuple(m for m, outcome in zip(measured, outcomes, strict=True) if outcome != "released"), plants,
         jump(clip, written, rig), 1000.0 * moved, 1000.0 * float(np.linalg.norm(shift, axis=1).max()),
         1000.0 * spent, len(clip), changed,
     )  # fmt: skip
@@ -119,8 +124,8 @@ def line(row: Row) -> str:
         f"{row.name[:34]:34} {b.plants:6d} {b.plants_over_21mm:4d}>{slid:<4d} {b.skate_cm_s:5.2f}>{speed(row):<5.2f} "
         f"{b.skate_worst_cm_s:6.1f}>{worst:<6.2f} {b.slide_mm:6.1f}>{slide:<6.2f} {b.yaw_deg:5.1f}>{yaw:<5.1f} "
         f"{b.penetration_mm:5.1f}>{deep:<5.2f} {row.jump:5.2f} "
-        f"{a.jitter_100m_s3 / max(b.jitter_100m_s3, 1e-9):6.3f} {row.moved:5.2f} {row.root:5.0f} {row.milliseconds:5.0f}  "
-        f"{outcomes}"
+        f"{a.jitter_100m_s3 / max(b.jitter_100m_s3, 1e-9):6.3f} "
+        f"{row.moved:5.2f} {row.root:5.0f} {row.milliseconds:5.0f}  {outcomes}"
     )
 
 

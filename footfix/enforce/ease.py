@@ -41,8 +41,20 @@ def ease_frames(frame_time: float, seconds: float) -> int:
     return max(1, round(seconds / frame_time))
 
 
+def presence(changed: Bools, frame_time: float, seconds: float) -> Floats:
+    """(F,) 0 where nothing changes, rising to 1 within the ease on frames that do; no rise at the clip's own ends."""
+    risen = np.zeros(len(changed))
+    ease = ease_frames(frame_time, seconds)
+    for start, end in runs(changed):
+        t = np.arange(start, end)
+        from_start = t - start + 1.0 if start > 0 else np.inf
+        to_end = end - t if end < len(changed) else np.inf
+        risen[start:end] = 1.0 - gamma(np.minimum(np.minimum(from_start, to_end) / ease, 1.0))
+    return risen
+
+
 def displacement(
-    pinned: Bools, values: Floats, near: Bools, frame_time: float, params: EaseParams
+    pinned: Bools, values: Floats, near: Bools, frame_time: float, params: EaseParams, soft: Floats | None = None
 ) -> Floats:
     """The displacement at every frame.
 
@@ -52,18 +64,24 @@ def displacement(
         near: (F,) frames where it may differ from zero.
         frame_time: [s].
         params: the way.
+        soft: (F,) [s] where above zero, pinned values are followed only as far as they are slower than this.
 
     Returns:
-        (F, K): `values` on pinned frames, zero outside `near`, smooth between.
+        (F, K): `values` on pinned frames that are not soft, zero outside `near`, smooth between.
     """
     if not np.any(pinned):
         return np.zeros(values.shape)
+    exact = pinned
     if params.method == "smooth":
-        eased = fit(pinned.astype(np.float64), values, near, frame_time, params.settle, params.slack)
+        weights = pinned.astype(np.float64)
+        if soft is not None:
+            exact = pinned & (soft == 0.0)
+            weights *= (params.settle / np.maximum(soft, params.settle)) ** 4
+        eased = fit(weights, values, near, frame_time, params.settle, params.slack)
     else:
         eased = _cubic(pinned, values, frame_time, params.seconds)
     eased[np.abs(eased).max(axis=1) < 1e-7] = 0.0
-    return np.where(pinned[:, None], values, np.where(near[:, None], eased, 0.0))
+    return np.where(exact[:, None], values, np.where(near[:, None], eased, 0.0))
 
 
 def fit(

@@ -67,7 +67,7 @@ def knee_axis(foot: Foot, hip_turn: Floats) -> Floats:
     return unit(axis - dot(axis, along)[:, None] * along)
 
 
-def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> LegTurns:
+def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, forward: Floats) -> LegTurns:
     """The leg that reaches from `hip` to `ankle`.
 
     Args:
@@ -75,6 +75,8 @@ def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> LegTurns:
         axis: (F, 3) of the knee, from `knee_axis`.
         hip: (F, 3) [m] where the hip is now.
         ankle: (F, 3) [m] where the ankle is to be; out of reach, the leg is as straight or as bent as it goes.
+        forward: (F,) how much a knee that was captured bent backwards is to bend forwards, 0 to 1. Many clips
+            overstretch a straight leg by a degree or two; bent further on that side it would be broken.
 
     Returns:
         The turns. The knee stays in the captured leg's plane, carried along by the smallest turn that takes the
@@ -90,7 +92,7 @@ def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> LegTurns:
     cosine = (reach**2 - dot(thigh, thigh) - dot(shank, shank)) / np.maximum(
         2.0 * norm(thigh) * norm(in_plane), 1e-300
     )
-    flexion = np.arccos(np.clip(cosine, -1.0, 1.0)) * np.where(captured < 0.0, -1.0, 1.0)
+    flexion = np.arccos(np.clip(cosine, -1.0, 1.0)) * np.where(captured < 0.0, 2.0 * forward - 1.0, 1.0)
     bend = rotation.from_axis_angle(axis, flexion - captured)
     swing = rotation.between(thigh + rotation.rotate(bend, shank), ankle - hip)
     return LegTurns(swing, bend)

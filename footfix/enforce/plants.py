@@ -22,6 +22,12 @@ class PlantParams:
     keep_turn: float = 0.7  # [degrees]
     pivot: float = 15.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
+    places: int = 9  # places along a stance's slide that are tried where its leg would be stretched too far
+    stretch: float = 0.98  # of the leg's length: up to here a leg may be stretched beyond the source
+    stretch_cost: float = 4.0  # how much a stretch beyond it counts against a way of the foot as long
+    edge_speed: float = 0.5  # [leg lengths/s] frames at a plant's edges that move faster are left to the swing,
+    edge_factor: float = 3.0  # if they are also so many times faster than the plant on the whole,
+    edge_distance: float = 0.04  # or farther than this from where it stands and a third as fast
 
 
 @dataclass(frozen=True)
@@ -32,6 +38,7 @@ class Plant:
         effector: index among `Rig.soles`.
         part: "heel" or "toe".
         contact: as detected or given.
+        start, end: the frames `[start, end)` in which it is held.
         target: (3,) [m].
         kept: it stands well enough.
         reason: why it is released, empty while it is not.
@@ -40,13 +47,15 @@ class Plant:
     effector: int
     part: str
     contact: Contact
+    start: int
+    end: int
     target: Floats
     kept: bool = False
     reason: str = ""
 
     @property
     def frames(self) -> slice:
-        return slice(self.contact.start, self.contact.end)
+        return slice(self.start, self.end)
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,12 @@ class Stance:
 
     @property
     def frames(self) -> slice:
-        return slice(min(p.contact.start for p in self.plants), max(p.contact.end for p in self.plants))
+        return slice(min(p.start for p in self.plants), max(p.end for p in self.plants))
+
+    @property
+    def released(self) -> bool:
+        """Whether it is left as it was."""
+        return any(plant.reason for plant in self.plants)
 
     def parts(self, part: str) -> list[Plant]:
         """Its plants of one end of the foot."""
@@ -81,28 +95,55 @@ class Stance:
         return mask
 
 
-def stances(contacts: Contacts, feet: Sequence[Foot]) -> list[Stance]:
+def stances(
+    contacts: Contacts, feet: Sequence[Foot], frame_time: float, leg_length: float, params: PlantParams
+) -> list[Stance]:
     """The contacts of each foot, gathered into stands. Forbidden ones are no contacts."""
     found = []
     for k, foot in enumerate(feet):
         plants = [
-            Plant(e, part, contact, np.zeros(3))
+            Plant(e, part, contact, *_still(contact, foot.point(part), frame_time, leg_length, params), np.zeros(3))
             for part, e in zip(("heel", "toe"), foot.effectors, strict=True)
             for contact in contacts.effectors[e].contacts
             if contact.wish != "forbid" and contact.end > contact.start
         ]
-        plants.sort(key=lambda plant: (plant.contact.start, plant.part))
+        plants.sort(key=lambda plant: (plant.start, plant.part))
         group: list[Plant] = []
         end = -1
         for plant in plants:
-            if group and plant.contact.start > end:
+            if group and plant.start > end:
                 found.append(Stance(k, tuple(group)))
                 group = []
             group.append(plant)
-            end = max(end, plant.contact.end)
+            end = max(end, plant.end)
         if group:
             found.append(Stance(k, tuple(group)))
     return found
+
+
+def _still(
+    contact: Contact, track: Floats, frame_time: float, leg_length: float, params: PlantParams
+) -> tuple[int, int]:
+    """The frames `[start, end)` of a contact without those at its edges in which the point is still landing or gone.
+
+    A label one frame too long at 30 frames a second is a foot pulled back by a hand's breadth.
+    """
+    start, end = contact.start, contact.end
+    if contact.wish == "force" or end - start < 3:
+        return start, end
+    places = track[start:end]
+    speed = np.linalg.norm(np.diff(places, axis=0), axis=1) / (frame_time * leg_length)
+    far = np.linalg.norm(places - np.median(places, axis=0), axis=1) > params.edge_distance * leg_length
+    usual = params.edge_factor * float(np.median(speed))
+    landing = speed > max(params.edge_speed, usual)
+    drifting = speed > max(params.edge_speed / 3.0, usual)
+    moving_on = landing | (drifting & far[:-1])  # from this frame to the next
+    moving_off = landing | (drifting & far[1:])  # to this frame from the one before
+    head = int(np.argmin(np.append(moving_on, False)))
+    tail = int(np.argmin(np.append(moving_off[::-1], False)))
+    if end - start - head - tail < 2:
+        return start, end
+    return start + head, end - tail
 
 
 def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> Stance:
@@ -114,8 +155,24 @@ def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: P
     if not pivots:
         plants = _rigid(plants, foot)
     stance = replace(stance, plants=tuple(plants), level=level, pivots=pivots)
+    if all(plant.contact.position is None for plant in plants):
+        stance = _within_reach(stance, foot, leg_length, params)
     if _stands_well(stance, foot, flat, leg_length, params):
         return replace(stance, plants=tuple(replace(plant, kept=True) for plant in plants))
+    return stance
+
+
+def judged(stance: Stance, foot: Foot, leg_length: float, params: PlantParams) -> Stance:
+    """The stance given up as a whole where a plant of it would have to move too far."""
+    if any(plant.contact.wish == "force" for plant in stance.plants):
+        return stance
+    for plant in stance.plants:
+        if stance.pivots and plant.part != stance.pivots:
+            continue
+        far = float(np.linalg.norm(foot.point(plant.part)[plant.frames] - plant.target, axis=1).max())
+        if far > params.max_shift * leg_length:
+            reason = f"slides so far that it seems meant: {far:.2f} m from where it would stand"
+            return replace(stance, plants=tuple(replace(each, reason=reason) for each in stance.plants))
     return stance
 
 
@@ -141,20 +198,20 @@ def _place(plant: Plant, foot: Foot, flat: Bools, level: float) -> Floats:
 
 def _rigid(plants: list[Plant], foot: Foot) -> list[Plant]:
     """Heel and ball as far apart as the foot is long: the longest plant stands, the others give way to it."""
-    order = sorted(range(len(plants)), key=lambda k: -(plants[k].contact.end - plants[k].contact.start))
+    order = sorted(range(len(plants)), key=lambda k: plants[k].start - plants[k].end)
     placed: list[int] = []
     for k in order:
         plant = plants[k]
         common = [
-            (_overlap(plant.contact, plants[j].contact), j) for j in placed if plants[j].part != plant.part
+            (min(plant.end, plants[j].end) - max(plant.start, plants[j].start), j)
+            for j in placed
+            if plants[j].part != plant.part
         ]
         shared, j = max(common, default=(0, -1))
         asked = plant.contact.position is not None and plants[j].contact.position is not None
         if shared > 0 and not asked:
             other = plants[j]
-            both = slice(
-                max(plant.contact.start, other.contact.start), min(plant.contact.end, other.contact.end)
-            )
+            both = slice(max(plant.start, other.start), min(plant.end, other.end))
             span = foot.point(plant.part)[both] - foot.point(other.part)[both]
             length = float(np.median(np.linalg.norm(span, axis=1)))
             heading = np.median(span[:, [0, 2]], axis=0)
@@ -165,8 +222,34 @@ def _rigid(plants: list[Plant], foot: Foot) -> list[Plant]:
     return plants
 
 
-def _overlap(a: Contact, b: Contact) -> int:
-    return min(a.end, b.end) - max(a.start, b.start)
+def _within_reach(stance: Stance, foot: Foot, leg_length: float, params: PlantParams) -> Stance:
+    """The stance moved over the floor, along its own slide, to where its leg is stretched least beyond the source.
+
+    Of the places that the foot slides through, the one in the middle asks the shortest way of the foot; but a leg
+    that is straight when it lands can't reach ahead.
+    """
+    frames = stance.frames
+    off = np.zeros((frames.stop - frames.start, 3))
+    ends = np.zeros(len(off))
+    for plant in stance.plants:
+        own = slice(plant.start - frames.start, plant.end - frames.start)
+        off[own] += plant.target - foot.point(plant.part)[plant.frames]
+        ends[own] += 1.0
+    off /= np.maximum(ends, 1.0)[:, None]
+    line = foot.ankle[frames] - foot.hip[frames]
+    captured = np.linalg.norm(line, axis=1)
+    thigh, shank = foot.knee[frames] - foot.hip[frames], foot.ankle[frames] - foot.knee[frames]
+    length = np.linalg.norm(thigh, axis=1) + np.linalg.norm(shank, axis=1)
+    free = np.maximum(captured, params.stretch * length)
+    picks = np.unique(np.linspace(0, len(off) - 1, params.places).round().astype(np.intp))
+    moves = np.concatenate([np.zeros((1, 3)), -off[picks] * [1.0, 0.0, 1.0]])
+    wanted = off + moves[:, None]  # (places, n, 3)
+    beyond = np.maximum(np.linalg.norm(line + wanted, axis=2) - free, 0.0).max(axis=1)
+    if beyond[0] < 0.001 * leg_length:
+        return stance
+    cost = params.stretch_cost * beyond + np.linalg.norm(wanted, axis=2).max(axis=1)
+    move = moves[int(np.argmin(cost))]
+    return replace(stance, plants=tuple(replace(plant, target=plant.target + move) for plant in stance.plants))
 
 
 def heading(foot: Foot) -> Floats:

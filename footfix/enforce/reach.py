@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ class ReachParams:
     """How far legs stretch, and how far the root comes to help."""
 
     extension: float = 0.999  # of the leg's length, the straightest a leg may become
-    root_limit: float = 0.12  # leg lengths that the root may come down
+    root_limit: float = 0.03  # leg lengths that the root may come down
     root_ease: float = 0.15  # [s] how early the root begins to give way
 
 
@@ -38,11 +39,10 @@ def allowed(foot: Foot, hip: Floats, ankle: Floats, params: ReachParams) -> Floa
 
 
 def lowering(
-    feet: tuple[Foot, ...],
-    hips: tuple[Floats, ...],
-    ankles: tuple[Floats, ...],
-    limits: tuple[Floats, ...],
-    held: tuple[Bools, ...],
+    hips: Sequence[Floats],
+    ankles: Sequence[Floats],
+    limits: Sequence[Floats],
+    held: Sequence[Bools],
     frame_time: float,
     leg_length: float,
     params: ReachParams,
@@ -52,7 +52,7 @@ def lowering(
     The least that does it, frame by frame, under a smooth cover: a running maximum, then two running means no
     wider, so that it is nowhere less than needed and is zero where nothing is needed nearby.
     """
-    need = np.zeros(len(feet[0]))
+    need = np.zeros(len(hips[0]))
     for hip, ankle, limit, planted in zip(hips, ankles, limits, held, strict=True):
         down = hip - ankle
         across = dot(down[:, [0, 2]], down[:, [0, 2]])

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
-from footfix.enforce import ik, reach, root
+from footfix.enforce import ground, root
 from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams
-from footfix.enforce.foot import Foot, can_turn, feet, posed
+from footfix.enforce.foot import Foot, feet, posed
 from footfix.enforce.footplant import Footplant, Outcome
-from footfix.enforce.plants import Plant, PlantParams, Stance, aimed, stances
+from footfix.enforce.ground import GroundParams
+from footfix.enforce.legs import JudgeParams, LegParams, enforced
+from footfix.enforce.plants import Plant, PlantParams, Stance, aimed, judged, stances
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
-from footfix.enforce.targets import goals
-from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
@@ -31,8 +32,10 @@ class EnforceParams:
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     plants: PlantParams = field(default_factory=PlantParams)
+    ground: GroundParams = field(default_factory=GroundParams)
     ease: EaseParams = field(default_factory=EaseParams)
     reach: ReachParams = field(default_factory=ReachParams)
+    judge: JudgeParams = field(default_factory=JudgeParams)
     root: RootParams = field(default_factory=RootParams)
 
 
@@ -44,11 +47,13 @@ class Enforcement:
         plants: every contact, where it was to stand and what became of it.
         correction: what is to change in the clip.
         notes: what a person should know.
+        contacts: the contacts without the frames at their edges in which the foot is still landing or gone.
     """
 
     plants: tuple[Footplant, ...]
     correction: Correction
     notes: tuple[Note, ...] = ()
+    contacts: Contacts | None = None
 
 
 def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
@@ -65,94 +70,53 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     """
     pose = posed(clip, rig)
     legs = feet(rig, pose)
-    notes: list[Note] = []
+    found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
+    offset, notes = _ground(clip, rig, legs, found, params)
+    legs = tuple(ground.carried(foot, offset) for foot in legs)
     stands = []
-    for stance in stances(contacts, legs):
-        foot = legs[stance.leg]
-        stance = aimed(stance, foot, rig.floor, rig.leg_length, params.plants)
-        stands.append(_released_if_far(stance, foot, rig.leg_length, params.plants))
+    for stance in found:
+        stance = aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants)
+        stands.append(judged(stance, legs[stance.leg], rig.leg_length, params.plants))
+    held = [stance for stance in stands if not stance.released]
     if params.method == "root":
-        shift = _root_shift(rig, pose, legs, stands, clip.frame_time, params)
-        return _root_only(rig, legs, stands, shift, clip, notes)
-    return _by_legs(clip, rig, pose, legs, stands, params, notes)
+        shift = _root_shift(rig, pose, legs, held, clip.frame_time, params)
+        correction = Correction(rig.root, shift, (), np.zeros((len(clip), 0, 4)), np.zeros((len(clip), len(rig.soles))))
+        points = tuple(track + shift + offset for track in rig.tracks(pose))
+        stands = [_where_it_stands(stance, points) for stance in stands]
+        soft: tuple[Floats, ...] = tuple(np.zeros(len(clip)) for _ in legs)
+    else:
+        wanted = LegParams(
+            shares=params.method == "both", strength=params.strength, ease=params.ease, reach=params.reach,
+            root=params.root, judge=params.judge,
+        )  # fmt: skip
+        correction, points, soft = enforced(clip, rig, pose, legs, held, wanted)
+        rise = params.strength * float(offset[0, 1])
+        if rise and clip.skeleton.translates[rig.root]:
+            correction = replace(correction, root_shift=correction.root_shift + [0.0, rise, 0.0])
+    residual = _residual(rig, stands, points)
+    plants = _footplants(rig, stands, residual, soft, offset)
+    return Enforcement(plants, replace(correction, residual=residual), notes, _held(contacts, rig, stands))
 
 
-def _released_if_far(stance: Stance, foot: Foot, leg_length: float, params: PlantParams) -> Stance:
-    """The stance given up as a whole where a plant of it would have to move too far."""
-    for plant in stance.plants:
-        if plant.contact.wish == "force":
-            return stance
-        far = float(np.linalg.norm(foot.point(plant.part)[plant.frames] - plant.target, axis=1).max())
-        if far > params.max_shift * leg_length:
-            reason = f"slides so far that it seems meant: {far:.2f} m from where it would stand"
-            return replace(stance, plants=tuple(replace(p, reason=reason) for p in stance.plants))
-    return stance
-
-
-def _by_legs(
-    clip: Clip,
-    rig: Rig,
-    pose: Pose,
-    legs: tuple[Foot, ...],
-    stands: list[Stance],
-    params: EnforceParams,
-    notes: list[Note],
-) -> Enforcement:
-    able = [can_turn(clip, foot.leg) for foot in legs]
-    wanted = [
-        goals(
-            foot,
-            [s for s in stands if s.leg == k and able[k] and not s.plants[0].reason],
-            clip.frame_time,
-            params.ease,
-        )
-        for k, foot in enumerate(legs)
-    ]
-    wanted = [replace(g, turn=params.strength * g.turn, shift=params.strength * g.shift) for g in wanted]
-    shift = np.zeros((len(clip), 3))
-    if params.method == "both":
-        planted, shifts = [g.planted for g in wanted], [g.shift for g in wanted]
-        shift = root.shared(planted, shifts, clip.frame_time, params.ease, params.root)
-    limits = tuple(
-        reach.allowed(foot, foot.hip + shift, goal.ankle(foot), params.reach)
-        for foot, goal in zip(legs, wanted, strict=True)
-    )
-    if clip.skeleton.translates[rig.root]:
-        shift[:, 1] -= reach.lowering(
-            legs,
-            tuple(foot.hip + shift for foot in legs),
-            tuple(goal.ankle(foot) for foot, goal in zip(legs, wanted, strict=True)),
-            limits,
-            tuple(goal.planted for goal in wanted),
-            clip.frame_time,
-            rig.leg_length,
-            params.reach,
-        )
-    residual = np.zeros((len(clip), len(rig.soles)))
-    joints: list[int] = []
-    columns: list[Floats] = []
-    for k, (foot, goal, limit) in enumerate(zip(legs, wanted, limits, strict=True)):
-        changed = np.any(goal.shift != 0.0, axis=1) | np.any(goal.turn != 0.0, axis=1) | np.any(shift != 0.0, axis=1)
-        ankle = reach.clamp(foot.hip + shift, goal.ankle(foot), limit)
-        if able[k] and np.any(changed):
-            axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
-            turns = ik.two_bones(foot, axis, foot.hip + shift, ankle)
-            for joint, q in ik.local_rotations(clip, pose, foot, turns, goal.foot_turn(foot)).items():
-                joints.append(joint)
-                columns.append(np.where(changed[:, None], q, clip.rotations[:, joint]))
-        for part, e in zip(("heel", "toe"), foot.effectors, strict=True):
-            at_foot = foot.heel_in_foot if part == "heel" else foot.ball_in_foot
-            point = ankle + rotation.rotate(goal.foot_turn(foot), at_foot)
-            _measure(residual[:, e], point, [p for s in stands if s.leg == k for p in s.parts(part)])
-    rotations = np.stack(columns, axis=1) if columns else np.zeros((len(clip), 0, 4))
-    correction = Correction(rig.root, shift, tuple(joints), rotations, residual)
-    return Enforcement(_footplants(rig, stands, residual, params.strength), correction, tuple(notes))
-
-
-def _measure(residual: Floats, point: Floats, plants: list[Plant]) -> None:
-    """Fill in (F,) [m] how far a sole point stays from its targets."""
-    for plant in plants:
-        residual[plant.frames] = np.linalg.norm(point[plant.frames] - plant.target, axis=1)
+def _ground(
+    clip: Clip, rig: Rig, legs: Sequence[Foot], stands: Sequence[Stance], params: EnforceParams
+) -> tuple[Floats, tuple[Note, ...]]:
+    """(F, 3) [m] what takes the ground's own motion and a common error of height out of the tracks."""
+    notes = []
+    times = np.arange(len(clip))[:, None] * clip.frame_time
+    velocity = ground.belt(stands, legs, clip.frame_time, rig.leg_length, params.ground)
+    offset = -times * velocity
+    if np.any(velocity):
+        speed = float(np.linalg.norm(velocity))
+        text = f"the figure stays in place: planted feet are taken along at {speed:.2f} m/s, as on a belt"
+        notes.append(Note("in-place", text))
+    aims = [aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants) for stance in stands]
+    rise = ground.lift(aims, legs, rig.leg_length, params.ground)
+    if rise and params.method != "root" and clip.skeleton.translates[rig.root]:
+        offset = offset + [0.0, rise, 0.0]
+        text = f"the whole figure is {'raised' if rise > 0 else 'lowered'} by {1000.0 * abs(rise):.0f} mm to its floor"
+        notes.append(Note("height-moved", text))
+    return offset, tuple(notes)
 
 
 def _root_shift(
@@ -162,63 +126,84 @@ def _root_shift(
     frames = len(legs[0])
     planted = np.zeros((frames, len(rig.soles)), dtype=np.bool_)
     levels = np.full((frames, len(rig.soles)), rig.floor)
+    tracks: list[Floats] = [np.zeros(0)] * len(rig.soles)
+    for foot in legs:
+        for part, e in zip(("heel", "toe"), foot.effectors, strict=True):
+            tracks[e] = foot.point(part)
     for stance in stands:
         for plant in stance.plants:
             planted[plant.frames, plant.effector] = True
             levels[plant.frames, plant.effector] = stance.level
     if all(plant.kept for stance in stands for plant in stance.plants):
         return np.zeros((frames, 3))
-    shift = root.correction(
-        pose.position(rig.root), rig.tracks(pose), planted, levels, frame_time, rig.leg_length, params.root
-    )
+    at = legs[0].hip - pose.position(rig.legs[0].hip) + pose.position(rig.root)  # on the same ground as the feet
+    shift = root.correction(at, tracks, planted, levels, frame_time, rig.leg_length, params.root)
     return params.strength * shift
 
 
-def _root_only(
-    rig: Rig, legs: tuple[Foot, ...], stands: list[Stance], shift: Floats, clip: Clip, notes: list[Note]
-) -> Enforcement:
-    residual = np.zeros((len(clip), len(rig.soles)))
+def _where_it_stands(stance: Stance, points: Sequence[Floats]) -> Stance:
+    """The stance with each plant's target where the plant stands after all: root-only asks for no place."""
     plants = []
+    for plant in stance.plants:
+        places = points[plant.effector][plant.frames]
+        place = np.median(places, axis=0)
+        place[1] = stance.level
+        plants.append(replace(plant, target=place))
+    return replace(stance, plants=tuple(plants))
+
+
+def _residual(rig: Rig, stands: Sequence[Stance], points: Sequence[Floats]) -> Floats:
+    """(F, E) [m] how far each sole point is from its target while it is held."""
+    residual = np.zeros((len(points[0]), len(rig.soles)))
     for stance in stands:
-        foot = legs[stance.leg]
+        if stance.pivots and not stance.released:  # the end that moves around has no place of its own
+            stance = replace(stance, plants=tuple(stance.parts(stance.pivots)))
         for plant in stance.plants:
-            track = foot.point(plant.part)[plant.frames] + shift[plant.frames]
-            target = np.median(track, axis=0)
-            residual[plant.frames, plant.effector] = np.linalg.norm(track - target, axis=1)
-            plants.append(replace(plant, target=target, reason="", kept=False))
-    correction = Correction(rig.root, shift, (), np.zeros((len(clip), 0, 4)), residual)
-    whole = [Stance(0, tuple(plants))] if plants else []
-    return Enforcement(_footplants(rig, whole, residual, 1.0), correction, tuple(notes))
+            off = points[plant.effector][plant.frames] - plant.target
+            residual[plant.frames, plant.effector] = np.linalg.norm(off, axis=1)
+    return residual
 
 
 def _footplants(
-    rig: Rig, stands: list[Stance], residual: Floats, strength: float
+    rig: Rig, stands: Sequence[Stance], residual: Floats, soft: Sequence[Floats], offset: Floats
 ) -> tuple[Footplant, ...]:
     """What became of each contact, by effector and time."""
     made = []
     for stance in stands:
         for plant in stance.plants:
             far = float(residual[plant.frames, plant.effector].max())
-            outcome: Outcome = "pinned"
-            reason = plant.reason
-            if plant.reason:
-                outcome = "released"
-            elif plant.kept:
-                outcome = "kept"
-            elif far > 0.002 * rig.leg_length:
-                outcome = "partly"
-                reason = f"stays up to {1000.0 * far:.0f} mm away"
-            x, y, z = (float(v) for v in plant.target)
-            made.append(
-                (
-                    plant.effector,
-                    Footplant(
-                        rig.soles[plant.effector].name, plant.contact.start, plant.contact.end,
-                        plant.contact.confidence, (x, y, z), outcome, reason, far,
-                    ),
-                )
-            )  # fmt: skip
+            outcome, reason = _outcome(stance, plant, far, bool(np.any(soft[stance.leg][plant.frames])), rig.leg_length)
+            middle = (plant.start + plant.end) // 2
+            x, y, z = (float(v) for v in plant.target - offset[middle] * [1.0, 0.0, 1.0])
+            name, contact = rig.soles[plant.effector].name, plant.contact
+            made.append((plant.effector, Footplant(
+                name, contact.start, contact.end, contact.confidence, (x, y, z), outcome, reason, far,
+            )))  # fmt: skip
     made.sort(key=lambda pair: (pair[0], pair[1].start))
     return tuple(plant for _, plant in made)
 
 
+def _outcome(stance: Stance, plant: Plant, far: float, soft: bool, leg_length: float) -> tuple[Outcome, str]:
+    if plant.reason:
+        return "released", plant.reason
+    if plant.kept:
+        return "kept", ""
+    if stance.pivots and plant.part != stance.pivots:
+        return "partly", f"the foot turns about its {'ball' if stance.pivots == 'toe' else 'heel'}"
+    if far <= 0.002 * leg_length:
+        return "pinned", ""
+    why = "holding it fast would jerk the leg" if soft else "the leg does not reach it"
+    return "partly", f"stays up to {1000.0 * far:.0f} mm away: {why}"
+
+
+def _held(contacts: Contacts, rig: Rig, stands: Sequence[Stance]) -> Contacts:
+    """The contacts as they were held; those released or forbidden as they were given."""
+    held = {(p.effector, p.contact.start): (p.start, p.end) for stance in stands for p in stance.plants if not p.reason}
+    effectors = []
+    for e, effector in enumerate(contacts.effectors):
+        kept = []
+        for contact in effector.contacts:
+            start, end = held.get((e, contact.start), (contact.start, contact.end))
+            kept.append(replace(contact, start=start, end=end))
+        effectors.append(replace(effector, contacts=tuple(kept)))
+    return replace(contacts, effectors=tuple(effectors))

@@ -38,8 +38,13 @@ class Goals:
         return rotation.multiply(rotation.from_rotation_vector(self.turn), foot.turn)
 
 
-def goals(foot: Foot, stands: Sequence[Stance], frame_time: float, params: EaseParams) -> Goals:
-    """The goals of one leg from its stances; released ones are not among them."""
+def goals(
+    foot: Foot, stands: Sequence[Stance], frame_time: float, params: EaseParams, soft: Floats | None = None
+) -> Goals:
+    """The goals of one leg from its stances; released ones are not among them.
+
+    `soft` (F,) [s] says where the foot is held only as far as its slide is slower than that.
+    """
     frames = len(foot)
     on = {part: np.zeros(frames, dtype=np.bool_) for part in ("heel", "toe")}
     at = {part: np.zeros((frames, 3)) for part in ("heel", "toe")}
@@ -63,7 +68,7 @@ def goals(foot: Foot, stands: Sequence[Stance], frame_time: float, params: EaseP
     aligned = rotation.between(foot.ball[flat] - foot.heel[flat], at["toe"][flat] - at["heel"][flat])
     turn[flat] = rotation.to_rotation_vector(aligned)
     turn[kept] = 0.0
-    turn = displacement(flat | kept, turn, near, frame_time, params)
+    turn = displacement(flat | kept, turn, near, frame_time, params, soft)
     # 2. the ankle's place: on the end that stands; from heel to ball over the time both do
     turned = rotation.multiply(rotation.from_rotation_vector(turn), foot.turn)
     from_heel = at["heel"] - rotation.rotate(turned, foot.heel_in_foot)
@@ -71,7 +76,7 @@ def goals(foot: Foot, stands: Sequence[Stance], frame_time: float, params: EaseP
     roll = _roll(on["heel"], on["toe"])[:, None]
     shift = (1.0 - roll) * from_heel + roll * from_ball - foot.ankle
     shift[kept] = 0.0
-    return Goals(planted, turn, displacement(planted, shift, near, frame_time, params))
+    return Goals(planted, turn, displacement(planted, shift, near, frame_time, params, soft))
 
 
 def _carried(foot: Foot, at: dict[str, Floats], stance: Stance, other: str) -> Floats:
