@@ -52,7 +52,13 @@ def find_rigs(clip: Clip, params: RigParams | None = None) -> tuple[Rig, ...]:
 def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
     legs, sides_origin = _legs(seen, figure)
     facing = _facing(seen, legs)
-    feet = [soles.foot(seen, leg.ankle, leg.toe, facing, figure.length) for leg in legs]
+    on_four = any(leg.name.startswith("front") for leg in legs)
+    feet = [
+        soles.paw(seen, leg.ankle, figure.length)
+        if on_four
+        else soles.foot(seen, leg.ankle, leg.toe, facing, figure.length)
+        for leg in legs
+    ]
     feet = soles.alike(feet, [leg.name.removesuffix(leg.side) for leg in legs], figure.length)
     points, given = _points(seen, legs, feet, params.soles)
     level, others = _floor(seen, points, figure.length)
@@ -91,7 +97,9 @@ def _notes(
         text = f"the feet rest at {level:.2f} m, taken as the floor, and at {high} m; set rig.floor if that is wrong"
         notes.append(Note("floor-ambiguous", text, "warning"))
     unknown = [
-        leg.name for leg, foot in zip(legs, feet, strict=True) if foot.guessed and f"{leg.name}_toe" not in given
+        leg.name
+        for leg, foot in zip(legs, feet, strict=True)
+        if "length" in foot.guessed and f"{leg.name}_toe" not in given
     ]
     if unknown:
         text = "the skeleton ends at the ankle, so where heel and ball are is guessed; rig.soles can say it"

@@ -23,7 +23,7 @@ class Sample:
         places: (S, J, 3) joints in the world, in the clip's units and axes.
         turns: (S, J, 4) their frames in the world.
         velocities: (S, J, 3) units per second, from pairs of frames.
-        ends: (S, E, 3) End Sites in the world.
+        ends, end_velocities: (S, E, 3) End Sites in the world, likewise.
         bones: (J,) length of the bone from each joint's parent, 0 for roots.
         local: (S, J, 3) places in the parents' frames.
     """
@@ -33,6 +33,7 @@ class Sample:
     turns: Floats
     velocities: Floats
     ends: Floats
+    end_velocities: Floats
     bones: Floats
     local: Floats
 
@@ -79,24 +80,17 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
     pose = forward(both)
     n = len(first)
     elapsed = np.maximum((second - first) * clip.frame_time, 1e-9)[:, None, None]
-    ends = (
-        np.stack(
-            [
-                pose.point(int(joint), offset)[:n]
-                for joint, offset in zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
-            ],
-            axis=1,
-        )
-        if len(skeleton.end_parents)
-        else np.zeros((n, 0, 3))
-    )
+    ends = np.empty((2 * n, len(skeleton.end_parents), 3))
+    for e, (carrier, offset) in enumerate(zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True)):
+        ends[:, e] = pose.point(carrier, np.nan_to_num(offset))
     bones = np.median(np.linalg.norm(both.positions[:n], axis=-1), axis=0)
     return Sample(
         skeleton=skeleton,
         places=pose.positions[:n],
         turns=pose.rotations[:n],
         velocities=(pose.positions[n:] - pose.positions[:n]) / elapsed,
-        ends=ends,
+        ends=ends[:n],
+        end_velocities=(ends[n:] - ends[:n]) / elapsed,
         bones=np.where(skeleton.parents < 0, 0.0, bones),
         local=both.positions[:n],
     )

@@ -16,12 +16,14 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.rig.sample import Sample
 
-# All in leg lengths, but for the last three.
+# In leg lengths, but for shares.
 _ANKLE_HEIGHT, _ANKLE_HEIGHTS = 0.095, (0.06, 0.14)  # the usual one, and the least and most that is believed
 _BALL_HEIGHT, _BALL_HEIGHTS = 0.045, (0.025, 0.06)
 _TIP_HEIGHT = 0.012  # of the tip of the toes
 _HEEL_BEHIND = 0.07
 _BALL_AHEAD = 0.16
+_DEEPEST = 0.13  # a toe joint farther below its ankle is no flat foot's
+_PAW = 0.1  # length of what a paw stands on
 _ON_TOES = 0.2  # a foot that reaches so far below its ankle stands on its toes
 _BALL_OF_TIP = 0.72  # the ball's way ahead of the ankle, as a share of the tip's
 _HEEL_OF_BALL = 0.45  # the heel's way behind the ankle, as a share of the ball's way ahead
@@ -71,37 +73,82 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
         facing: (S, 3) the way the figure faces, level, in the world.
         leg: leg length [m].
     """
-    flat = _flat_frames(sample, ankle, toe, leg)
-    up = _usual(rotation.rotate(rotation.inverse(sample.turns[flat, ankle]), UP))
-    guessed: list[str] = []
-    tip, tip_down = _tip(sample, ankle, toe, flat, up)
+    flat = _flat_frames(sample, [ankle] if toe is None else [ankle, toe], leg)
+    back = rotation.inverse(sample.turns[flat, ankle])
+    up = _usual(rotation.rotate(back, UP))
+    tips = _seen_from(sample, ankle, _tips(sample, ankle) if toe is None else [sample.places[:, toe]], flat)
+    tip = max(tips, key=lambda each: float(np.linalg.norm(_level(each, up))), default=np.zeros(3))
+    guessed: tuple[str, ...] = ()
+    if toe is not None and not -0.02 * leg <= -float(tip @ up) <= _DEEPEST * leg:
+        guessed = ("slope",)
+        up = _upright(tip, up, (_ANKLE_HEIGHT - _BALL_HEIGHT) * leg)
     ahead = _level(tip, up)
     if np.linalg.norm(ahead) < 0.03 * leg:
-        guessed.append("direction")
-        ahead = _level(_usual(rotation.rotate(rotation.inverse(sample.turns[flat, ankle]), facing[flat])), up)
+        guessed = (*guessed, "direction")
+        ahead = _level(_usual(rotation.rotate(back, facing[flat])), up)
     ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-12)
-    far, deep = float(tip @ ahead), max(tip_down, 0.0)
-    if toe is not None:
-        below = _below(sample, toe, flat)
-        ball = (
-            float(np.clip(below + _TIP_HEIGHT * leg, *(leg * np.array(_BALL_HEIGHTS))))
-            if below > 0.0
-            else _BALL_HEIGHT * leg
-        )
-        height = float(np.clip(deep + ball, *(leg * np.array(_ANKLE_HEIGHTS))))
-        up_at_toe = _usual(rotation.rotate(rotation.inverse(sample.turns[flat, toe]), UP))
-        return Foot(up, ahead, up_at_toe, height, ball, _behind(far, leg), far, tuple(guessed))
-    if deep > _ON_TOES * leg:  # a paw: the ankle stands high, and only the toes touch
-        height = deep + _TIP_HEIGHT * leg
-        return Foot(up, ahead, None, height, height, 0.1 * leg - far, far, tuple(guessed))
-    height = _ANKLE_HEIGHT * leg
-    if deep > 0.02 * leg:
-        height = float(np.clip(deep + _TIP_HEIGHT * leg, *(leg * np.array(_ANKLE_HEIGHTS))))
+    far, deep = float(tip @ ahead), max((-float(each @ up) for each in tips), default=0.0)
+    if toe is None:
+        return _without_toe(up, ahead, far, deep, leg, guessed)
+    up_at_toe = _usual(rotation.rotate(rotation.inverse(sample.turns[flat, toe]), UP))
+    below = max((-float(each @ up_at_toe) for each in _seen_from(sample, toe, _tips(sample, toe), flat)), default=0.0)
+    ball = _BALL_HEIGHT * leg if below <= 0.0 else _within(below + _TIP_HEIGHT * leg, _BALL_HEIGHTS, leg)
+    height = _within(deep + ball, _ANKLE_HEIGHTS, leg)
+    return Foot(up, ahead, up_at_toe, height, ball, _behind(far, leg), far, guessed)
+
+
+def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float, guessed: tuple[str, ...]) -> Foot:
+    """A foot that is one piece from the ankle on, its tip so `far` ahead, its deepest point so `deep` below."""
+    if deep > _ON_TOES * leg:
+        return _on_toes(up, ahead, far, deep, leg)
+    height = _ANKLE_HEIGHT * leg if deep <= 0.02 * leg else _within(deep + _TIP_HEIGHT * leg, _ANKLE_HEIGHTS, leg)
     if far < 0.03 * leg:
-        guessed.append("length")
+        guessed = (*guessed, "length")
         far = _BALL_AHEAD * leg / _BALL_OF_TIP
     ball_ahead = float(np.clip(_BALL_OF_TIP * far, 0.1 * leg, 0.22 * leg))
-    return Foot(up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, tuple(guessed))
+    return Foot(up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, guessed)
+
+
+def paw(sample: Sample, ankle: int, leg: float) -> Foot:
+    """How the foot of a four-legged animal stands: on its toes, the ankle high.
+
+    Args:
+        sample: frames of a clip [m], y up.
+        ankle: its joint.
+        leg: leg length [m].
+    """
+    below = sample.below(ankle)
+    ends = [e for e, parent in enumerate(sample.skeleton.end_parents.tolist()) if parent in below]
+    below = below[1:] if len(below) + len(ends) > 1 else below  # the hock itself is down when the animal sits
+    places = np.concatenate([sample.places[:, below], sample.ends[:, ends]], axis=1)
+    velocities = np.concatenate([sample.velocities[:, below], sample.end_velocities[:, ends]], axis=1)
+    deepest = int(np.argmin(np.quantile(places[..., 1], 0.2, axis=0)))
+    resting = _resting(places[:, [deepest], 1], velocities[:, [deepest]], leg)[:, 0]
+    low = places[:, deepest, 1] <= np.quantile(places[resting, deepest, 1], 0.5) + 0.03 * leg
+    frames = np.flatnonzero(resting & low)
+    up = _usual(rotation.rotate(rotation.inverse(sample.turns[frames, ankle]), UP))
+    (tip,) = _seen_from(sample, ankle, [places[:, deepest]], frames)
+    ahead = _level(tip, up)
+    ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-12)
+    return _on_toes(up, ahead, float(tip @ ahead), max(0.0, -float(tip @ up)), leg)
+
+
+def _on_toes(up: Floats, ahead: Floats, far: float, deep: float, leg: float) -> Foot:
+    height = deep + _TIP_HEIGHT * leg
+    return Foot(up, ahead, None, height, height, _PAW * leg - far, far, ())
+
+
+def _within(value: float, limits: tuple[float, float], leg: float) -> float:
+    return float(np.clip(value, limits[0] * leg, limits[1] * leg))
+
+
+def _upright(tip: Floats, up: Floats, deep: float) -> Floats:
+    """The direction nearest to `up` for which a tip is so deep below the ankle, as usual feet are."""
+    along = tip / max(float(np.linalg.norm(tip)), 1e-12)
+    across = up - (up @ along) * along
+    across = across / max(float(np.linalg.norm(across)), 1e-12)
+    sine = min(0.9, deep / max(float(np.linalg.norm(tip)), 1e-12))
+    return np.asarray(np.sqrt(1.0 - sine * sine) * across - sine * along)
 
 
 def _behind(ahead: float, leg: float) -> float:
@@ -109,9 +156,14 @@ def _behind(ahead: float, leg: float) -> float:
     return float(np.clip(_HEEL_OF_BALL * ahead, 0.04 * leg, _HEEL_BEHIND * leg))
 
 
-def _flat_frames(sample: Sample, ankle: int, toe: int | None, leg: float) -> Ints:
-    """The frames in which a foot most likely stands flat: slow and low. (n,) indices."""
-    joints = [ankle] if toe is None else [ankle, toe]
+def _flat_frames(sample: Sample, joints: list[int], leg: float) -> Ints:
+    """The frames in which a foot most likely stands flat: still and low. (n,) indices.
+
+    Args:
+        sample: frames of a clip.
+        joints: the ankle, and the toe joint where there is one.
+        leg: leg length.
+    """
     heights, velocities = sample.places[:, joints, 1], sample.velocities[:, joints]
     resting = _resting(heights, velocities, leg).all(axis=1)
     if not resting.any():
@@ -135,35 +187,17 @@ def _level(vector: Floats, up: Floats) -> Floats:
     return np.asarray(vector - (vector @ up) * up)
 
 
-def _tip(sample: Sample, ankle: int, toe: int | None, flat: Ints, up: Floats) -> tuple[Floats, float]:
-    """The toe joint, or else the farthest tip of the foot, in the ankle's frame; and how deep the foot reaches."""
-    origin, back = sample.places[flat, ankle], rotation.inverse(sample.turns[flat, ankle])
-    if toe is not None:
-        here = np.median(rotation.rotate(back, sample.places[flat, toe] - origin), axis=0)
-        return here, float(-(here @ up))
-    tips = _tips(sample, ankle, flat)
-    if not tips:
-        return np.zeros(3), 0.0
-    seen = [np.median(rotation.rotate(back, tip - origin), axis=0) for tip in tips]
-    farthest = max(seen, key=lambda tip: float(np.linalg.norm(_level(tip, up))))
-    return farthest, max(float(-(tip @ up)) for tip in seen)
+def _tips(sample: Sample, joint: int) -> list[Floats]:
+    """The tracks (S, 3) of all joints and End Sites below a joint."""
+    below = sample.below(joint)
+    ends = enumerate(sample.skeleton.end_parents.tolist())
+    return [sample.places[:, j] for j in below[1:]] + [sample.ends[:, e] for e, parent in ends if parent in below]
 
 
-def _tips(sample: Sample, joint: int, flat: Ints) -> list[Floats]:
-    """The tracks of all joints and End Sites below a joint, in the flat frames."""
-    skeleton = sample.skeleton
-    below = {joint}
-    for other in range(joint + 1, len(skeleton)):
-        if int(skeleton.parents[other]) in below:
-            below.add(other)
-    tips = [sample.places[flat, other] for other in sorted(below - {joint})]
-    return tips + [sample.ends[flat, e] for e, parent in enumerate(skeleton.end_parents.tolist()) if parent in below]
-
-
-def _below(sample: Sample, toe: int, flat: Ints) -> float:
-    """How far the deepest tip of the toes is below the ball."""
-    tips = _tips(sample, toe, flat)
-    return max((float(np.median(sample.places[flat, toe, 1] - tip[:, 1])) for tip in tips), default=0.0)
+def _seen_from(sample: Sample, joint: int, tracks: list[Floats], frames: Ints) -> list[Floats]:
+    """Where tracks (S, 3) usually are in a joint's frame, each (3,)."""
+    origin, back = sample.places[frames, joint], rotation.inverse(sample.turns[frames, joint])
+    return [np.median(rotation.rotate(back, track[frames] - origin), axis=0) for track in tracks]
 
 
 def alike(feet: list[Foot], ends: list[str], leg: float) -> list[Foot]:
@@ -199,15 +233,13 @@ def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple
     """
     values = np.sort(heights[_resting(heights, velocities, leg)])
     band = 0.015 * leg
-    steps = min(20000, max(2, int((values[-1] - values[0]) / (0.25 * band)) + 8))
-    grid = np.linspace(values[0] - band, values[-1] + band, steps)
-    count = np.searchsorted(values, grid + band, side="right") - np.searchsorted(values, grid - band)
+    count = np.searchsorted(values, values + band, side="right") - np.searchsorted(values, values - band)
     levels = []
-    left = count.astype(np.float64)
+    left = count.copy()
     while left.max() > _OFTEN * count.max():
-        level = float(grid[np.argmax(left)])
+        level = values[np.argmax(left)]
         levels.append(float(np.median(values[np.abs(values - level) <= band])))
-        left[np.abs(grid - level) < 6.0 * band] = 0.0
+        left[np.abs(values - level) < 6.0 * band] = 0
     levels.sort()
     return levels[0], tuple(levels[1:])
 
