@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any, Literal
@@ -51,6 +52,15 @@ class Outputs:
     pages: Mapping[str, bytes] = field(default_factory=dict)
 
 
+@contextmanager
+def about(name: str) -> Iterator[None]:
+    """Errors from below, where nothing knows of files, say which file they are about."""
+    try:
+        yield
+    except InputError as error:
+        raise error if error.file else error.within(name) from None
+
+
 def read(data: bytes, name: str, settings: Settings) -> Document:
     """A file as a document in metres, y up.
 
@@ -63,7 +73,8 @@ def read(data: bytes, name: str, settings: Settings) -> Document:
         raise InputError(broken.text, file=name, line=broken.line, column=broken.column)
     if len(document.values) == 0:
         return document
-    return placed(document, settings.rig)[0]
+    with about(name):
+        return placed(document, settings.rig)[0]
 
 
 def placed(document: Document, params: RigParams) -> tuple[Document, tuple[Note, ...]]:
@@ -121,12 +132,10 @@ def clean_file(
             return clip
         return decode(written, name=name, limits=settings.limits).placed(unit_m=document.unit_m, up=document.up).clip
 
-    try:
+    with about(name):
         rig = find_rig(clip, settings.rig)
         contacts = find_contacts(clip, rig, settings, labels)
         result = clean(clip, settings, rig=rig, contacts=contacts, as_written=as_written)
-    except InputError as error:
-        raise error if error.file else error.within(name) from None
     status: Status = "unchanged" if written == data else "cleaned"
     report = _report(document, result, source, settings, status=status, output=output)
     contacts_file = contacts_json(result.contacts, source, report["rig"], settings)
@@ -225,11 +234,9 @@ def detect_file(
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to find contacts in", file=name)
-    try:
+    with about(name):
         rig = find_rig(clip, settings.rig)
         contacts = find_contacts(clip, rig, settings, labels)
-    except InputError as error:
-        raise error if error.file else error.within(name) from None
     entry = report_format.rig(rig, clip, unit_m=document.unit_m, up=document.up)
     return contacts, source, entry, report_format.notes((*document.notes, *rig.notes, *contacts.notes))
 
@@ -244,9 +251,9 @@ def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
     found: tuple[Note, ...] = document.notes
     rig: dict[str, Any] | None = None
     if not any(note.severity == "error" for note in found) and len(document.values):
-        document, doubts = placed(document, settings.rig)
-        found += doubts
         try:
+            document, doubts = placed(document, settings.rig)
+            found += doubts
             figure = find_rig(document.clip, settings.rig)
             rig = report_format.rig(figure, document.clip, unit_m=document.unit_m, up=document.up)
             found += figure.notes
