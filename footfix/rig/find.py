@@ -220,5 +220,5 @@ def _carrier(seen: Sample, figure: Figure) -> int:
         if skeleton.translates[joint] and len(seen.below(joint)) + len(skeleton.ancestors(joint)) > 0.8 * whole
     ]
     travel = {joint: float(np.ptp(seen.local[:, joint], axis=0).max()) for joint in able}
-    moving = [joint for joint in able if travel[joint] > 0.02 * max(travel.values())]
+    moving = [joint for joint in able if travel[joint] > 0.005 * figure.length]
     return (moving or able or [figure.root])[0]
