@@ -13,10 +13,12 @@ from footfix.errors import InputError
 from footfix.formats import bvh_channels
 from footfix.formats.bvh_compose import compose
 from footfix.formats.bvh_doubts import frame_time, look_over
-from footfix.formats.bvh_hierarchy import Channel, Hierarchy, read_hierarchy
-from footfix.formats.bvh_motion import Rows, read_headings, read_rows
+from footfix.formats.bvh_hierarchy import read_hierarchy
+from footfix.formats.bvh_motion import read_headings, read_rows
 from footfix.formats.bvh_numbers import number
+from footfix.formats.bvh_rows import Rows
 from footfix.formats.bvh_text import Cursor, Limits, Notes, unmask
+from footfix.formats.bvh_tree import Channel, Hierarchy
 from footfix.formats.bvh_write import splice
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.notes import Note

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.formats.bvh_hierarchy import Channel
+from footfix.formats.bvh_tree import Channel
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Skeleton
 

@@ -6,11 +6,13 @@ from collections import Counter
 
 import numpy as np
 
-from footfix.formats.bvh_hierarchy import Hierarchy
-from footfix.formats.bvh_motion import Headings, Rows
+from footfix.formats.bvh_motion import Headings
 from footfix.formats.bvh_numbers import number
+from footfix.formats.bvh_rows import Rows
 from footfix.formats.bvh_text import Notes, readable
+from footfix.formats.bvh_tree import Hierarchy
 from footfix.motion.clip import Floats, Skeleton
+from footfix.notes import Severity
 
 USUAL_FRAME_TIME = 1.0 / 30.0  # [s] where a file says nothing of use
 HUGE = 1e9  # no place and no angle is so large in any unit
@@ -69,8 +71,10 @@ def look_over(tree: Hierarchy, skeleton: Skeleton, headings: Headings, rows: Row
     _text(rows, notes)
     _joints(tree, skeleton, notes)
     _odd_channels(tree, skeleton, base, notes)
+    _bones(tree, skeleton, notes)
     if rows.values.size:
         _values(tree, rows, notes)
+        _motion(tree, skeleton, rows, notes)
 
 
 def _frame_count(headings: Headings, frames: int, notes: Notes) -> None:
@@ -119,7 +123,7 @@ def _joints(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
                   at=places[roots[1]], joints=tuple(names[j] for j in roots))  # fmt: skip
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        notes.add("name-duplicate", f"several joints are called '{twice[0]}'", "warning", joints=tuple(twice),
+        notes.add("name-duplicate", f"several joints are called '{twice[0]}'", joints=tuple(twice),
                   at=places[len(names) - 1 - names[::-1].index(twice[0])])  # fmt: skip
     with_end, leaves = set(skeleton.end_parents.tolist()), [j for j, c in enumerate(skeleton.children) if not c]
     bare = [j for j in leaves if j not in with_end]
@@ -130,8 +134,16 @@ def _joints(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
     if beside:
         notes.add("end-site-beside-children", "an End Site stands beside child joints", at=places[beside[0]],
                   joints=tuple(names[j] for j in beside))  # fmt: skip
-    if len(names) > 1 and not np.any(skeleton.offsets[1:]) and not np.any(skeleton.end_offsets):
+
+
+def _bones(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
+    names, places = tree.names, tree.places
+    none = [j for j, parent in enumerate(tree.parents) if parent >= 0 and not skeleton.offsets[j].any()]
+    if none and len(none) == sum(parent >= 0 for parent in tree.parents) and not skeleton.end_offsets.any():
         notes.add("offsets-zero", "every OFFSET is 0 0 0: the figure has no size", "warning", at=places[0])
+    elif none:
+        notes.add("bone-zero", f"{len(none)} bones have no length: the joint sits in its parent", at=places[none[0]],
+                  joints=tuple(names[j] for j in none))  # fmt: skip
 
 
 def _odd_channels(tree: Hierarchy, skeleton: Skeleton, base: Floats, notes: Notes) -> None:
@@ -154,6 +166,27 @@ def _odd_channels(tree: Hierarchy, skeleton: Skeleton, base: Floats, notes: Note
     if free:
         notes.add("positions-below-root", f"{len(free)} joints below the root have position channels; they take the "
                   "place of the OFFSET", at=places[free[0]], joints=tuple(names[j] for j in free))  # fmt: skip
+
+
+def _motion(tree: Hierarchy, skeleton: Skeleton, rows: Rows, notes: Notes) -> None:
+    """What no motion does: nothing moves, or the figure is elsewhere from one frame to the next."""
+    values = rows.values
+    if len(values) > 1 and np.array_equal(values[0], values[-1]) and np.all(values == values[0]):
+        notes.add("frozen", "nothing moves: all frames are the same", joints=(), start=0, end=len(values))
+    reach = np.zeros(len(skeleton))
+    for joint, parent in enumerate(tree.parents):
+        if parent >= 0:
+            reach[joint] = reach[parent] + np.linalg.norm(skeleton.offsets[joint])
+    columns = [k for k, c in enumerate(tree.channels) if c.kind == "P" and tree.parents[c.joint] < 0]
+    if len(values) < 2 or not columns or not reach.max() > 0.0 or not np.isfinite(values[:, columns]).all():
+        return
+    steps = np.abs(np.diff(values[:, columns], axis=0)).max(axis=1)
+    leaps = np.flatnonzero(steps > reach.max())
+    if len(leaps):
+        first = int(leaps[0]) + 1
+        severity: Severity = "note" if int(leaps[-1]) < 4 else "warning"  # a rest pose often stands before the motion
+        notes.add("jump", f"the figure leaps farther than its own size, first to frame {first} ({len(leaps)} times)",
+                  severity, start=first, end=int(leaps[-1]) + 2)  # fmt: skip
 
 
 def _values(tree: Hierarchy, rows: Rows, notes: Notes) -> None:

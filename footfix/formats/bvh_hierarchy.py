@@ -3,67 +3,20 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import NamedTuple
 
 import numpy as np
 
 from footfix.formats.bvh_numbers import number
 from footfix.formats.bvh_text import Cursor, Limits, Notes, readable
-from footfix.motion.clip import Skeleton
+from footfix.formats.bvh_tree import Channel, Hierarchy
 
 _CHANNEL = re.compile(rb"([xyz])[_-]?(pos(?:ition)?|trans(?:lation)?|rot(?:ation)?|scal(?:e|ing))", re.IGNORECASE)
 _END = re.compile(rb"end(?:[_-]?site)?", re.IGNORECASE)
 _NUMBERISH = re.compile(rb"[-+.,]?\d|[-+]?nan|[-+]?inf|[-+]?1\.#", re.IGNORECASE)
 _HEADINGS = (b"MOTION", b"FRAMES", b"FRAME", b"FRAMES:", b"FRAMETIME", b"FRAMETIME:")
 _WORDS = ("HIERARCHY", "ROOT", "JOINT", "End", "OFFSET", "CHANNELS", "MOTION")
-
-
-class Channel(NamedTuple):
-    """One column of the motion rows.
-
-    Args:
-        joint: whose it is; -1 where an End Site or a kind that is passed over (scale) owns it.
-        kind: "P" position, "R" rotation, "" passed over.
-        axis: 0, 1, 2 for x, y, z.
-    """
-
-    joint: int
-    kind: str
-    axis: int
-
-
-@dataclass
-class Hierarchy:
-    """What the reader of the hierarchy found; the lists run over joints in the order of the file."""
-
-    names: list[str] = field(default_factory=list)
-    parents: list[int] = field(default_factory=list)
-    offsets: list[tuple[float, float, float]] = field(default_factory=list)
-    places: list[int] = field(default_factory=list)  # where in the text each joint is named
-    ends: list[tuple[int, tuple[float, float, float]]] = field(default_factory=list)
-    channels: list[Channel] = field(default_factory=list)
-    end_channels: list[int] = field(default_factory=list)  # columns that End Sites own
-    miscounts: list[tuple[int, int, int]] = field(default_factory=list)  # where, said, named
-
-    def skeleton(self) -> Skeleton:
-        """In the units and axes of the file."""
-        n = len(self.names)
-        moved, turned = np.zeros((n, 3), dtype=bool), np.zeros((n, 3), dtype=bool)
-        for channel in self.channels:
-            if channel.kind:
-                (moved if channel.kind == "P" else turned)[channel.joint, channel.axis] = True
-        turns = np.bincount([c.joint for c in self.channels if c.kind == "R"], minlength=n)
-        return Skeleton(
-            names=tuple(self.names),
-            parents=np.array(self.parents, dtype=np.intp),
-            offsets=np.array(self.offsets).reshape(n, 3),
-            end_parents=np.array([joint for joint, _ in self.ends], dtype=np.intp),
-            end_offsets=np.array([offset for _, offset in self.ends]).reshape(-1, 3),
-            translates=np.asarray(moved.all(axis=1)),
-            rotates=np.asarray(turned.all(axis=1) & (turns == 3)),
-        )
 
 
 @dataclass
@@ -75,6 +28,7 @@ class _Open:
     at: int
     offset: bool = False
     channels: bool = False
+    brace: bool = True
 
 
 def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
@@ -112,7 +66,7 @@ def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
         elif _END.fullmatch(word):
             _open_end_site(cursor, tree, stack)
         elif key == b"OFFSET":
-            _offset(cursor, tree, stack[-1])
+            _offset(cursor, tree, stack)
         elif key == b"CHANNELS":
             _channels(cursor, tree, stack[-1])
         else:
@@ -166,13 +120,14 @@ def _name(cursor: Cursor) -> str:
         return name
 
 
-def _brace(cursor: Cursor, what: str) -> None:
+def _brace(cursor: Cursor, what: str) -> bool:
     if cursor.peek() == b"{":
         cursor.take()
-        return
+        return True
     if not cursor.peek() or cursor.peek() == b"}":
         raise cursor.fail(f"{what} has no opening brace", hint="the file is cut short or damaged")
     cursor.notes.add("brace-missing", f"{what} has no opening brace; read as if it had", "warning", at=cursor.start)
+    return False
 
 
 def _open_joint(cursor: Cursor, tree: Hierarchy, stack: list[_Open], key: bytes) -> None:
@@ -194,7 +149,7 @@ def _open_joint(cursor: Cursor, tree: Hierarchy, stack: list[_Open], key: bytes)
     tree.offsets.append((0.0, 0.0, 0.0))
     tree.places.append(at)
     if not name:
-        notes.add("name-empty", "a joint has no name", "warning", at=at)
+        notes.add("name-empty", "a joint has no name", at=at)
     _brace(cursor, f"joint '{shown}'")
     stack.append(_Open(len(tree.names) - 1, False, at))
 
@@ -204,9 +159,9 @@ def _open_end_site(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
     if stack[-1].end_site:
         raise cursor.fail("an End Site stands inside an End Site", hint="a brace is missing above it")
     cursor.line(stop=b"{")  # `Site`, and a label that some exporters write
-    _brace(cursor, "the End Site")
+    braced = _brace(cursor, "the End Site")
     tree.ends.append((stack[-1].joint, (0.0, 0.0, 0.0)))
-    stack.append(_Open(stack[-1].joint, True, at))
+    stack.append(_Open(stack[-1].joint, True, at, brace=braced))
 
 
 def _close(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
@@ -220,8 +175,8 @@ def _close(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
         cursor.notes.add("offset-missing", f"{what} has no OFFSET; taken as 0 0 0", "warning", at=block.at)
 
 
-def _offset(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
-    at, numbers = cursor.start, list[float]()
+def _offset(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
+    at, numbers, block = cursor.start, list[float](), stack[-1]
     if block.offset:
         raise cursor.fail("a second OFFSET for the same joint", hint="a brace or a JOINT line is missing above it")
     while len(numbers) < 3:
@@ -244,6 +199,8 @@ def _offset(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
     block.offset = True
     if block.end_site:
         tree.ends[-1] = (block.joint, (numbers[0], numbers[1], numbers[2]))
+        if not block.brace:
+            stack.pop()  # an End Site without braces has nothing else to say
     else:
         tree.offsets[block.joint] = (numbers[0], numbers[1], numbers[2])
 
@@ -292,3 +249,21 @@ def _finish(cursor: Cursor, tree: Hierarchy, stack: list[_Open], notes: Notes) -
     if stack:
         many = f"{len(stack)} braces are" if len(stack) > 1 else "one brace is"
         notes.add("brace-unclosed", f"{many} not closed before MOTION; read as if they were", "warning", at=at)
+    if notes.has("brace-unclosed") or notes.has("brace-extra"):
+        _check_indents(cursor, tree)
+
+
+def _check_indents(cursor: Cursor, tree: Hierarchy) -> None:
+    """Where braces don't pair up, the indentation says whether the tree is still the one that was meant."""
+    depths, indents = list[int](), dict[int, bytes]()
+    for joint, (parent, at) in enumerate(zip(tree.parents, tree.places, strict=True)):
+        depths.append(depths[parent] + 1 if parent >= 0 else 0)
+        start = max(cursor.text.rfind(b"\n", 0, at), cursor.text.rfind(b"\r", 0, at)) + 1
+        indent = cursor.text[start:at]
+        if indent.strip() or not (indent or depths[joint] == 0):
+            return  # several joints on a line, or no indentation: it says nothing
+        if indents.setdefault(depths[joint], indent) != indent:
+            raise cursor.fail(
+                f"braces don't pair up: joint '{readable(tree.names[joint].encode())}' is {depths[joint]} deep by "
+                "braces, but not by its indentation", at=at, hint="a brace is missing, or there is one too many, above",
+            )  # fmt: skip

@@ -59,6 +59,9 @@ def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
             return _from_wide(data, encoding, notes), encoding
     if head[1:2] == b"\0" and head[3:4] == b"\0" and head[:1].isalpha():
         return _from_wide(data, "utf-16-le", notes), "utf-16-le"
+    control = len(data[:1024].translate(None, bytes(range(32, 256)) + b"\t\n\v\f\r\x1a"))
+    if control > 16 and b"HIERARCHY" not in data[:1024].upper():
+        raise InputError("this is a binary file of another kind, not a BVH", hint="export the motion as BVH")
     return data, ""
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from footfix.formats.bvh_channels import Change
 from footfix.formats.bvh_digits import fixed
-from footfix.formats.bvh_motion import Rows, consecutive
 from footfix.formats.bvh_numbers import decimals, token_chunks, tokens
+from footfix.formats.bvh_rows import Rows, consecutive
 from footfix.motion.clip import Bools, Floats, Ints
 
 LEAST_DECIMALS = 6  # of a number that changes: a micrometre in a file in metres
