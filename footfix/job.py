@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any, Literal
+
+import numpy as np
 
 from footfix import version
 from footfix.detect.run import detect
@@ -18,12 +20,13 @@ from footfix.formats.bvh import Document, decode, encode
 from footfix.formats.contacts import Labels
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
+from footfix.motion.contacts import joined as all_contacts
 from footfix.notes import Note
-from footfix.pipeline import Result, clean
+from footfix.pipeline import Result, clean_figures
 from footfix.report import document as report_format
-from footfix.rig.find import find_rig
+from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
-from footfix.rig.rig import Rig
+from footfix.rig.rig import Rig, joined
 from footfix.rig.survey import survey
 from footfix.settings import Settings, plain
 
@@ -93,14 +96,14 @@ def source_entry(data: bytes, name: str, clip: Clip) -> dict[str, Any]:
     }
 
 
-def find_contacts(clip: Clip, rig: Rig, settings: Settings, labels: Labels | None) -> Contacts:
-    """Contacts from the labels where they speak, from the detector elsewhere."""
+def find_contacts(clip: Clip, rigs: Sequence[Rig], settings: Settings, labels: Labels | None) -> Contacts:
+    """Contacts of all figures, from the labels where they speak, from the detector elsewhere."""
     if labels is None:
-        return detect(clip, rig, settings.detect)
-    given, open_ones = labels_format.fit(labels, rig.no_contacts(clip))
+        return all_contacts([detect(clip, rig, settings.detect) for rig in rigs])
+    given, open_ones = labels_format.fit(labels, all_contacts([rig.no_contacts(clip) for rig in rigs]))
     if not open_ones:
         return given
-    return labels_format.merge(given, detect(clip, rig, settings.detect), open_ones)
+    return labels_format.merge(given, all_contacts([detect(clip, rig, settings.detect) for rig in rigs]), open_ones)
 
 
 def clean_file(
@@ -133,13 +136,13 @@ def clean_file(
         return decode(written, name=name, limits=settings.limits).placed(unit_m=document.unit_m, up=document.up).clip
 
     with about(name):
-        rig = find_rig(clip, settings.rig)
-        contacts = find_contacts(clip, rig, settings, labels)
-        result = clean(clip, settings, rig=rig, contacts=contacts, as_written=as_written)
+        rigs = find_rigs(clip, settings.rig)
+        contacts = find_contacts(clip, rigs, settings, labels)
+        results = clean_figures(clip, settings, rigs, contacts, as_written)
     status: Status = "unchanged" if written == data else "cleaned"
-    report = _report(document, result, source, settings, status=status, output=output)
-    contacts_file = contacts_json(result.contacts, source, report["rig"], settings)
-    pages = _pages(clip, result, report, contacts_file, settings)
+    report = _report(document, results, source, settings, status=status, output=output)
+    contacts_file = contacts_json(contacts, source, report["rig"], settings)
+    pages = _pages(clip, results[-1].clip, joined(rigs), report, contacts_file, settings)
     return Outputs(status, written, contacts_file, report, pages)
 
 
@@ -158,25 +161,34 @@ def contacts_json(contacts: Contacts, source: Mapping[str, Any], rig: Mapping[st
 
 
 def _report(
-    document: Document, result: Result, source: Mapping[str, Any], settings: Settings, *, status: Status,
+    document: Document,
+    results: Sequence[Result],
+    source: Mapping[str, Any],
+    settings: Settings,
+    *,
+    status: Status,
     output: str | None,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     clip = document.clip
-    in_contact = float(result.contacts.mask().any(axis=1).sum()) * clip.frame_time
+    rigs = [report_format.rig(each.rig, clip, unit_m=document.unit_m, up=document.up) for each in results]
+    planted = np.any([each.contacts.mask().any(axis=1) for each in results], axis=0)
     return {
         **report_format.frame(source, version.__version__, status=status, output=output),
         "method": settings.enforce.method,
-        "rig": report_format.rig(result.rig, clip, unit_m=document.unit_m, up=document.up),
+        "rig": rigs[0],
+        **({"figures": rigs} if len(rigs) > 1 else {}),
         "settings": plain(settings),
-        "before": report_format.measures(result.before),
-        "after": report_format.measures(result.after),
-        "plants": report_format.plants(result.plants, result.plants_before, result.plants_after),
-        "correction": report_format.correction(result.correction, clip),
-        "notes": report_format.notes((*document.notes, *result.notes)),
+        "before": report_format.worst([report_format.measures(each.before) for each in results]),
+        "after": report_format.worst([report_format.measures(each.after) for each in results]),
+        "plants": [
+            row for each in results for row in report_format.plants(each.plants, each.plants_before, each.plants_after)
+        ],
+        "correction": report_format.worst([report_format.correction(each.correction, clip) for each in results]),
+        "notes": report_format.notes((*document.notes, *(note for each in results for note in each.notes))),
         # Of the motion, not of the machine: a report is the same whoever made it, on however many processes.
         "seconds": {
             "clip": report_format.rounded(len(clip) * clip.frame_time),
-            "in_contact": report_format.rounded(in_contact),
+            "in_contact": report_format.rounded(float(planted.sum()) * clip.frame_time),
         },
     }
 
@@ -209,14 +221,14 @@ def _too_short(
 
 
 def _pages(
-    clip: Clip, result: Result, report: Mapping[str, Any], contacts: bytes, settings: Settings
+    before: Clip, after: Clip, rig: Rig, report: Mapping[str, Any], contacts: bytes, settings: Settings
 ) -> dict[str, bytes]:
     pages: dict[str, bytes] = {}
     if settings.report.kind == "html":
         from footfix.report.motion import film
         from footfix.report.page import PageData, render
 
-        data = PageData(report, json.loads(contacts), film(clip, result.clip, result.rig))
+        data = PageData(report, json.loads(contacts), film(before, after, rig))
         pages[".report.html"] = render(data).encode("utf-8", "replace")
     return pages
 
@@ -235,10 +247,11 @@ def detect_file(
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to find contacts in", file=name)
     with about(name):
-        rig = find_rig(clip, settings.rig)
-        contacts = find_contacts(clip, rig, settings, labels)
-    entry = report_format.rig(rig, clip, unit_m=document.unit_m, up=document.up)
-    return contacts, source, entry, report_format.notes((*document.notes, *rig.notes, *contacts.notes))
+        rigs = find_rigs(clip, settings.rig)
+        contacts = find_contacts(clip, rigs, settings, labels)
+    entry = report_format.rig(rigs[0], clip, unit_m=document.unit_m, up=document.up)
+    doubts = (note for rig in rigs for note in rig.notes)
+    return contacts, source, entry, report_format.notes((*document.notes, *doubts, *contacts.notes))
 
 
 def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
@@ -249,14 +262,14 @@ def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
     """
     document = decode(data, name=name, limits=settings.limits)
     found: tuple[Note, ...] = document.notes
-    rig: dict[str, Any] | None = None
+    rigs: list[dict[str, Any]] = []
     if not any(note.severity == "error" for note in found) and len(document.values):
         try:
             document, doubts = placed(document, settings.rig)
             found += doubts
-            figure = find_rig(document.clip, settings.rig)
-            rig = report_format.rig(figure, document.clip, unit_m=document.unit_m, up=document.up)
-            found += figure.notes
+            for rig in find_rigs(document.clip, settings.rig):
+                rigs.append(report_format.rig(rig, document.clip, unit_m=document.unit_m, up=document.up))
+                found += rig.notes
         except InputError as error:
             found += (Note("no-legs", error.what, "warning"),)
     elif not len(document.values):
@@ -273,6 +286,7 @@ def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
         "fps": report_format.rounded(1.0 / document.frame_time),
         "joints": len(document.skeleton),
         "channels": int(document.values.shape[1]) if document.values.ndim == 2 else 0,
-        "rig": rig,
+        "rig": rigs[0] if rigs else None,
+        **({"figures": rigs} if len(rigs) > 1 else {}),
         "notes": report_format.notes(found),
     }

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def clean(
     *,
     rig: Rig | None = None,
     contacts: Contacts | None = None,
-    as_written: Callable[[Clip], Clip] = lambda corrected: corrected,
+    as_written: Callable[[Clip], Clip] | None = None,
 ) -> Result:
     """Finds the footplants of a clip and takes the foot skate out.
 
@@ -84,7 +84,7 @@ def clean(
     corrected = apply(smoothed, enforcement.correction)
     levels = plant_levels(contacts, enforcement.plants)
     before, plants_before = measure(clip, rig, contacts, levels=levels)
-    written = as_written(corrected)
+    written = as_written(corrected) if as_written else corrected
     after, plants_after = (before, plants_before) if written is clip else measure(written, rig, contacts, levels=levels)
     return Result(
         clip=corrected,
@@ -98,6 +98,36 @@ def clean(
         plants_after=plants_after,
         notes=(*rig.notes, *smoothing_notes, *contacts.notes, *enforcement.notes),
     )
+
+
+def clean_figures(
+    clip: Clip,
+    settings: Settings,
+    rigs: Sequence[Rig],
+    contacts: Contacts,
+    as_written: Callable[[Clip], Clip] | None = None,
+) -> tuple[Result, ...]:
+    """Cleans every figure of a clip: one after the other, since each has legs and a root of its own.
+
+    Args:
+        clip: the motion, metres, y up.
+        settings: the parameters of all steps.
+        rigs: one a figure.
+        contacts: of all figures.
+        as_written: what a file makes of the corrected clip.
+
+    Returns:
+        A result a figure, each with the clip in which all of them are corrected.
+    """
+    results: list[Result] = []
+    current = clip
+    for number, rig in enumerate(rigs, start=1):
+        own = contacts.only(sole.name for sole in rig.soles)
+        last = number == len(rigs)
+        results.append(clean(current, settings, rig=rig, contacts=own, as_written=as_written if last else None))
+        current = results[-1].clip
+        settings = replace(settings, smooth=replace(settings.smooth, channels=False))  # once is enough for all
+    return tuple(replace(result, clip=current) for result in results)
 
 
 def plant_levels(contacts: Contacts, plants: tuple[Footplant, ...]) -> tuple[Floats, ...]:

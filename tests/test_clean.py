@@ -136,3 +136,24 @@ def test_cleaning_a_cleaned_clip_changes_nothing_to_be_seen() -> None:
 
     once, twice = (forward(read(data, "walk.bvh", SETTINGS).clip).positions for data in (outputs.bvh, again.bvh))
     assert np.linalg.norm(once - twice, axis=-1).max() < 0.002
+
+
+def side_by_side(one: bytes, other: bytes) -> bytes:
+    """Two files of as many frames as one file with two roots."""
+    (head, rows), (other_head, other_rows) = (each.decode().split("MOTION\n") for each in (one, other))
+    lines, other_lines = rows.splitlines(), other_rows.splitlines()
+    both = [f"{a.strip()} {b.strip()}" for a, b in zip(lines[2:], other_lines[2:], strict=True)]
+    return "\n".join([head + other_head.removeprefix("HIERARCHY\n") + "MOTION", *lines[:2], *both, ""]).encode()
+
+
+def test_two_figures_in_one_file_are_both_cleaned_as_each_alone() -> None:
+    first = exports.bvh(artefacts.wander(walker(60).clip, 0.03))
+    second = exports.bvh(artefacts.wander(artefacts.turned(walker(60, 2).clip, 0.4, (2.0, 1.0)), 0.04, seed=3))
+    outputs = clean_file(side_by_side(first, second), "two.bvh", SETTINGS)
+    alone = [clean_file(data, "one.bvh", SETTINGS) for data in (first, second)]
+    effectors = {plant["effector"] for plant in outputs.report["plants"]}
+    assert {"left_heel", "figure2_right_toe"} <= effectors and len(effectors) == 8
+    rows = [
+        [line.split() for line in each.bvh.decode().split("MOTION\n")[1].splitlines()[2:]] for each in (outputs, *alone)
+    ]
+    assert rows[0] == [a + b for a, b in zip(rows[1], rows[2], strict=True)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -90,6 +91,11 @@ class Contacts:
                     mask[contact.start : contact.end, e] = True
         return mask
 
+    def only(self, names: Iterable[str]) -> Contacts:
+        """The contacts of some effectors."""
+        wanted = frozenset(names)
+        return replace(self, effectors=tuple(each for each in self.effectors if each.name in wanted))
+
     def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
         """The same effectors with the contacts of a mask (F, E).
 
@@ -106,6 +112,15 @@ class Contacts:
             for e, effector in enumerate(self.effectors)
         )
         return replace(self, effectors=effectors)
+
+
+def joined(parts: Sequence[Contacts]) -> Contacts:
+    """The effectors of several in one."""
+    return replace(
+        parts[0],
+        effectors=tuple(effector for part in parts for effector in part.effectors),
+        notes=tuple(note for part in parts for note in part.notes),
+    )
 
 
 def runs(mask: Bools) -> list[tuple[int, int]]:

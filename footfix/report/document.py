@@ -130,6 +130,15 @@ def correction(found: Correction, clip: Clip) -> dict[str, float]:
     }
 
 
+def worst(entries: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """One entry for several figures: the largest of each figure's numbers, plants counted together."""
+    first, *others = entries
+    if not others:
+        return dict(first)
+    counts = ("plants", "plants_over_21mm")
+    return {key: (sum if key in counts else max)(entry[key] for entry in entries) for key in first}
+
+
 def frame(source: Mapping[str, Any], version: str, *, status: str, output: str | None) -> dict[str, Any]:
     """What every report begins with."""
     return {

@@ -46,7 +46,8 @@ def find_rigs(clip: Clip, params: RigParams | None = None) -> tuple[Rig, ...]:
     """
     params = params or RigParams()
     seen = sample(clip, motion_proper(clip))
-    return tuple(_rig(seen, figure, params) for figure in figures(seen, params, y_up=True))
+    found = figures(seen, params, y_up=True)
+    return tuple(_rig(seen, figure, params).of_figure(number) for number, figure in enumerate(found, start=1))
 
 
 def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
@@ -95,7 +96,7 @@ def _notes(
     if others:
         high = " and ".join(f"{other:.2f}" for other in others[:3])
         text = f"the feet rest at {level:.2f} m, taken as the floor, and at {high} m; set rig.floor if that is wrong"
-        notes.append(Note("floor-ambiguous", text, "warning"))
+        notes.append(Note("floor-ambiguous", text))
     unknown = [
         leg.name
         for leg, foot in zip(legs, feet, strict=True)
@@ -201,12 +202,19 @@ def _triple(vector: Floats) -> tuple[float, float, float]:
 
 
 def _floor(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float, tuple[float, ...]]:
-    heights = []
-    for point in points:
-        arm = rotation.rotate(seen.turns[:, point.joint], np.asarray(point.offset))
-        heights.append(seen.places[:, point.joint, 1] + arm[:, 1])
-    velocities = seen.velocities[:, [point.joint for point in points]]
-    return soles.floor(np.stack(heights, axis=1), velocities, leg)
+    lowest, velocities = [], []
+    for index in {point.leg for point in points}:
+        own = [point for point in points if point.leg == index]
+        tracks = [
+            seen.places[:, point.joint] + rotation.rotate(seen.turns[:, point.joint], np.asarray(point.offset))
+            for point in own
+        ]
+        heights = np.stack([track[:, 1] for track in tracks], axis=1)
+        which = np.argmin(heights, axis=1)  # on tiptoe the heel is at rest too, but not on the floor
+        rows = np.arange(len(seen))
+        lowest.append(heights[rows, which])
+        velocities.append(seen.velocities[:, [point.joint for point in own]][rows, which])
+    return soles.floor(np.stack(lowest, axis=1), np.stack(velocities, axis=1), leg)
 
 
 def _carrier(seen: Sample, figure: Figure) -> int:

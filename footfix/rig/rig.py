@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -77,6 +77,14 @@ class Rig:
     notes: tuple[Note, ...] = ()
     origins: Mapping[str, str] = field(default_factory=dict)
 
+    def of_figure(self, number: int) -> Rig:
+        """The rig with legs and soles named for one of several figures (`figure2_left_heel`); the first keeps its."""
+        if number < 2:
+            return self
+        legs = tuple(replace(leg, name=f"figure{number}_{leg.name}") for leg in self.legs)
+        soles = tuple(replace(sole, name=f"figure{number}_{sole.name}") for sole in self.soles)
+        return replace(self, legs=legs, soles=soles)
+
     def joints(self) -> tuple[int, ...]:
         """The joints that detection and enforcement look at: root, pelvis, leg chains, toes, sole points."""
         wanted = {self.root, self.pelvis}
@@ -103,3 +111,13 @@ class Rig:
             Effector(sole.name, self.legs[sole.leg].side, sole.part, names[sole.joint]) for sole in self.soles
         )
         return Contacts(len(clip), clip.frame_time, effectors)
+
+
+def joined(rigs: Sequence[Rig]) -> Rig:
+    """One rig with the legs and soles of several; root, size and floor are the first one's."""
+    first, *others = rigs
+    legs, soles = first.legs, first.soles
+    for rig in others:
+        soles += tuple(replace(sole, leg=sole.leg + len(legs)) for sole in rig.soles)
+        legs += rig.legs
+    return replace(first, legs=legs, soles=soles) if others else first
