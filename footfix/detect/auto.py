@@ -1,68 +1,65 @@
-"""The default detector: all evidence, over the whole clip at once."""
+"""The default detector: a small network weighs all evidence, and a path through the clip decides at once."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from footfix.detect.evidence import STEP, EvidenceParams, evidence, resample
+from footfix.detect.fitted import NETWORK
+from footfix.detect.network import FLAT, HEEL, TOE, Network
+from footfix.detect.path import masks, stretches
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
-from footfix.motion.smoothing import savgol
 
 
 @dataclass(frozen=True, kw_only=True)
 class AutoParams:
-    """What the path through a clip costs.
+    """What the path through a clip costs, and how the evidence is sampled.
 
     Args:
-        switch: what a change of state costs, in nats; dearer means fewer and longer contacts.
+        switch: nats that a landing or a leaving costs; dearer means fewer and longer contacts.
+        roll: nats that a change between heel, flat and toe costs.
+        chunk: [s] of the clip that are weighed at a time; bounds memory, changes nothing.
+        evidence: how evidence is sampled.
     """
 
     switch: float = 3.0
+    roll: float = 2.0
+    chunk: float = 120.0
+    evidence: EvidenceParams = field(default_factory=EvidenceParams)
 
 
-def auto(tracks: Tracks, params: AutoParams) -> Finding:
-    """Contacts by height over the local floor and by speed, as the cheapest path through two states."""
-    columns, sure = [], []
-    for foot in tracks.feet:
-        for point in foot.soles:
-            score = _score(point, tracks)
-            columns.append(_path(score, params.switch))
-            sure.append(1.0 / (1.0 + np.exp(-score)))
+_MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
+
+
+def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Finding:
+    """Contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip."""
+    answers = logits(tracks, params, network)
+    per_frame = tracks.frame_time / STEP
+    columns: list[Bools] = []
+    sure: list[Floats] = []
+    for answer in answers:
+        columns += masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
+        sure += _sure(answer, len(tracks), per_frame)
     return Finding(np.stack(columns, axis=1), np.stack(sure, axis=1))
 
 
-def _score(point: Floats, tracks: Tracks) -> Floats:
-    """(F,) log odds of a contact from height [leg lengths] and speeds [sqrt(g leg)]."""
-    place = savgol(point, tracks.frame_time, seconds=0.05, degree=2)
-    velocity = savgol(point, tracks.frame_time, seconds=0.05, degree=2, derivative=1) / tracks.froude_speed
-    reach = max(round(0.5 / tracks.frame_time), 1)
-    height = (place[:, 1] - _lower_envelope(place[:, 1], reach)) / tracks.leg_length
-    speed = np.hypot(velocity[:, 0], velocity[:, 2])
-    return np.asarray(
-        np.clip(1.5 * (1.0 - height / 0.03), -6, 2)
-        + np.clip(1.5 * (1.0 - np.abs(velocity[:, 1]) / 0.1), -4, 1.5)
-        + np.clip(1.5 * (1.0 - speed / 0.25), -6, 1.5)
-    )
+def logits(tracks: Tracks, params: AutoParams, network: Network) -> tuple[Floats, ...]:
+    """For each foot the log probabilities (n, 4) of its states on the grid."""
+    sampled = resample(tracks, params.evidence)
+    steps, chunk = len(sampled.tracks), max(round(params.chunk / STEP), 1)
+    answers: list[list[Floats]] = [[] for _ in tracks.feet]
+    for first in range(0, steps, chunk):
+        low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
+        for k, curves in enumerate(evidence(sampled, params.evidence, slice(low, high))):
+            answers[k].append(network.logits(curves)[first - low : first - low + chunk])
+    return tuple(np.concatenate(answer) for answer in answers)
 
 
-def _lower_envelope(height: Floats, reach: int) -> Floats:
-    """The higher of the lowest places ahead and behind: on a step up or down, the step stood on."""
-    padded = np.pad(height, reach, mode="edge")
-    least = np.lib.stride_tricks.sliding_window_view(padded, reach + 1).min(axis=1)
-    return np.asarray(np.maximum(least[: len(height)], least[reach : reach + len(height)]))
-
-
-def _path(score: Floats, switch: float) -> Bools:
-    """The two-state path of greatest total score, `switch` nats lost at each change."""
-    gain = np.empty((len(score), 2), dtype=np.bool_)
-    free = planted = 0.0
-    for t, s in enumerate(score.tolist()):
-        gain[t] = planted - switch > free, free - switch > planted
-        free, planted = max(free, planted - switch), max(planted, free - switch) + s
-    state, mask = planted > free, np.empty(len(score), dtype=np.bool_)
-    for t in range(len(score) - 1, -1, -1):
-        mask[t] = state
-        state = bool(state) ^ bool(gain[t, int(state)])
-    return mask
+def _sure(answer: Floats, frames: int, per_frame: float) -> tuple[Floats, Floats]:
+    """Probability (F,) that the heel is in contact at each frame, and the toe."""
+    at, grid = np.arange(frames) * per_frame, np.arange(len(answer))
+    p = np.exp(answer)
+    return np.interp(at, grid, p[:, HEEL] + p[:, FLAT]), np.interp(at, grid, p[:, FLAT] + p[:, TOE])

@@ -56,23 +56,37 @@ class EvidenceParams:
     both: float = 0.8
 
 
-def evidence(tracks: Tracks, params: EvidenceParams) -> tuple[Floats, ...]:
-    """For each foot its curves (n, features) on a grid of `STEP`, from the first frame to the last.
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Tracks in leg lengths on the grid, and what only the whole clip can say.
 
-    Columns: `OWN` of the foot, `OTHER` of the other foot of its pair, `BODY`; see `COLUMNS`.
+    Args:
+        tracks: sampled every `STEP`.
+        axes: for each foot unit vectors (n, 2) in the ground plane, forward and outward.
+        jitter: noise of the clip, in thousandths of a leg.
     """
-    sampled = resample(tracks, params)
-    body = _body(sampled, tracks, params)
-    forwards = [_forward(sampled, k) for k in range(len(sampled.feet))]
-    lowest = [np.minimum(foot.heel[:, 1], foot.toe[:, 1]) for foot in sampled.feet]
-    own = []
-    for k, foot in enumerate(sampled.feet):
-        pair = np.minimum(lowest[k], lowest[other(k, len(lowest))])
-        own.append(_own(foot, sampled.pelvis, forwards[k], pair, params))
-    asked = [list(OWN).index(name) for name in OTHER]
-    return tuple(
-        np.concatenate([own[k], own[other(k, len(own))][asked], body]).T for k in range(len(own))
+
+    tracks: Tracks
+    axes: tuple[tuple[Floats, Floats], ...]
+    jitter: float
+
+
+def evidence(sampled: Sampled, params: EvidenceParams, part: slice = slice(None)) -> tuple[Floats, ...]:
+    """For each foot its curves (n, len(COLUMNS)), in a part of the grid (as if the clip ended there)."""
+    feet = tuple(
+        Foot(foot.side, foot.hip[part], foot.ankle[part], foot.heel[part], foot.toe[part])
+        for foot in sampled.tracks.feet
     )
+    pelvis = sampled.tracks.pelvis[part]
+    body = _body(pelvis, sampled.jitter)
+    lowest = [np.minimum(foot.heel[:, 1], foot.toe[:, 1]) for foot in feet]
+    own = []
+    for k, foot in enumerate(feet):
+        pair = np.minimum(lowest[k], lowest[other(k, len(lowest))])
+        forward, outward = sampled.axes[k]
+        own.append(_own(foot, pelvis, (forward[part], outward[part]), pair, params))
+    asked = [list(OWN).index(name) for name in OTHER]
+    return tuple(np.concatenate([own[k], own[other(k, len(own))][asked], body]).T for k in range(len(own)))
 
 
 COLUMNS = tuple(OWN) + tuple(f"other {name}" for name in OTHER) + tuple(BODY)
@@ -83,8 +97,8 @@ def other(leg: int, legs: int) -> int:
     return min(leg ^ 1, legs - 1)
 
 
-def resample(tracks: Tracks, params: EvidenceParams) -> Tracks:
-    """The tracks in leg lengths, sampled every `STEP` seconds."""
+def resample(tracks: Tracks, params: EvidenceParams) -> Sampled:
+    """A clip's tracks in leg lengths, sampled every `STEP` seconds from its first frame on."""
 
     def sample(x: Floats) -> Floats:
         if params.smooth > 2.5 * tracks.frame_time:
@@ -95,7 +109,9 @@ def resample(tracks: Tracks, params: EvidenceParams) -> Tracks:
         Foot(foot.side, sample(foot.hip), sample(foot.ankle), sample(foot.heel), sample(foot.toe))
         for foot in tracks.feet
     )
-    return Tracks(sample(tracks.pelvis), feet, 1.0, STEP)
+    sampled = Tracks(sample(tracks.pelvis), feet, 1.0, STEP)
+    axes = tuple(_axes(sampled, k) for k in range(len(feet)))
+    return Sampled(sampled, axes, _jitter(tracks))
 
 
 def catmull_rom(x: Floats, step: float) -> Floats:
@@ -110,26 +126,26 @@ def catmull_rom(x: Floats, step: float) -> Floats:
     )
 
 
-def _body(sampled: Tracks, tracks: Tracks, params: EvidenceParams) -> Floats:
+def _body(pelvis: Floats, jitter: float) -> Floats:
     """(len(BODY), n): how the pelvis rises and is accelerated, and how noisy the clip is."""
-    height = sampled.pelvis[:, 1]
+    height = pelvis[:, 1]
     rise = savgol(height, STEP, seconds=0.11, degree=2, derivative=1)
     lift = savgol(height, STEP, seconds=0.15, degree=2, derivative=2)
-    jitter = np.full(len(height), _jitter(tracks))
-    return np.asarray(np.arcsinh(np.stack([rise, lift, jitter]) / np.array(list(BODY.values()))[:, None]))
+    noise = np.full(len(height), jitter)
+    return np.asarray(np.arcsinh(np.stack([rise, lift, noise]) / np.array(list(BODY.values()))[:, None]))
 
 
 def _jitter(tracks: Tracks) -> float:
-    """Noise of the ankles [mm per metre of leg]: what is left of third differences where the foot is slow."""
+    """Noise of the ankles in thousandths of a leg: third differences where these are small."""
     thirds = [np.abs(np.diff(foot.ankle[:, 1], 3)) for foot in tracks.feet]
     if not thirds or len(thirds[0]) == 0:
         return 0.0
     # for white noise the third difference has sqrt(20) times its deviation
-    noise = float(np.quantile(np.concatenate(thirds), 0.3)) / (0.385 * 20.0**0.5)
+    noise = float(np.quantile(np.concatenate(thirds), 0.3) / (0.385 * 20.0**0.5))
     return 1e3 * noise / tracks.leg_length
 
 
-def _forward(sampled: Tracks, leg: int) -> tuple[Floats, Floats]:
+def _axes(sampled: Tracks, leg: int) -> tuple[Floats, Floats]:
     """Unit vectors (n, 2) in the ground plane: where the hips face, and outward on this leg's side."""
     legs = sampled.feet
     mate = other(leg, len(legs))

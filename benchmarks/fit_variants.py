@@ -1,0 +1,162 @@
+"""Variants of takes, so that what is fitted to a few people holds for other people, floors, rigs and faults.
+
+What a retargeted, drifting, noisy, in-place, slow or fast clip does to the tracks of a good one is put into the
+good one; the contacts stay what they were. Takes are also walked up and down stairs, and backwards in time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from fit_takes import POINTS, RATE, Take
+
+from footfix.detect.evidence import STEP, EvidenceParams, catmull_rom, evidence, resample
+from footfix.detect.tracks import Foot, Tracks
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
+from footfix.motion.smoothing import savgol
+
+Random = np.random.Generator
+_FPS = (24, 25, 30, 50, 60, 100, 120, 150, 200, 300)
+
+
+def variant(take: Take, random: Random | None) -> tuple[tuple[Floats, ...], Bools, float]:
+    """Evidence of a take, changed at random (as it is where no random is given).
+
+    Returns:
+        For each foot its curves (n, columns), the allowed states (n, 2, 4), and how much the variant counts.
+    """
+    weight = 0.3 if take.calm else 1.0
+    rate, fps = RATE, take.fps
+    if random is not None:
+        take, rate, fps, weight = _changed(take, random, weight)
+    every = max(round(rate / fps), 1)
+    first = 0 if random is None else int(random.integers(every))
+    sampled = replace(take, **{p: getattr(take, p)[first::every] for p in POINTS})
+    frame_time = every / rate
+    if random is not None and random.random() < 0.35:
+        sampled = _noisy(sampled, frame_time, random)
+    feet = tuple(Foot("", *(getattr(sampled, p)[:, k] for p in POINTS[1:])) for k in (0, 1))
+    params = EvidenceParams()
+    curves = evidence(resample(Tracks(sampled.pelvis, feet, 1.0, frame_time), params), params)
+    at = np.round(first + np.arange(len(curves[0])) * STEP * rate).astype(np.intp)
+    return curves, take.allowed[np.minimum(at, len(take.allowed) - 1)], weight
+
+
+def _changed(take: Take, random: Random, weight: float) -> tuple[Take, float, float, float]:
+    """The take with faults, its rate [Hz] once it is quicker or slower, frames a second, and its weight."""
+
+    def now(share: float) -> bool:
+        return bool(random.random() < share)
+
+    if now(0.12):
+        take, weight = backwards_in_time(take), 0.4 * weight  # landing is not leaving in reverse
+    if now(0.25):
+        take = on_stairs(take, random)
+    if now(0.5):
+        take = with_wrong_soles(take, random)
+    rate = RATE * (float(np.exp(random.uniform(-0.35, 0.35))) if now(0.6) else 1.0)
+    if "run" in take.kind and now(0.4):
+        rate *= random.uniform(1.0, 1.5)  # towards a sprint
+    take = take.moved(_shift(take, rate, random))
+    fps = float(random.choice(_FPS)) if now(0.6) else take.fps
+    return take, rate, fps, weight
+
+
+def _shift(take: Take, rate: float, random: Random) -> Floats:
+    """(N, 3) what skating, drifting, floating, tilted and in-place clips add to every point."""
+    count, level = len(take.pelvis), np.array([1.0, 0.0, 1.0])
+    times = np.arange(count) / rate
+    shift = np.zeros((count, 3))
+    if random.random() < 0.35:  # the root's way scaled, as by a retarget
+        shift += (random.uniform(0.75, 1.25) - 1.0) * take.pelvis * level
+    if random.random() < 0.35:
+        shift[:, ::2] += random.normal(0.0, 0.08, 2) * times[:, None]
+    if random.random() < 0.25:
+        shift[:, ::2] += random.uniform(0.0, 0.06) * wander(random, count, rate, random.uniform(0.5, 3.0), 2)
+    if random.random() < 0.25:
+        shift[:, 1:2] += random.uniform(0.0, 0.05) * wander(random, count, rate, random.uniform(1.0, 4.0), 1)
+    if random.random() < 0.15:  # a floor that is not level
+        shift[:, 1] += (take.pelvis - take.pelvis[0])[:, ::2] @ random.normal(0.0, 0.05, 2)
+    kind = random.random()
+    if kind < 0.15 and not take.calm:  # on a treadmill
+        speed = (take.pelvis[-1] - take.pelvis[0]) / times[-1] * level
+        shift -= speed * times[:, None] * (1.0 if random.random() < 0.5 else random.uniform(0.3, 1.3))
+    elif 0.15 <= kind < 0.21:  # in place
+        shift -= take.pelvis * level
+    elif 0.21 <= kind < 0.24:  # hung up by the pelvis
+        shift -= take.pelvis
+    return shift
+
+
+def wander(random: Random, count: int, rate: float, seconds: float, width: int) -> Floats:
+    """(count, width) a smooth random curve of deviation about 1 that turns every so many seconds."""
+    knots = random.normal(size=(max(int(count / rate / seconds) + 3, 4), width))
+    return np.asarray(catmull_rom(knots, (len(knots) - 1 - 1e-6) / max(count - 1, 1))[:count])
+
+
+def backwards_in_time(take: Take) -> Take:
+    """The take played from its end."""
+    flipped = {p: getattr(take, p)[::-1] for p in (*POINTS, "allowed", "stands")}
+    return replace(take, **flipped)
+
+
+def with_wrong_soles(take: Take, random: Random) -> Take:
+    """With sole points a little off, along the foot and up or down."""
+    along = take.toe - take.heel
+    along = along / (np.linalg.norm(along, axis=-1, keepdims=True) + 1e-9)
+    up = np.cross(np.cross(along, [0.0, 1.0, 0.0]), along)
+    up = up / (np.linalg.norm(up, axis=-1, keepdims=True) + 1e-9)
+    off = [
+        along * random.normal(0.0, 0.025, (1, 2, 1)) + up * random.normal(0.0, 0.008, (1, 2, 1)) for _ in range(2)
+    ]
+    return replace(take, heel=take.heel + off[0], toe=take.toe + off[1])
+
+
+def on_stairs(take: Take, random: Random) -> Take:
+    """With each stance one step higher than the last, or lower; the swings lead from step to step."""
+    step = random.choice([-1.0, 1.0]) * random.uniform(0.06, 0.24)
+    stances = sorted((a, b, k) for k in (0, 1) for a, b in runs(take.stands[:, k]) if b - a > 0.05 * RATE)
+    if not 2 <= len(stances) <= 60:
+        return take
+    lift = np.zeros((len(take.pelvis), 2))
+    for k in (0, 1):
+        mine = [(a, b, step * n) for n, (a, b, foot) in enumerate(stances) if foot == k]
+        if not mine:
+            continue
+        lift[: mine[0][1], k] = mine[0][2]
+        for (_, off, low), (strike, end, high) in pairwise(mine):
+            share = np.linspace(0.0, 1.0, strike - off)
+            early = random.uniform(1.0, 1.7)  # up: the foot is up early; down: it comes down late
+            share = np.minimum(share * early, 1.0) if high > low else 1.0 - np.minimum((1.0 - share) * early, 1.0)
+            lift[off:strike, k] = low + (high - low) * share**2 * (3.0 - 2.0 * share)
+            lift[strike:end, k] = high
+        lift[mine[-1][1] :, k] = mine[-1][2]
+    body = savgol(lift.mean(axis=1), 1.0 / RATE, seconds=0.6, degree=1)
+    up = np.array([0.0, 1.0, 0.0])
+    feet = {p: getattr(take, p) + lift[:, :, None] * up for p in ("ankle", "heel", "toe")}
+    hip = take.hip + body[:, None, None] * up
+    return replace(take, pelvis=take.pelvis + body[:, None] * up, hip=hip, **feet)
+
+
+def _noisy(take: Take, frame_time: float, random: Random) -> Take:
+    """With every joint turning at random, a fraction of a degree; each moves all that hangs from it."""
+    count = len(take.pelvis)
+    degrees = random.choice([0.1, 0.2, 0.4, 0.6]) * random.uniform(0.5, 1.2)
+    smooth = random.random() < 0.3
+
+    def turn(*shape: int) -> Floats:
+        size = int(np.prod(shape))
+        flat = wander(random, count, 1.0 / frame_time, 0.06, size) if smooth else random.normal(size=(count, size))
+        return np.radians(degrees) * flat.reshape(count, *shape)
+
+    root, thigh, shin, foot = turn(1, 3), turn(2, 3), turn(2, 3), turn(2, 3)
+    hip = take.hip + np.cross(root, take.hip - take.pelvis[:, None])
+    leg = take.ankle - take.hip
+    ankle = take.ankle + hip - take.hip + np.cross(root + thigh, leg) + np.cross(shin, 0.5 * leg)
+    whole = root + thigh + shin + foot
+    moved = {p: getattr(take, p) + ankle - take.ankle + np.cross(whole, getattr(take, p) - take.ankle)
+             for p in ("heel", "toe")}  # fmt: skip
+    return replace(take, hip=hip, ankle=ankle, **moved)

@@ -1,0 +1,126 @@
+"""From probabilities to intervals: the best path through the states of a foot, over the whole clip at once."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from footfix.detect.network import FLAT, HEEL, SWING, TOE
+from footfix.motion.clip import Bools, Floats, Ints
+
+
+class Stretch(NamedTuple):
+    """A foot in one state, from and to a time in grid steps; the ends of the clip are infinitely far."""
+
+    start: float
+    end: float
+    state: int
+
+
+def stretches(logits: Floats, switch: float, roll: float) -> list[Stretch]:
+    """What a foot does, stretch by stretch.
+
+    Args:
+        logits: (n, 4) log probabilities of the states.
+        switch: nats that landing or leaving costs.
+        roll: nats that a change between heel, flat and toe costs.
+
+    Returns:
+        The planted stretches in order; those that touch are one plant that rolls.
+    """
+    planted = np.logaddexp.reduce(logits[:, HEEL:], axis=1) - logits[:, SWING]  # (n,) log odds
+    found = []
+    two = np.stack([np.zeros_like(planted), planted], axis=1)
+    for a, b, state in segments(two, switch):
+        if state:
+            start = crossing(planted, a) if a > 0 else -np.inf
+            end = crossing(-planted, b) if b < len(planted) else np.inf
+            found += _rolling(logits[a:b, HEEL:], a, start, end, roll)
+    return found
+
+
+def _rolling(logits: Floats, first: int, start: float, end: float, roll: float) -> list[Stretch]:
+    """One plant in its stretches of heel, flat and toe."""
+    parts = segments(logits, roll)
+    times = [start]
+    for (_, at, state), (_, _, following) in pairwise(parts):
+        inside = first + crossing(logits[:, following] - logits[:, state], at)
+        times.append(min(max(inside, times[-1]), end))
+    times.append(end)
+    return [Stretch(times[k], times[k + 1], HEEL + part[2]) for k, part in enumerate(parts)]
+
+
+def crossing(score: Floats, at: int) -> float:
+    """Where a score rises through zero, between the grid steps at - 1 and at; halfway where it does not."""
+    before, after = score[at - 1], score[at]
+    if before < 0.0 <= after:
+        return float(at - 1 + before / (before - after))
+    return at - 0.5
+
+
+def segments(score: Floats, switch: float) -> list[tuple[int, int, int]]:
+    """The path of greatest total score (n, S), each change of state costing `switch`: `[start, end)` and state.
+
+    A change pays only where the best state changes, so that the dynamic programme runs over stretches of
+    one best state, not over steps; where one of these is given up, its neighbours share it at the best step.
+    """
+    best = np.argmax(score, axis=1)
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(best)) + 1, [len(best)]])
+    total = np.concatenate([np.zeros((1, score.shape[1])), np.cumsum(score, axis=0)])
+    kept = _viterbi(total[edges[1:]] - total[edges[:-1]], switch)
+    first = np.concatenate([[0], np.flatnonzero(np.diff(kept)) + 1])
+    states = kept[first].tolist()
+    bounds = [0]
+    for k in range(1, len(first)):
+        # anywhere between the last run that is best in the one state and the first that is best in the other
+        one, other = states[k - 1], states[k]
+        lower, upper = _disputed(best[edges[:-1]], first, k, one, other)
+        low, high = max(int(edges[lower]), bounds[-1]), int(edges[upper])
+        gain = total[low : high + 1, one] - total[low : high + 1, other]
+        bounds.append(low + int(np.argmax(gain)))
+    bounds.append(len(best))
+    return [(bounds[k], bounds[k + 1], state) for k, state in enumerate(states) if bounds[k] < bounds[k + 1]]
+
+
+def _disputed(best: Ints, first: Ints, k: int, one: int, other: int) -> tuple[int, int]:
+    """The runs [lower, upper) about the k-th change that are best in neither of its two states."""
+    begin, end = int(first[k - 1]), int(first[k + 1]) if k + 1 < len(first) else len(best)
+    lower = upper = int(first[k])
+    while lower > begin and best[lower - 1] != one:
+        lower -= 1
+    while upper < end and best[upper] != other:
+        upper += 1
+    return lower, upper
+
+
+def _viterbi(score: Floats, switch: float) -> Ints:
+    """The best path (n,) through states (n, S), a change costing `switch`."""
+    n, states = score.shape
+    came = np.empty((n, states), dtype=np.intp)
+    stay = np.arange(states)
+    value = score[0].copy()
+    came[0] = stay
+    for t in range(1, n):
+        top = int(np.argmax(value))
+        changed = value[top] - switch
+        came[t] = np.where(value >= changed, stay, top)
+        value = np.maximum(value, changed) + score[t]
+    path = np.empty(n, dtype=np.intp)
+    state = int(np.argmax(value))
+    for t in range(n - 1, -1, -1):
+        path[t] = state
+        state = int(came[t, state])
+    return path
+
+
+def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, Bools]:
+    """Heel and toe (F,) in contact at the frames' times, each frame being `per_frame` grid steps."""
+    heel, toe = np.zeros(frames, dtype=np.bool_), np.zeros(frames, dtype=np.bool_)
+    for start, end, state in found:
+        a = max(int(np.ceil(max(start, 0.0) / per_frame - 1e-9)), 0)
+        b = frames if end == np.inf else int(np.ceil(end / per_frame - 1e-9))
+        heel[a:b] |= state in (HEEL, FLAT)
+        toe[a:b] |= state in (FLAT, TOE)
+    return heel, toe
