@@ -76,8 +76,7 @@ def run(path: Path, params: EnforceParams) -> Row:
     corrected = apply(clip, found.correction)
     spent = time.perf_counter() - start
     written = decode(encode(document, corrected)).placed(unit_m=document.unit_m, up=document.up).clip
-    held = found.contacts or contacts
-    return _row(path.name, clip, written, rig, held, found.plants, params, spent, corrected is not clip)
+    return _row(path.name, clip, written, rig, found.contacts, found.plants, params, spent, corrected is not clip)
 
 
 def _row(

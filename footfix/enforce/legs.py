@@ -29,9 +29,13 @@ from footfix.rig.rig import Rig
 class JudgeParams:
     """What holding a foot may do to the joints of its leg."""
 
-    speed: float = 200.0  # [deg/s] by which a joint may turn faster than captured before the hold softens
-    softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] the hold's steps: slower slides than this are still held
+    speed: float = 200.0  # [deg/s] by which a joint may turn faster than captured before a plant gives way
+    peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
+    peel_most: float = 0.12  # [s] and altogether,
+    peel_share: float = 0.3  # but no more of the plant than this
+    softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
     around: float = 0.06  # [s] on either side of such a frame
+    let_go: float = 0.023  # leg lengths: what still slides farther than this (viewers notice 21 mm) is released
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,9 +67,26 @@ class LegParams:
     judge: JudgeParams = field(default_factory=JudgeParams)
 
 
+@dataclass(frozen=True, eq=False)
+class Held:
+    """What became of the legs.
+
+    Args:
+        correction: without residuals.
+        points: (F, 3) [m] for each sole point the track that it leads to.
+        stands: the stances with the frames in which they are held after all.
+        soft: for each leg (F,) [s] how softly.
+    """
+
+    correction: Correction
+    points: tuple[Floats, ...]
+    stands: tuple[Stance, ...]
+    soft: tuple[Floats, ...]
+
+
 def enforced(
     clip: Clip, rig: Rig, pose: Pose, legs: Sequence[Foot], stands: Sequence[Stance], params: LegParams
-) -> tuple[Correction, tuple[Floats, ...], tuple[Floats, ...]]:
+) -> Held:
     """The correction by the legs.
 
     Args:
@@ -77,26 +98,82 @@ def enforced(
         params: measures.
 
     Returns:
-        The correction without residuals, the (F, 3) tracks of the sole points that it leads to, and for each leg
-        how softly (F,) [s] it was held.
+        The correction and what it holds. Where holding would make a joint hurry, a plant first gives up frames at
+        its edges, whose labels are the least certain, then lets go of what slides quickly.
     """
+    judge = params.judge
+    judges = params.ease.method == "smooth" and judge.speed > 0.0
+    stands = tuple(stands)
     soft = [np.zeros(len(clip)) for _ in legs]
-    steps = (0.0, *params.judge.softness)
-    for step, following in zip(steps, (*steps[1:], None), strict=True):
-        solved = _solve(clip, rig, pose, legs, stands, soft, params)
-        if following is None or params.ease.method != "smooth" or params.judge.speed <= 0.0:
-            break
-        hurried = [hurry > params.judge.speed for hurry in solved.hurry]
+    levels = (0.0, *judge.softness)
+    solved = _solve(clip, rig, pose, legs, stands, soft, params)
+    rounds = [None, None, *range(len(judge.softness))] if judges else []
+    for level in rounds:
+        hurried = [hurry > judge.speed for hurry in solved.hurry]
         if not any(np.any(each) for each in hurried):
             break
-        for k, each in enumerate(hurried):
-            around = within_reach(each, clip.frame_time, params.judge.around)
-            soft[k] = np.where(around & (soft[k] <= step), following, soft[k])
+        if level is None:
+            peeled = tuple(_peeled(stance, hurried[stance.leg], clip.frame_time, judge) for stance in stands)
+            if all(new is old for new, old in zip(peeled, stands, strict=True)):
+                continue
+            stands = peeled
+        else:
+            for k, each in enumerate(hurried):
+                around = within_reach(each, clip.frame_time, judge.around)
+                soft[k] = np.where(around & (soft[k] <= levels[level]), levels[level + 1], soft[k])
+        solved = _solve(clip, rig, pose, legs, stands, soft, params)
+    if judges and any(np.any(each) for each in soft):
+        let_go = tuple(_let_go(stance, solved.points, soft[stance.leg], rig.leg_length, judge) for stance in stands)
+        if any(new is not old for new, old in zip(let_go, stands, strict=True)):
+            stands = let_go
+            solved = _solve(clip, rig, pose, legs, stands, soft, params)
     joints = tuple(sorted(solved.rotations))
     columns = [solved.rotations[joint] for joint in joints]
     rotations = np.stack(columns, axis=1) if columns else np.zeros((len(clip), 0, 4))
     nothing = np.zeros((len(clip), len(rig.soles)))
-    return Correction(rig.root, solved.shift, joints, rotations, nothing), solved.points, tuple(soft)
+    correction = Correction(rig.root, solved.shift, joints, rotations, nothing)
+    return Held(correction, solved.points, stands, tuple(soft))
+
+
+def _peeled(stance: Stance, hurried: Bools, frame_time: float, judge: JudgeParams) -> Stance:
+    """The stance without the edges of its plants at which the leg hurries; the same value where none does."""
+    plants = []
+    for plant in stance.plants:
+        contact = plant.contact
+        start, end = plant.start, plant.end
+        if not plant.kept and contact.wish != "force":
+            most = min(round(judge.peel_most / frame_time), int(judge.peel_share * (contact.end - contact.start)))
+            width = max(2, round(judge.peel / frame_time))
+            head = np.flatnonzero(hurried[max(start - 1, 0) : start + width])
+            tail = np.flatnonzero(hurried[max(end - width, 0) : end + 1])
+            if len(head):
+                start = max(start, min(max(start - 1, 0) + int(head[-1]) + 1, contact.start + most))
+            if len(tail):
+                end = min(end, max(max(end - width, 0) + int(tail[0]), contact.end - most))
+        unchanged = (start, end) == (plant.start, plant.end) or end - start < 2
+        plants.append(plant if unchanged else replace(plant, start=start, end=end))
+    if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
+        return stance
+    return replace(stance, plants=tuple(plants))
+
+
+def _let_go(
+    stance: Stance, points: Sequence[Floats], soft: Floats, leg_length: float, judge: JudgeParams
+) -> Stance:
+    """The stance with those plants released that still slide visibly, held as softly as they are."""
+    plants = []
+    for plant in stance.plants:
+        moving = stance.pivots not in ("", plant.part)
+        off = np.linalg.norm(points[plant.effector][plant.frames] - plant.target, axis=1)
+        far = float(off.max())
+        if plant.contact.wish == "force" or moving or not np.any(soft[plant.frames]) or far < judge.let_go * leg_length:
+            plants.append(plant)
+        else:
+            reason = f"holding it would jerk the leg: it would still slide by {1000.0 * far:.0f} mm"
+            plants.append(replace(plant, reason=reason))
+    if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
+        return stance
+    return replace(stance, plants=tuple(plants))
 
 
 def _solve(
@@ -130,19 +207,28 @@ def _solve(
     points: list[Floats] = [np.zeros((0, 3))] * len(rig.soles)
     hurry = []
     for k, (foot, goal) in enumerate(zip(legs, wanted, strict=True)):
-        ankle = reach.clamp(foot.hip + shift, ankles[k], limits[k])
+        ankle, turn = _reached(foot, goal, foot.hip + shift, limits[k])
         changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
-        turned = _turned(clip, pose, foot, goal, shift, ankle, changed, params.ease) if able[k] else {}
+        turned = _turned(clip, pose, foot, turn, shift, ankle, changed, params.ease) if able[k] else {}
         new.update(turned)
         hurry.append(_hurry(clip, turned))
-        still_in_foot = (foot.heel_in_foot, foot.ball_in_foot)
-        for e, at in zip(foot.effectors, still_in_foot, strict=True):
-            points[e] = ankle + rotation.rotate(goal.foot_turn(foot), at)
+        for e, at in zip(foot.effectors, (foot.heel_in_foot, foot.ball_in_foot), strict=True):
+            points[e] = ankle + rotation.rotate(turn, at)
     return Solved(shift, new, tuple(points), tuple(hurry))
 
 
+def _reached(foot: Foot, goal: Goals, hip: Floats, limit: Floats) -> tuple[Floats, Floats]:
+    """Ankle (F, 3) [m] and foot's turn (F, 4) within reach: the foot rolls on the end it stands on, then gives way."""
+    ankle, turn = goal.ankle(foot), goal.foot_turn(foot)
+    in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
+    pivot = ankle + rotation.rotate(turn, in_foot)
+    roll = reach.rolled(hip, ankle, pivot, limit, goal.planted)
+    ankle = np.where(goal.planted[:, None], pivot + rotation.rotate(roll, ankle - pivot), ankle)
+    return reach.clamp(hip, ankle, limit), rotation.multiply(roll, turn)
+
+
 def _turned(
-    clip: Clip, pose: Pose, foot: Foot, goal: Goals, shift: Floats, ankle: Floats, changed: Bools, ease: EaseParams
+    clip: Clip, pose: Pose, foot: Foot, turn: Floats, shift: Floats, ankle: Floats, changed: Bools, ease: EaseParams
 ) -> dict[int, Floats]:
     """New local rotations of one leg's joints; the clip's own numbers where nothing changes."""
     if not np.any(changed):
@@ -150,7 +236,7 @@ def _turned(
     axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
     forward = presence(changed, clip.frame_time, ease.seconds)
     turns = ik.two_bones(foot, axis, foot.hip + shift, ankle, forward)
-    local = ik.local_rotations(clip, pose, foot, turns, goal.foot_turn(foot))
+    local = ik.local_rotations(clip, pose, foot, turns, turn)
     return {joint: np.where(changed[:, None], q, clip.rotations[:, joint]) for joint, q in local.items()}
 
 

@@ -20,14 +20,14 @@ class PlantParams:
     keep_slide: float = 0.0015  # a plant that slides less, stands as level and turns as little, is left alone
     keep_height: float = 0.004  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
-    pivot: float = 15.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
+    pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
     places: int = 9  # places along a stance's slide that are tried where its leg would be stretched too far
     stretch: float = 0.98  # of the leg's length: up to here a leg may be stretched beyond the source
     stretch_cost: float = 4.0  # how much a stretch beyond it counts against a way of the foot as long
     edge_speed: float = 0.5  # [leg lengths/s] frames at a plant's edges that move faster are left to the swing,
-    edge_factor: float = 3.0  # if they are also so many times faster than the plant on the whole,
-    edge_distance: float = 0.04  # or farther than this from where it stands and a third as fast
+    edge_factor: float = 2.5  # if they are also so many times faster than the plant on the whole,
+    edge_distance: float = 0.02  # or farther than this from where it stands and a fifth as fast
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def _still(
     far = np.linalg.norm(places - np.median(places, axis=0), axis=1) > params.edge_distance * leg_length
     usual = params.edge_factor * float(np.median(speed))
     landing = speed > max(params.edge_speed, usual)
-    drifting = speed > max(params.edge_speed / 3.0, usual)
+    drifting = speed > max(params.edge_speed / 5.0, usual)
     moving_on = landing | (drifting & far[:-1])  # from this frame to the next
     moving_off = landing | (drifting & far[1:])  # to this frame from the one before
     head = int(np.argmin(np.append(moving_on, False)))

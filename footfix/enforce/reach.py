@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.enforce.foot import Foot
 from footfix.enforce.ik import dot, norm
+from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 
 
@@ -83,6 +84,31 @@ def _mean(x: Floats, half: int) -> Floats:
     width = 2 * half + 1
     kernel_sum = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
     return np.asarray(np.where(kernel_sum > 1e-9, kernel_sum, 0.0))
+
+
+def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bools) -> Floats:
+    """The turn (F, 4) in the world that rolls a planted foot about the end it stands on until its leg reaches.
+
+    In the plane of hip, ankle and pivot the ankle comes nearer to the hip: the heel leaves the floor a little
+    earlier, or the toe comes down a little later, and what stands keeps standing.
+
+    Args:
+        hip: (F, 3) [m].
+        ankle: (F, 3) [m] where it is wanted.
+        pivot: (F, 3) [m] the end the foot stands on.
+        limit: (F,) [m] how far the ankle may be from the hip.
+        where: (F,) the frames in which the foot stands.
+    """
+    arm, line = ankle - pivot, hip - pivot
+    a, d = norm(arm), np.maximum(norm(line), 1e-300)
+    cosine_now = np.clip(dot(arm, line) / np.maximum(a * d, 1e-300), -1.0, 1.0)
+    # law of cosines in the triangle of pivot, hip and ankle
+    cosine = np.clip((a * a + d * d - limit**2) / np.maximum(2.0 * a * d, 1e-300), -1.0, 1.0)
+    angle = np.arccos(cosine_now) - np.arccos(np.maximum(cosine, cosine_now))
+    axis = np.cross(arm, line)
+    length = norm(axis)
+    angle = np.where(where & (length > 1e-12), np.maximum(angle, 0.0), 0.0)
+    return rotation.from_axis_angle(axis / np.maximum(length, 1e-300)[:, None], angle)
 
 
 def clamp(hip: Floats, ankle: Floats, limit: Floats) -> Floats:

@@ -21,6 +21,7 @@ from footfix.enforce.root import RootParams
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
+from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
@@ -52,8 +53,8 @@ class Enforcement:
 
     plants: tuple[Footplant, ...]
     correction: Correction
-    notes: tuple[Note, ...] = ()
-    contacts: Contacts | None = None
+    notes: tuple[Note, ...]
+    contacts: Contacts
 
 
 def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
@@ -68,6 +69,13 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
     """
+    proper = motion_proper(clip)
+    if (proper.start, proper.stop) != (0, len(clip)):
+        return _within(clip, rig, contacts, params, proper)
+    return _on(clip, rig, contacts, params)
+
+
+def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
     pose = posed(clip, rig)
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
@@ -77,7 +85,7 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     for stance in found:
         stance = aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants)
         stands.append(judged(stance, legs[stance.leg], rig.leg_length, params.plants))
-    held = [stance for stance in stands if not stance.released]
+    held = [stance for stance in stands if not all(plant.reason for plant in stance.plants)]
     if params.method == "root":
         shift = _root_shift(rig, pose, legs, held, clip.frame_time, params)
         correction = Correction(rig.root, shift, (), np.zeros((len(clip), 0, 4)), np.zeros((len(clip), len(rig.soles))))
@@ -89,13 +97,38 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
             shares=params.method == "both", strength=params.strength, ease=params.ease, reach=params.reach,
             root=params.root, judge=params.judge,
         )  # fmt: skip
-        correction, points, soft = enforced(clip, rig, pose, legs, held, wanted)
+        done = enforced(clip, rig, pose, legs, held, wanted)
+        correction, points, soft = done.correction, done.points, done.soft
+        stands = [*done.stands, *(stance for stance in stands if all(plant.reason for plant in stance.plants))]
         rise = params.strength * float(offset[0, 1])
         if rise and clip.skeleton.translates[rig.root]:
             correction = replace(correction, root_shift=correction.root_shift + [0.0, rise, 0.0])
     residual = _residual(rig, stands, points)
     plants = _footplants(rig, stands, residual, soft, offset)
     return Enforcement(plants, replace(correction, residual=residual), notes, _held(contacts, rig, stands))
+
+
+def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, proper: slice) -> Enforcement:
+    """Enforcement of the motion proper alone; the frames of a T-pose before or after it stay as they are."""
+    start, end = proper.start, proper.stop
+    effectors = []
+    for effector in contacts.effectors:
+        inside = [replace(c, start=max(c.start, start) - start, end=min(c.end, end) - start) for c in effector.contacts]
+        effectors.append(replace(effector, contacts=tuple(c for c in inside if c.end > c.start)))
+    found = _on(clip.frames(proper), rig, replace(contacts, frames=end - start, effectors=tuple(effectors)), params)
+    whole = found.correction
+    around = ((start, len(clip) - end), (0, 0))
+    rotations = clip.rotations[:, list(whole.joints)].copy()
+    rotations[proper] = whole.rotations
+    correction = replace(
+        whole, rotations=rotations, root_shift=np.pad(whole.root_shift, around), residual=np.pad(whole.residual, around)
+    )
+    plants = tuple(replace(plant, start=plant.start + start, end=plant.end + start) for plant in found.plants)
+    held = []
+    for effector in found.contacts.effectors:
+        moved = tuple(replace(c, start=c.start + start, end=c.end + start) for c in effector.contacts)
+        held.append(replace(effector, contacts=moved))
+    return Enforcement(plants, correction, found.notes, replace(contacts, effectors=tuple(held)))
 
 
 def _ground(
@@ -189,7 +222,7 @@ def _outcome(stance: Stance, plant: Plant, far: float, soft: bool, leg_length: f
     if plant.kept:
         return "kept", ""
     if stance.pivots and plant.part != stance.pivots:
-        return "partly", f"the foot turns about its {'ball' if stance.pivots == 'toe' else 'heel'}"
+        return "released", f"the foot turns on the floor, about its {'ball' if stance.pivots == 'toe' else 'heel'}"
     if far <= 0.002 * leg_length:
         return "pinned", ""
     why = "holding it fast would jerk the leg" if soft else "the leg does not reach it"

@@ -21,11 +21,13 @@ class Goals:
 
     Args:
         planted: (F,) some end of the foot is held.
+        on_ball: (F,) the ball is.
         turn: (F, 3) [rad] rotation vector in the world, to be applied to the foot.
         shift: (F, 3) [m] displacement of the ankle.
     """
 
     planted: Bools
+    on_ball: Bools
     turn: Floats
     shift: Floats
 
@@ -51,7 +53,7 @@ def goals(
     kept = np.zeros(frames, dtype=np.bool_)
     pivots = np.zeros(frames, dtype=np.bool_)
     for stance in stands:
-        for plant in stance.plants:
+        for plant in (plant for plant in stance.plants if not plant.reason):
             on[plant.part][plant.frames] = True
             at[plant.part][plant.frames] = plant.target
             kept[plant.frames] |= plant.kept
@@ -76,7 +78,7 @@ def goals(
     roll = _roll(on["heel"], on["toe"])[:, None]
     shift = (1.0 - roll) * from_heel + roll * from_ball - foot.ankle
     shift[kept] = 0.0
-    return Goals(planted, turn, displacement(planted, shift, near, frame_time, params, soft))
+    return Goals(planted, on["toe"], turn, displacement(planted, shift, near, frame_time, params, soft))
 
 
 def _carried(foot: Foot, at: dict[str, Floats], stance: Stance, other: str) -> Floats:
