@@ -10,10 +10,11 @@ import numpy as np
 
 from footfix.errors import NoLegsError, UsageError
 from footfix.motion.clip import Floats, Skeleton
-from footfix.rig.limbs import Limb, Pair, limb_of, pairs, toes
+from footfix.rig.limbs import Limb, Pair, limb_of, pairs
 from footfix.rig.names import bare, read
 from footfix.rig.params import LegParams, RigParams
 from footfix.rig.sample import Sample
+from footfix.rig.toes import ball, balls
 
 _LEAST = 1.2  # score below which a pair of limbs is no pair of legs
 _LEAST_FRONT = -1.2  # shape below which it is no pair of front legs; they hang far out from the spine
@@ -81,16 +82,16 @@ def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figu
     hind = candidates[0]
     front = _front_legs(seen, hind, candidates[1:]) if y_up else None
     legs: list[Limb] = []
-    balls: list[int | None] = []
+    toes: list[int | None] = []
     ends: list[str] = []
     for pair, end in ((front, "front"), (hind, "hind" if front else "")):
         if pair is not None:
             legs += pair.limbs
-            balls += toes(seen, pair)
+            toes += balls(seen, pair.limbs)
             ends += [end, end]
-    sides = tuple(_named_side(seen.skeleton, limb, toe) for limb, toe in zip(legs, balls, strict=True))
+    sides = tuple(_named_side(seen.skeleton, limb, toe) for limb, toe in zip(legs, toes, strict=True))
     origin = "names and geometry" if hind.named > 1.0 else "geometry"
-    return Figure(root, hind.pelvis, tuple(legs), tuple(balls), tuple(ends), sides, origin)
+    return Figure(root, hind.pelvis, tuple(legs), tuple(toes), tuple(ends), sides, origin)
 
 
 def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
@@ -144,21 +145,18 @@ def _given(seen: Sample, legs: Mapping[str, LegParams]) -> tuple[Figure, ...]:
     figures = []
     for root, entries in by_root.items():
         limbs = tuple(limb for _, _, limb in entries)
-        balls, sides = [], []
-        for name, leg, limb in entries:
-            ball = (
-                None
-                if leg.toe == "none"
-                else joint(seen.skeleton, leg.toe, f"rig.legs.{name}.toe")
-                if leg.toe
-                else None
-            )
-            balls.append(ball if leg.toe else toes(seen, Pair(limb.branch, (limb, limb), 0.0))[0])
-            sides.append(leg.side or read(name).side or _named_side(seen.skeleton, limb, None))
+        toes = [_given_toe(seen, name, leg, limb) for name, leg, limb in entries]
+        sides = [leg.side or read(name).side or _named_side(seen.skeleton, limb, None) for name, leg, limb in entries]
         shared = set.intersection(*(set(seen.skeleton.ancestors(limb.hip)[1:] or (limb.hip,)) for limb in limbs))
         names = tuple(name for name, _, _ in entries)
-        figures.append(Figure(root, max(shared), limbs, tuple(balls), names, tuple(sides), "config"))
+        figures.append(Figure(root, max(shared), limbs, tuple(toes), names, tuple(sides), "config"))
     return tuple(figures)
+
+
+def _given_toe(seen: Sample, name: str, leg: LegParams, limb: Limb) -> int | None:
+    if leg.toe == "none":
+        return None
+    return joint(seen.skeleton, leg.toe, f"rig.legs.{name}.toe") if leg.toe else ball(seen, limb)
 
 
 def _given_limb(seen: Sample, name: str, leg: LegParams) -> Limb:

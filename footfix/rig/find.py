@@ -111,18 +111,18 @@ def _notes(
 def _legs(seen: Sample, figure: Figure) -> tuple[tuple[Leg, ...], str]:
     """The legs with their sides and names, left before right in each pair, and how sides were found."""
     sides, origin = list(figure.sides), figure.origin if figure.origin == "config" else "names"
-    ahead = _ahead(seen, figure)
+    left = _leftwards(seen, figure)
     for pair in _pairs(figure):
         own = [sides[i] for i in pair]
         if len(pair) == 2 and sorted(own) == ["left", "right"]:
             continue
         if len(pair) == 2 and own.count("") == 1:
             known = next(side for side in own if side)
-            other = "right" if known == "left" else "left"
             for i in pair:
-                sides[i] = sides[i] or other
+                sides[i] = sides[i] or ("right" if known == "left" else "left")
         elif len(pair) == 2:
-            first_left = _is_left(seen, ahead, figure.limbs[pair[0]].hip, figure.limbs[pair[1]].hip)
+            one, other = (seen.places[:, figure.limbs[i].hip] for i in pair)
+            first_left = float(np.einsum("fi,fi->f", left, one - other).sum()) >= 0.0
             sides[pair[0]], sides[pair[1]] = ("left", "right") if first_left else ("right", "left")
             origin = "geometry"
     order = [i for pair in _pairs(figure) for i in sorted(pair, key=lambda i: sides[i] == "right")]
@@ -143,25 +143,20 @@ def _pairs(figure: Figure) -> list[list[int]]:
     return [[i, i + 1] for i in range(0, count, 2)]
 
 
-def _is_left(seen: Sample, ahead: Floats, one: int, other: int) -> bool:
-    """Whether one joint is on the left of another, seen the way the figure faces."""
-    across = seen.places[:, one] - seen.places[:, other]
-    return float(np.einsum("fi,fi->f", np.cross(soles.UP, ahead), across).mean()) >= 0.0
+def _leftwards(seen: Sample, figure: Figure) -> Floats:
+    """(S, 3) roughly a figure's left, whichever its left leg: from how knees bend and where toes point.
 
-
-def _ahead(seen: Sample, figure: Figure) -> Floats:
-    """(S, 3) roughly the way a figure faces, whatever its left and right: where toes point and knees bend."""
-    ahead = np.zeros((len(seen), 3))
+    The axis of a knee runs from one side to the other, and so does what is across both the shin and the foot;
+    that holds in any posture, and needs no up.
+    """
+    left = np.zeros((len(seen), 3))
     for limb, toe in zip(figure.limbs, figure.toes, strict=True):
         hip, knee, ankle = (seen.places[:, j] for j in (limb.hip, limb.knee, limb.ankle))
-        ahead += knee - 0.5 * (hip + ankle)
-        tips = [seen.places[:, toe]] if toe is not None else []
-        below = seen.below(limb.ankle)
-        tips += [seen.ends[:, e] for e, parent in enumerate(seen.skeleton.end_parents.tolist()) if parent in below]
+        left += np.cross(ankle - knee, hip - knee)
+        tips = soles.tips(seen, limb.ankle) if toe is None else [seen.places[:, toe]]
         for tip in tips:
-            ahead += (2.0 / len(tips)) * (tip - ankle)
-    ahead[:, 1] = 0.0
-    return ahead
+            left += (2.0 / len(tips)) * np.cross(knee - ankle, tip - ankle)
+    return left
 
 
 def _facing(seen: Sample, legs: Sequence[Leg]) -> Floats:

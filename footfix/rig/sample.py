@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -69,9 +69,11 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
     frames = np.arange(len(clip))[within]
     if len(frames):
         frames = frames[_sound(clip, frames)]
-    if not len(frames) or _collapsed(clip, frames):
-        clip = _at_rest(clip)
-        frames = np.zeros(1, np.intp)
+    if not len(frames):
+        clip, frames = _at_rest(clip), np.zeros(1, np.intp)
+    elif _collapsed(clip, frames):
+        below = clip.skeleton.parents >= 0
+        clip = replace(clip, positions=np.where(below[:, None], clip.skeleton.offsets, clip.positions))
     step = max(1, round(STEP / clip.frame_time))
     count = int(np.searchsorted(frames, frames[-1] - step, side="right")) or 1
     first = frames[np.unique(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))]

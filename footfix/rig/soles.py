@@ -76,8 +76,8 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
     flat = _flat_frames(sample, [ankle] if toe is None else [ankle, toe], leg)
     back = rotation.inverse(sample.turns[flat, ankle])
     up = _usual(rotation.rotate(back, UP))
-    tips = _seen_from(sample, ankle, _tips(sample, ankle) if toe is None else [sample.places[:, toe]], flat)
-    tip = max(tips, key=lambda each: float(np.linalg.norm(_level(each, up))), default=np.zeros(3))
+    seen = _seen_from(sample, ankle, tips(sample, ankle) if toe is None else [sample.places[:, toe]], flat)
+    tip = max(seen, key=lambda each: float(np.linalg.norm(_level(each, up))), default=np.zeros(3))
     guessed: tuple[str, ...] = ()
     if toe is not None and not -0.02 * leg <= -float(tip @ up) <= _DEEPEST * leg:
         guessed = ("slope",)
@@ -87,11 +87,11 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
         guessed = (*guessed, "direction")
         ahead = _level(_usual(rotation.rotate(back, facing[flat])), up)
     ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-12)
-    far, deep = float(tip @ ahead), max((-float(each @ up) for each in tips), default=0.0)
+    far, deep = float(tip @ ahead), max((-float(each @ up) for each in seen), default=0.0)
     if toe is None:
         return _without_toe(up, ahead, far, deep, leg, guessed)
     up_at_toe = _usual(rotation.rotate(rotation.inverse(sample.turns[flat, toe]), UP))
-    below = max((-float(each @ up_at_toe) for each in _seen_from(sample, toe, _tips(sample, toe), flat)), default=0.0)
+    below = max((-float(each @ up_at_toe) for each in _seen_from(sample, toe, tips(sample, toe), flat)), default=0.0)
     ball = _BALL_HEIGHT * leg if below <= 0.0 else _within(below + _TIP_HEIGHT * leg, _BALL_HEIGHTS, leg)
     height = _within(deep + ball, _ANKLE_HEIGHTS, leg)
     return Foot(up, ahead, up_at_toe, height, ball, _behind(far, leg), far, guessed)
@@ -187,7 +187,7 @@ def _level(vector: Floats, up: Floats) -> Floats:
     return np.asarray(vector - (vector @ up) * up)
 
 
-def _tips(sample: Sample, joint: int) -> list[Floats]:
+def tips(sample: Sample, joint: int) -> list[Floats]:
     """The tracks (S, 3) of all joints and End Sites below a joint."""
     below = sample.below(joint)
     ends = enumerate(sample.skeleton.end_parents.tolist())
