@@ -272,7 +272,8 @@ def _pivots(foot: Foot, flat: Bools, params: PlantParams) -> str:
 def _stands_well(stance: Stance, foot: Foot, flat: Bools, leg_length: float, params: PlantParams) -> bool:
     for plant in stance.plants:
         off = foot.point(plant.part)[plant.frames] - plant.target
-        if np.hypot(off[:, 0], off[:, 2]).max() > params.keep_slide * leg_length:
+        moves = stance.pivots not in ("", plant.part)
+        if not moves and np.hypot(off[:, 0], off[:, 2]).max() > params.keep_slide * leg_length:
             return False
         if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
             return False

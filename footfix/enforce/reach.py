@@ -11,6 +11,7 @@ from footfix.enforce.foot import Foot
 from footfix.enforce.ik import dot, norm
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +19,7 @@ class ReachParams:
     """How far legs stretch, and how far the root comes to help."""
 
     extension: float = 0.999  # of the leg's length, the straightest a leg may become
-    root_limit: float = 0.03  # leg lengths that the root may come down
+    root_limit: float = 0.03  # leg lengths that the root may come down; where more would be needed, it does not
     root_ease: float = 0.15  # [s] how early the root begins to give way
 
 
@@ -60,8 +61,11 @@ def lowering(
         # |(hip - h up) - ankle| = limit, the solution with the hip above the ankle
         height = np.sqrt(np.maximum(limit**2 - across, 0.0))
         short = np.where(norm(down) > limit + 1e-9, down[:, 1] - height, 0.0)
-        need = np.maximum(need, np.where(planted, short, 0.0))
-    need = np.minimum(need, params.root_limit * leg_length)
+        short = np.where(planted, short, 0.0)
+        for start, end in runs(planted):  # where the root's help would not do, the foot rolls or gives way alone
+            if short[start:end].max() > params.root_limit * leg_length:
+                short[start:end] = 0.0
+        need = np.maximum(need, short)
     if not np.any(need > 0.0):
         return need
     width = max(1, round(params.root_ease / frame_time))
