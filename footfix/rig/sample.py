@@ -67,17 +67,16 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
     """Up to `MOST_FRAMES` pairs of frames spread evenly over a part of a clip; the rest pose where it has none."""
     skeleton = clip.skeleton
     frames = np.arange(len(clip))[within]
-    if len(frames):
+    step = max(1, round(STEP / clip.frame_time))
+    first, second = _evenly(clip, frames, step)
+    if not len(first):  # hardly a frame is sound: look for those few
         frames = frames[_sound(clip, frames)]
-    if not len(frames):
-        clip, frames = _at_rest(clip), np.zeros(1, np.intp)
-    elif _collapsed(clip, frames):
+        first, second = _evenly(clip, frames, step)
+    if not len(first):
+        clip, first, second = _at_rest(clip), np.zeros(1, np.intp), np.zeros(1, np.intp)
+    elif _collapsed(clip, int(first[len(first) // 2])):
         below = clip.skeleton.parents >= 0
         clip = replace(clip, positions=np.where(below[:, None], clip.skeleton.offsets, clip.positions))
-    step = max(1, round(STEP / clip.frame_time))
-    count = int(np.searchsorted(frames, frames[-1] - step, side="right")) or 1
-    first = frames[np.unique(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))]
-    second = frames[np.minimum(np.searchsorted(frames, first + step), len(frames) - 1)]
     both = clip.frames(np.concatenate([first, second]))
     pose = forward(both)
     n = len(first)
@@ -98,8 +97,21 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
     )
 
 
+def _evenly(clip: Clip, frames: Ints, step: int) -> tuple[Ints, Ints]:
+    """Up to `MOST_FRAMES` pairs of sound frames, `step` apart where the clip is long enough."""
+    if not len(frames):
+        return frames, frames
+    count = max(1, len(frames) - step)
+    at = np.unique(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))
+    first, second = frames[at], frames[np.minimum(at + step, len(frames) - 1)]
+    sound = _sound(clip, np.concatenate([first, second])).reshape(2, -1).all(axis=0)
+    return first[sound], second[sound]
+
+
 def _sound(clip: Clip, frames: Ints) -> Bools:
     """Which frames hold finite numbers of a size that motion has."""
+    if not len(frames):
+        return np.zeros(0, np.bool_)
     extent = np.abs(clip.positions[frames]).reshape(len(frames), -1).max(axis=1, initial=0.0)
     finite = np.isfinite(extent) & np.isfinite(clip.rotations[frames]).reshape(len(frames), -1).all(axis=1)
     if not finite.any():
@@ -108,11 +120,11 @@ def _sound(clip: Clip, frames: Ints) -> Bools:
     return np.asarray(finite & (np.where(finite, extent, 0.0) <= 1e4 * max(usual, 1e-9)), dtype=np.bool_)
 
 
-def _collapsed(clip: Clip, frames: Ints) -> bool:
+def _collapsed(clip: Clip, frame: int) -> bool:
     """Whether position channels of zero have drawn all bones to nothing, as in files that hold a rest pose only."""
     rest = np.abs(clip.skeleton.offsets).max(axis=1)
     long_at_rest = (clip.skeleton.parents >= 0) & (rest > 0.0)
-    drawn = np.abs(clip.positions[frames[len(frames) // 2]]).max(axis=1)
+    drawn = np.abs(clip.positions[frame]).max(axis=1)
     return bool(long_at_rest.any() and (drawn < 1e-3 * rest)[long_at_rest].mean() > 0.6)
 
 

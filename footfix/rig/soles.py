@@ -17,7 +17,7 @@ from footfix.motion.clip import Bools, Floats, Ints
 from footfix.rig.sample import Sample
 
 # In leg lengths, but for shares.
-_ANKLE_HEIGHT, _ANKLE_HEIGHTS = 0.095, (0.06, 0.14)  # the usual one, and the least and most that is believed
+_ANKLE_HEIGHT, _ANKLE_HEIGHTS = 0.095, (0.06, 0.14, 0.115)  # the usual one, least, most, most of a guess
 _BALL_HEIGHT, _BALL_HEIGHTS = 0.045, (0.025, 0.06)
 _TIP_HEIGHT = 0.012  # of the tip of the toes
 _HEEL_BEHIND = 0.07
@@ -101,11 +101,15 @@ def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float,
     """A foot that is one piece from the ankle on, its tip so `far` ahead, its deepest point so `deep` below."""
     if deep > _ON_TOES * leg:
         return _on_toes(up, ahead, far, deep, leg)
-    height = _ANKLE_HEIGHT * leg if deep <= 0.02 * leg else _within(deep + _TIP_HEIGHT * leg, _ANKLE_HEIGHTS, leg)
+    end_at_ball = far < 0.5 * (_BALL_AHEAD + _BALL_AHEAD / _BALL_OF_TIP) * leg
+    height = _ANKLE_HEIGHT * leg
+    if deep > 0.02 * leg:
+        end_height = (_BALL_HEIGHT if end_at_ball else _TIP_HEIGHT) * leg
+        most = max(_ANKLE_HEIGHTS[2] * leg, deep + _TIP_HEIGHT * leg)
+        height = float(np.clip(deep + end_height, _ANKLE_HEIGHTS[0] * leg, most))
     if far < 0.03 * leg:
-        guessed = (*guessed, "length")
-        far = _BALL_AHEAD * leg / _BALL_OF_TIP
-    ball_ahead = float(np.clip(_BALL_OF_TIP * far, 0.1 * leg, 0.22 * leg))
+        guessed, far, end_at_ball = (*guessed, "length"), _BALL_AHEAD * leg, True
+    ball_ahead = float(np.clip(far * (1.0 if end_at_ball else _BALL_OF_TIP), 0.1 * leg, 0.22 * leg))
     return Foot(up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, guessed)
 
 
@@ -138,7 +142,7 @@ def _on_toes(up: Floats, ahead: Floats, far: float, deep: float, leg: float) -> 
     return Foot(up, ahead, None, height, height, _PAW * leg - far, far, ())
 
 
-def _within(value: float, limits: tuple[float, float], leg: float) -> float:
+def _within(value: float, limits: tuple[float, ...], leg: float) -> float:
     return float(np.clip(value, limits[0] * leg, limits[1] * leg))
 
 

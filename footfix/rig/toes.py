@@ -36,12 +36,13 @@ def balls(sample: Sample, limbs: tuple[Limb, Limb]) -> tuple[int | None, int | N
         for a in one
         for b in other
     }
-    enough = max(worth.values()) - 0.3
+    best = max(worth, key=lambda two: worth[two])
+    level = {a.joint: a.depth for a in (*one, *other)}
     # Where each toe has a joint, the big toes, which are nearest to each other, stand for the balls.
     apart = {
         two: float(np.linalg.norm(sample.places[:, two[0]] - sample.places[:, two[1]], axis=-1).mean())
         for two in worth
-        if worth[two] >= enough
+        if worth[two] >= worth[best] - 0.3 and all(level[a] == level[b] for a, b in zip(two, best, strict=True))
     }
     return min(apart, key=lambda two: apart[two])
 
@@ -74,9 +75,10 @@ def _candidates(sample: Sample, limb: Limb, across: Floats) -> list[_Candidate]:
         if not named and far < 3.0 * _LEAST * limb.length and _along(span, shin) > 0.9 * far:
             continue  # straight below the ankle
         sideways = float(np.abs(np.einsum("fi,fi->f", span, across)).mean()) / far
-        score = -abs(far / farthest - _BALL) - 3.0 * max(0.0, sideways - _ABREAST)
+        depth = len(skeleton.ancestors(joint)) - len(skeleton.ancestors(limb.ankle))
+        score = -abs(far / farthest - _BALL) - 3.0 * max(0.0, sideways - _ABREAST) - 0.1 * depth
         score += 0.3 * named - 0.3 * reading.helper - 1.0 * (reading.part == "heel")
-        found.append(_Candidate(joint, score, far / limb.length, len(skeleton.ancestors(joint))))
+        found.append(_Candidate(joint, score, far / limb.length, depth))
     return found
 
 
