@@ -8,6 +8,7 @@ import os
 import select
 import shutil
 import subprocess
+import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -40,10 +41,12 @@ class Browser:
     def __init__(self, profile: Path) -> None:
         to_child, ours_out = os.pipe()
         ours_in, from_child = os.pipe()
-        # Chromium reads from 3 and writes to 4; the shell puts our pipes there.
-        command = f'exec "$@" 3<&{to_child} 4>&{from_child}'
+        # Chromium reads from 3 and writes to 4: a Python in between puts our pipes there.
+        launch = "import os, sys; os.dup2(int(sys.argv[1]), 5); os.dup2(int(sys.argv[2]), 6)"
+        launch += "; os.dup2(5, 3); os.dup2(6, 4); os.execv(sys.argv[3], sys.argv[3:])"
+        command = [sys.executable, "-c", launch, str(to_child), str(from_child)]
         self.process = subprocess.Popen(
-            ["/bin/sh", "-c", command, "sh", chromium(), *_FLAGS, f"--user-data-dir={profile}", "about:blank"],
+            [*command, chromium(), *_FLAGS, f"--user-data-dir={profile}", "about:blank"],
             pass_fds=(to_child, from_child),
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
@@ -124,6 +127,7 @@ class Page:
 
     def run(self, script: str) -> Any:
         """The value of an expression."""
+        script = f"{{{script}}}" if script.startswith("const ") else script  # a scope of its own
         asked = {"expression": script, "returnByValue": True, "awaitPromise": True, "userGesture": True}
         answer = self.call("Runtime.evaluate", asked)
         if "exceptionDetails" in answer:
@@ -145,8 +149,8 @@ class Page:
     def box(self, selector: str) -> tuple[float, float, float, float]:
         """Left, top, width, height of an element, scrolled into view."""
         found = self.run(
-            f"(() => {{ const e = document.querySelector({json.dumps(selector)});"
-            " e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()"
+            f"const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});"
+            "const b = e.getBoundingClientRect(); [b.left, b.top, b.width, b.height]"
         )
         return tuple(found)  # type: ignore[return-value]
 
@@ -207,11 +211,12 @@ class Page:
 
     @property
     def requests(self) -> list[str]:
-        """Addresses that the page asked for, itself left out."""
+        """Addresses that the page asked for, itself and what it holds left out."""
         return [
             event["params"]["request"]["url"]
             for event in self.browser.events
             if event.get("sessionId") == self.session
             and event["method"] == "Network.requestWillBeSent"
             and event["params"]["type"] != "Document"
+            and not event["params"]["request"]["url"].startswith(("data:", "blob:"))
         ]

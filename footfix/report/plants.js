@@ -1,34 +1,14 @@
-// The table of plants: sorts by any column; a click on a plant jumps to it and loops over it.
+// The table of plants: a click on a plant jumps to it and loops over it.
 
 class PlantsTable {
   constructor(table, pick) {
-    Object.assign(this, { table, pick, body: table.tBodies[0] });
+    Object.assign(this, { pick, body: table.tBodies[0] });
     this.rows = [...this.body.rows];
-    table.tHead.addEventListener("click", (event) => {
-      const button = event.target.closest("button");
-      if (button) this.sort(button.closest("th"));
-    });
+    this.sorting = new SortableTable(table);
     this.body.addEventListener("click", (event) => {
       const row = event.target.closest("tr");
       if (row) this.choose(row);
     });
-  }
-
-  /** Sorts by a column; a second time the other way round. Numbers fall at first, words rise. */
-  sort(header) {
-    const column = header.cellIndex;
-    const numeric = header.dataset.kind === "number";
-    const old = header.getAttribute("aria-sort");
-    const rising = old ? old === "descending" : !numeric;
-    for (const other of this.table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
-    header.setAttribute("aria-sort", rising ? "ascending" : "descending");
-    const value = (row) => {
-      const text = row.cells[column].dataset.value ?? row.cells[column].textContent;
-      return numeric ? Number.parseFloat(text) || 0 : text;
-    };
-    const order = (a, b) => (numeric ? value(a) - value(b) : value(a).localeCompare(value(b)));
-    const sorted = [...this.body.rows].sort((a, b) => (rising ? order(a, b) : order(b, a)));
-    this.body.append(...sorted);
   }
 
   choose(row) {

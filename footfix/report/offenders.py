@@ -1,0 +1,70 @@
+"""The worst plants of a clip, as small pictures from above: for the batch index and the PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.motion.clip import Floats
+from footfix.report.motion import Motion
+from footfix.report.verdict import Report, number, worst_first
+
+Path = tuple[tuple[float, float], ...]
+
+_PLACES = 40  # of a path, at most
+
+
+@dataclass(frozen=True)
+class Offender:
+    """A plant that slid: small, plain and picklable.
+
+    Args:
+        effector: name of the sole point.
+        start, end: frames `[start, end)`.
+        before_mm, after_mm: how far it slides.
+        path_before, path_after: [mm] its way over the floor, x to the right and z downwards, about the place
+            where it stands after.
+    """
+
+    effector: str
+    start: int
+    end: int
+    before_mm: float
+    after_mm: float
+    path_before: Path
+    path_after: Path
+
+
+def worst_plants(motion: Motion, report: Report, most: int = 3) -> tuple[Offender, ...]:
+    """The plants of a clip that slide most, the worst first.
+
+    Args:
+        motion: the figure before and after.
+        report: the report document.
+        most: how many, at most.
+    """
+    plants: Sequence[Report] = report.get("plants") or ()
+    known = [plant for plant in worst_first(plants) if plant.get("effector") in motion.sole_names]
+    return tuple(_offender(motion, plant) for plant in known[:most])
+
+
+def _offender(motion: Motion, plant: Report) -> Offender:
+    sole = motion.sole_names.index(str(plant["effector"]))
+    start, end = int(plant["start"]), int(plant["end"])
+    last = len(motion.soles_before) - 1
+    first = min(-(-start // motion.step), last)
+    span = slice(first, max(first + 1, -(-end // motion.step)))
+    before, after = (1000.0 * each[span, sole][:, [0, 2]] for each in (motion.soles_before, motion.soles_after))
+    place = np.median(after, axis=0)
+    return Offender(
+        str(plant["effector"]), start, end,
+        number(plant.get("slide_before_mm")) or 0.0, number(plant.get("slide_after_mm")) or 0.0,
+        _path(before - place), _path(after - place),
+    )  # fmt: skip
+
+
+def _path(places: Floats) -> Path:
+    pick = np.unique(np.linspace(0, len(places) - 1, min(_PLACES, len(places))).astype(np.intp))
+    return tuple((round(float(x), 1) + 0.0, round(float(z), 1) + 0.0) for x, z in places[pick])
