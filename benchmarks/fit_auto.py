@@ -25,7 +25,7 @@ from footfix.detect.network import Network
 
 FOLDS = 5
 VARIANTS = 8  # of each recorded take; the first is as recorded, and one in six is without toe joints
-WALKERS, WALKER_VARIANTS, WALKER_WEIGHT = 300, 2, 0.15
+WALKERS, WALKER_VARIANTS, WALKER_WEIGHT = 300, 2, 0.25
 FITTED = Path(__file__).resolve().parent.parent / "footfix" / "detect" / "fitted.py"
 
 

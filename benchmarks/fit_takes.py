@@ -8,14 +8,18 @@ where they rest in that very stance, and left open where that is not clear.
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "sample_data"))
+
 import walker
 import walker_plan
-from numpy.typing import NDArray
 
 from footfix.detect.evidence import catmull_rom
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
@@ -25,6 +29,7 @@ from footfix.formats.bvh import decode
 from footfix.measure import agreement
 from footfix.motion.clip import Bools, Clip, Floats, Skeleton
 from footfix.motion.kinematics import forward
+from footfix.motion.smoothing import savgol
 from footfix.rig.find import find_rig
 from footfix.rig.survey import survey
 
@@ -164,14 +169,18 @@ def _event(frame: int, known: Bools, fps: float, events: list[float]) -> float:
 def _parts(heel: Floats, toe: Floats) -> Bools:
     """(n, 4) which parts of the foot may stand, over one stance, from the heights of heel and toe [leg lengths]."""
     allowed = np.tile([False, True, True, True], (len(heel), 1))
-    heel_rests, toe_rests = np.quantile(heel, 0.1), np.quantile(toe, 0.15)
+    heel_rests, toe_rests = np.quantile(heel, 0.2), np.quantile(toe, 0.2)
     flat = (heel < heel_rests + 0.012) & (toe < toe_rests + 0.012)
     if flat.mean() <= 0.05:
         return allowed  # a stance in which the foot never lies flat says nothing about its parts
-    heel_down, heel_up = heel < heel_rests + 0.010, heel > heel_rests + 0.024
-    early = np.arange(len(toe)) < np.argmax(toe < toe_rests + 0.010)
-    toe_down = (toe < toe_rests + 0.008) | (~early & ~heel_down)
-    toe_up = early & (toe > toe_rests + 0.024) & heel_down
+    heel_rise = savgol(heel, 1.0 / RATE, seconds=0.06, degree=2, derivative=1)  # [leg lengths/s]
+    toe_rise = savgol(toe, 1.0 / RATE, seconds=0.06, degree=2, derivative=1)
+    heel_down = (heel < heel_rests + 0.004) & (np.abs(heel_rise) < 0.05)
+    heel_up = (heel > heel_rests + 0.02) | ((heel > heel_rests + 0.01) & (heel_rise > 0.15))
+    early = np.arange(len(toe)) < np.argmax(toe < toe_rests + 0.008)
+    toe_down = ((toe < toe_rests + 0.004) & (np.abs(toe_rise) < 0.05)) | (~early & heel_up)
+    toe_up = early & (toe > toe_rests + 0.016) & (heel < heel_rests + 0.014)
+    heel_up &= ~early
     allowed[heel_up, HEEL] = allowed[heel_up, FLAT] = False
     allowed[heel_down, TOE] = False
     allowed[toe_down, HEEL] = False

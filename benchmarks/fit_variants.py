@@ -150,7 +150,7 @@ def _noisy(take: Take, frame_time: float, random: Random) -> Take:
     def turn(*shape: int) -> Floats:
         size = int(np.prod(shape))
         flat = wander(random, count, 1.0 / frame_time, 0.06, size) if smooth else random.normal(size=(count, size))
-        return np.radians(degrees) * flat.reshape(count, *shape)
+        return np.asarray(np.radians(degrees) * flat.reshape(count, *shape))
 
     root, thigh, shin, foot = turn(1, 3), turn(2, 3), turn(2, 3), turn(2, 3)
     hip = take.hip + np.cross(root, take.hip - take.pelvis[:, None])

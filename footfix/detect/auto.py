@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import STEP, EvidenceParams, evidence, resample
 from footfix.detect.fitted import NETWORK
-from footfix.detect.network import FLAT, HEEL, TOE, Network
+from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, stretches
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
@@ -23,12 +24,14 @@ class AutoParams:
         roll: nats that a change between heel, flat and toe costs.
         chunk: [s] of the clip that are weighed at a time; bounds memory, changes nothing.
         evidence: how evidence is sampled.
+        doubts: when to tell what is doubtful.
     """
 
     switch: float = 3.0
     roll: float = 2.0
     chunk: float = 120.0
     evidence: EvidenceParams = field(default_factory=EvidenceParams)
+    doubts: DoubtParams = field(default_factory=DoubtParams)
 
 
 _MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
@@ -43,7 +46,15 @@ def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Find
     for answer in answers:
         columns += masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
         sure += _sure(answer, len(tracks), per_frame)
-    return Finding(np.stack(columns, axis=1), np.stack(sure, axis=1))
+    notes = frame_rate(tracks, params.doubts)
+    for foot, answer in zip(tracks.feet, answers, strict=True):
+        planted = np.interp(np.arange(len(tracks)) * per_frame, np.arange(len(answer)), _planted(answer))
+        notes += unsure(planted, tracks, foot.side, params.doubts)
+    return Finding(np.stack(columns, axis=1), np.stack(sure, axis=1), notes)
+
+
+def _planted(answer: Floats) -> Floats:
+    return np.asarray(-np.expm1(answer[:, SWING]))
 
 
 def logits(tracks: Tracks, params: AutoParams, network: Network) -> tuple[Floats, ...]:

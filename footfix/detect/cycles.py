@@ -33,11 +33,18 @@ class CycleParams:
 
 @dataclass(frozen=True)
 class Cycle:
-    """One stride: frames from a right strike to the next, and whether it is run."""
+    """One stride.
+
+    Args:
+        start, end: frames of a right strike and of the next.
+        run: whether it is run.
+        step: [leg lengths] from the one foot to the other, where they are farthest apart.
+    """
 
     start: float
     end: float
     run: bool
+    step: float
 
 
 def find_cycles(tracks: Tracks, left: Foot, right: Foot, params: CycleParams) -> list[Cycle]:
@@ -56,7 +63,8 @@ def find_cycles(tracks: Tracks, left: Foot, right: Foot, params: CycleParams) ->
         period = (c - a) * tracks.frame_time
         centred = abs((b - a) / (c - a) - 0.5) <= params.lopsided
         if apart[a] > apart[b] and params.shortest <= period <= params.longest and centred:
-            cycles.append(Cycle(float(a), float(c), _runs(height, a, b, c)))
+            step = 0.5 * (apart[a] - apart[b])
+            cycles.append(Cycle(float(a), float(c), _runs(height, a, b, c), float(step)))
     return _even(cycles, params.uneven)
 
 
