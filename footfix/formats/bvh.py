@@ -42,6 +42,7 @@ class Document:
         frame_time: [s]; a plausible one where the file's own makes no sense.
         notes: what was assumed, and what is wrong.
         base: (J, 3) what position channels are counted from, in file units.
+        motion_at: where in the text the MOTION part begins.
         unit_m: [m] one unit of the file.
         up: the file's upward axis: "y", "-y", "z", "-z", "x" or "-x".
     """
@@ -55,6 +56,7 @@ class Document:
     frame_time: float
     notes: tuple[Note, ...]
     base: Floats
+    motion_at: int
     unit_m: float = 1.0
     up: str = "y"
 
@@ -165,6 +167,7 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
         frame_time=seconds,
         notes=tuple(sorted(notes.found, key=lambda note: (note.line or 0, note.column or 0))),
         base=frozen(base),
+        motion_at=headings.at,
     )
 
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from footfix.formats.bvh_digits import fixed
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Clip, Floats, Skeleton
 
 _ORDER = "ZXY"  # gimbal lock when a joint is raised sideways by 90 degrees: rare in hips and legs
-_ROTATIONS = "Zrotation Xrotation Yrotation"
-_POSITIONS = "Xposition Yposition Zposition"
+_ROTATIONS = ("Zrotation", "Xrotation", "Yrotation")
+_POSITIONS = ("Xposition", "Yposition", "Zposition")
 _DECIMALS = 6
 _BLOCK = 1024  # rows formatted together
 
@@ -22,19 +25,34 @@ def compose(clip: Clip, *, unit_m: float = 0.01) -> bytes:
         clip: F frames of J joints [m]. Rotations that a joint may not make by its skeleton are written too.
         unit_m: [m] unit of the file, centimetres by default.
     """
-    header, order = _header(clip, unit_m)
-    lines = [
-        b"HIERARCHY", *header,
-        b"MOTION", b"Frames: %d" % len(clip), b"Frame Time: %s" % np.format_float_positional(clip.frame_time).encode(),
-    ]  # fmt: skip
+    skeleton = clip.skeleton
+    channels = [[*_POSITIONS, *_ROTATIONS] if moves else list(_ROTATIONS) for moves in skeleton.translates.tolist()]
+    scaled = replace(skeleton, offsets=skeleton.offsets / unit_m, end_offsets=skeleton.end_offsets / unit_m)
+    lines, order = hierarchy_lines(scaled, channels, _numbers)
+    lines += motion_lines(len(clip), clip.frame_time)
     return b"\n".join(lines) + b"\n" + b"".join(_rows(clip, order, unit_m))
 
 
-def _header(clip: Clip, unit_m: float) -> tuple[list[bytes], list[int]]:
-    """The lines of the hierarchy, and the joints in the order in which they are written: depth first."""
-    skeleton, lines, order = clip.skeleton, list[bytes](), list[int]()
-    roots = np.flatnonzero(skeleton.parents < 0).tolist()
-    stack: list[tuple[int, int, bool]] = [(root, 0, False) for root in reversed(roots)]
+def motion_lines(frames: int, frame_time: float) -> list[bytes]:
+    """The headings of the MOTION part."""
+    seconds = np.format_float_positional(frame_time, trim="0").encode()
+    return [b"MOTION", b"Frames: %d" % frames, b"Frame Time: " + seconds]
+
+
+def hierarchy_lines(
+    skeleton: Skeleton, channels: Sequence[Sequence[str]], number: Callable[[Floats], bytes]
+) -> tuple[list[bytes], list[int]]:
+    """The lines of a hierarchy, and the joints in the order in which they are written: depth first.
+
+    Args:
+        skeleton: in units of the file.
+        channels: the names of each joint's channels.
+        number: writes an offset.
+    """
+    lines, order, ends = [b"HIERARCHY"], list[int](), dict[int, list[Floats]]()
+    for joint, offset in zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True):
+        ends.setdefault(joint, []).append(offset)
+    stack = [(root, 0, False) for root in reversed(np.flatnonzero(skeleton.parents < 0).tolist())]
     while stack:
         joint, depth, closing = stack.pop()
         indent = b"\t" * depth
@@ -43,20 +61,19 @@ def _header(clip: Clip, unit_m: float) -> tuple[list[bytes], list[int]]:
             continue
         order.append(joint)
         name = " ".join(skeleton.names[joint].replace("{", "(").replace("}", ")").split()).encode("utf-8", "replace")
-        lines.append(indent + (b"JOINT " if depth else b"ROOT ") + name)
-        channels = f"CHANNELS 6 {_POSITIONS} {_ROTATIONS}" if skeleton.translates[joint] else f"CHANNELS 3 {_ROTATIONS}"
-        lines += [indent + b"{", indent + b"\tOFFSET " + _numbers(skeleton.offsets[joint] / unit_m),
-                  indent + b"\t" + channels.encode()]  # fmt: skip
-        for end in np.flatnonzero(skeleton.end_parents == joint).tolist():
-            offset = _numbers(skeleton.end_offsets[end] / unit_m)
-            lines += [indent + b"\tEnd Site", indent + b"\t{", indent + b"\t\tOFFSET " + offset, indent + b"\t}"]
+        lines += [indent + (b"JOINT " if depth else b"ROOT ") + name, indent + b"{"]
+        lines.append(indent + b"\tOFFSET " + number(skeleton.offsets[joint]))
+        lines.append(indent + " ".join(["\tCHANNELS", str(len(channels[joint])), *channels[joint]]).encode())
+        for end in ends.get(joint, ()):
+            lines += [indent + b"\tEnd Site", indent + b"\t{"]
+            lines += [indent + b"\t\tOFFSET " + number(end), indent + b"\t}"]
         stack.append((joint, depth, True))
         stack += [(child, depth + 1, False) for child in reversed(skeleton.children[joint])]
     return lines, order
 
 
 def _numbers(values: Floats) -> bytes:
-    return b" ".join(row.tobytes().translate(None, b"\0") for row in fixed(np.asarray(values), _DECIMALS))
+    return b" ".join(row.tobytes().replace(b"\0", b"") for row in fixed(np.asarray(values), _DECIMALS))
 
 
 def _rows(clip: Clip, order: list[int], unit_m: float) -> list[bytes]:

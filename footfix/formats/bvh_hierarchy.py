@@ -15,6 +15,8 @@ from footfix.formats.bvh_tree import Channel, Hierarchy
 _CHANNEL = re.compile(rb"([xyz])[_-]?(pos(?:ition)?|trans(?:lation)?|rot(?:ation)?|scal(?:e|ing))", re.IGNORECASE)
 _END = re.compile(rb"end(?:[_-]?site)?", re.IGNORECASE)
 _NUMBERISH = re.compile(rb"[-+.,]?\d|[-+]?nan|[-+]?inf|[-+]?1\.#", re.IGNORECASE)
+_CHANNEL_NAMES = tuple(b"%c%s" % (axis, kind) for axis in b"XYZ" for kind in (b"position", b"rotation"))
+_USUAL = (b"HIERARCHY", b"ROOT", b"JOINT", b"OFFSET", b"CHANNELS", b"{", b"}")
 _HEADINGS = (b"MOTION", b"FRAMES", b"FRAME", b"FRAMES:", b"FRAMETIME", b"FRAMETIME:")
 _WORDS = ("HIERARCHY", "ROOT", "JOINT", "End", "OFFSET", "CHANNELS", "MOTION")
 
@@ -50,6 +52,7 @@ def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
             what = f"there is no MOTION in the first {limits.header} bytes"
             raise cursor.fail(what, hint="limits.header allows more")
         cursor.take()
+        _spelling(cursor, word, (b"End",) if _END.fullmatch(word) else _USUAL)
         if key in (b"ROOT", b"JOINT"):
             _open_joint(cursor, tree, stack, key)
             if len(tree.names) > limits.joints:
@@ -73,6 +76,12 @@ def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
             raise _unknown(cursor, word)
     _finish(cursor, tree, stack, notes)
     return tree
+
+
+def _spelling(cursor: Cursor, word: bytes, usual: tuple[bytes, ...]) -> None:
+    if word not in usual and not cursor.notes.has("spelling"):
+        cursor.notes.add("spelling", f"'{readable(word)}' is spelled in a way that strict readers don't know",
+                         at=cursor.start)  # fmt: skip
 
 
 def _begin(cursor: Cursor) -> None:
@@ -121,7 +130,11 @@ def _name(cursor: Cursor) -> str:
 
 
 def _brace(cursor: Cursor, what: str) -> bool:
+    before = cursor.pos
     if cursor.peek() == b"{":
+        if not (cursor.text[before : cursor.start].strip(b" \t") or cursor.notes.has("brace-on-line")):
+            cursor.notes.add("brace-on-line", "braces stand on the line of the name, which strict readers refuse",
+                             at=cursor.start)  # fmt: skip
         cursor.take()
         return True
     if not cursor.peek() or cursor.peek() == b"}":
@@ -181,12 +194,16 @@ def _offset(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
         raise cursor.fail("a second OFFSET for the same joint", hint="a brace or a JOINT line is missing above it")
     while len(numbers) < 3:
         word = cursor.peek()
-        value = number(word.strip(b"[(,;)]"))
+        plain = word.strip(b"[(,;)]")
+        value = number(plain)
         if value is None:
             found = "nothing more" if word.isalpha() or word in (b"{", b"}", b"") else f"'{readable(word)}'"
             raise cursor.fail(f"OFFSET needs 3 numbers, {found} after {len(numbers)}", hint="complete the line")
-        if word[:1] in b"[(" and not cursor.notes.has("offset-brackets"):
-            cursor.notes.add("offset-brackets", "an OFFSET stands in brackets; read without", at=cursor.start)
+        if plain != word and not cursor.notes.has("offset-brackets"):
+            cursor.notes.add("offset-brackets", "an OFFSET has brackets or commas; read without", at=cursor.start)
+        if b"," in plain and not cursor.notes.has("decimal-comma"):
+            cursor.notes.add("decimal-comma", "numbers have a decimal comma, which few readers take; read as such",
+                             at=cursor.start)  # fmt: skip
         cursor.take()
         numbers.append(value)
     if not np.all(np.abs(numbers) < 1e9):
@@ -217,6 +234,7 @@ def _channels(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
     said, named = int(count), 0
     while found := _CHANNEL.fullmatch(cursor.peek()):
         cursor.take()
+        _spelling(cursor, found[0], _CHANNEL_NAMES)
         kind = {b"p": "P", b"t": "P", b"r": "R"}.get(found[2][:1].lower(), "")
         if block.end_site:
             tree.end_channels.append(len(tree.channels))

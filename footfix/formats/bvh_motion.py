@@ -17,6 +17,7 @@ _HEADING = re.compile(
     rb"[ \t]*(?:(?P<time>frame[ \t_]*time)|frames?(?:[ \t_]*count)?)\b[ \t]*[:=]?[ \t]*(?P<value>[^\s:=]*)",
     re.IGNORECASE,
 )
+_USUAL_HEADING = re.compile(rb"\s*(?:Frames:|Frame Time:)[ \t]+\S+")
 
 
 @dataclass
@@ -33,12 +34,17 @@ class Headings:
 def read_headings(cursor: Cursor) -> Headings:
     """Reads `MOTION`, `Frames:` and `Frame Time:` in any order and spelling; leaves the cursor at the rows."""
     headings, notes = Headings(at=cursor.start), cursor.notes
-    if cursor.peek().upper() == b"MOTION":
+    word = cursor.peek()
+    odd = [] if word == b"MOTION" else [cursor.start]
+    if word.upper() == b"MOTION":
         cursor.take()
     else:
         notes.add("motion-keyword-missing", "the word MOTION is missing", at=cursor.start)
+        odd.clear()
     while cursor.peek() and (found := _HEADING.match(cursor.text, cursor.start)):
         value = found["value"]
+        if value and (b"," in value or not _USUAL_HEADING.fullmatch(found[0])):
+            odd.append(cursor.start)
         if found["time"]:
             headings.time, headings.time_at = value, found.start("value")
         else:
@@ -47,6 +53,8 @@ def read_headings(cursor: Cursor) -> Headings:
         after = cursor.line().split()
         if after and (number(after[0]) is not None or after[0][:5].lower() == b"frame"):
             cursor.pos = found.end()  # the next heading, or the rows, go on in the same line
+    if odd:
+        notes.add("heading-spelling", "a heading is spelled in a way that strict readers don't know", at=odd[0])
     return headings
 
 

@@ -66,7 +66,8 @@ def _blank_out(cursor: Cursor) -> tuple[bytes, int, int, bool]:
         decimal = text.find(b".", start, stop) < 0
         where = text.find(b",", start, stop)
         kind = ("decimal-comma", "numbers have a decimal comma") if decimal else ("commas", "commas between numbers")
-        cursor.notes.add(kind[0], kind[1] + ", which few readers take; read as such", at=where)
+        if not cursor.notes.has(kind[0]):
+            cursor.notes.add(kind[0], kind[1] + ", which few readers take; read as such", at=where)
         text = text[:start] + text[start:stop].replace(b",", b"." if decimal else b" ")
         comma = decimal
     return text, start, stop, comma

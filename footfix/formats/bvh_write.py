@@ -34,7 +34,7 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> bytes:
     first, last = int(some[0]), int(some[-1])
     pieces: list[bytes | memoryview] = []
     done, view = 0, memoryview(text)
-    for frame, starts, ends in _row_blocks(rows):
+    for frame, starts, ends in row_blocks(rows):
         if frame > last:
             break
         span = slice(frame, frame + len(starts))
@@ -57,7 +57,7 @@ def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
     return text.replace(b".", b",") if rows.comma else text
 
 
-def _row_blocks(rows: Rows) -> Iterator[RowBlock]:
+def row_blocks(rows: Rows) -> Iterator[RowBlock]:
     """The places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
     columns = rows.values.shape[1]
     if rows.first is not None:
