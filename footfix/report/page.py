@@ -20,8 +20,8 @@ from footfix.report.verdict import Report, judge, source_name
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "player.js", "camera.js", "stage.js", "contacts.js", "timeline.js", "editor.js", "plants.js",
-    "paths.js", "viewer.js",
+    "codec.js", "player.js", "camera.js", "stage.js", "contacts.js", "timeline.js", "editor.js", "table.js",
+    "plants.js", "paths.js", "viewer.js",
 )  # fmt: skip
 
 
@@ -52,9 +52,9 @@ def asset(file: str) -> str:
 
 
 @cache
-def script() -> str:
-    """The page's script: its parts one after the other, in a scope of their own."""
-    return '(() => {\n"use strict";\n' + "\n".join(asset(file) for file in _SCRIPTS) + "})();\n"
+def script(*files: str) -> str:
+    """A page's script: its parts one after the other, in a scope of their own."""
+    return '(() => {\n"use strict";\n' + "\n".join(asset(file) for file in files) + "})();\n"
 
 
 @cache
@@ -71,7 +71,7 @@ def render(data: PageData) -> str:
     return Template(asset("page.html")).substitute(
         style=style,
         style_hash=fingerprint(style),
-        script_hash=fingerprint(script()),
+        script_hash=fingerprint(script(*_SCRIPTS)),
         title=text(source_name(report)),
         name=name(source_name(report)),
         badge=sections.badge(verdict.tone, verdict.word),
@@ -119,9 +119,8 @@ def _data(data: PageData) -> str:
     if data.motion is None:
         return ""
     document = {"contacts": _finite(data.contacts), "motion": packed(data.motion, data.thresholds)}
-    return (
-        f'<script type="application/json" id="data">{embedded_json(document)}</script>\n<script>{script()}</script>'
-    )
+    values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'
+    return f"{values}\n<script>{script(*_SCRIPTS)}</script>"
 
 
 def _finite(value: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 from footfix.measure.plants import NOTICED_MM
 from footfix.report.markup import name, text
 from footfix.report.text import released
-from footfix.report.verdict import Report, Tone, Verdict, measure_rows, number
+from footfix.report.verdict import Report, Tone, Verdict, measure_rows, number, worst_first
 
 MOST_PLANTS = 1000  # rows of the table; a clip of an hour has tens of thousands
 
@@ -34,19 +34,19 @@ def tiles(report: Report, verdict: Verdict) -> str:
     """The numbers of the first screen."""
     parts = []
     if verdict.plants:
-        parts.append(_tile("Footplants", "", str(verdict.plants)))
-        parts.append(_tile(f"Slide over {NOTICED_MM:g} mm", "", str(verdict.over_before), str(verdict.over_after)))
-        parts.append(_tile("Longest slide", "mm", f"{verdict.worst_before:.0f}", f"{verdict.worst_after:.0f}"))
+        parts.append(tile("Footplants", "", str(verdict.plants)))
+        parts.append(tile(f"Slide over {NOTICED_MM:g} mm", "", str(verdict.over_before), str(verdict.over_after)))
+        parts.append(tile("Longest slide", "mm", f"{verdict.worst_before:.0f}", f"{verdict.worst_after:.0f}"))
     parts += [
-        _tile(row.headline, row.unit, row.before, row.after, row.worse) for row in measure_rows(report) if row.headline
+        tile(row.headline, row.unit, row.before, row.after, row.worse) for row in measure_rows(report) if row.headline
     ]
     drift = number((report.get("correction") or {}).get("root_path_drift_m"))
     if drift is not None:
-        parts.append(_tile("Drift of the path", "cm", f"{100.0 * drift:.1f}"))
+        parts.append(tile("Drift of the path", "cm", f"{100.0 * drift:.1f}"))
     return "".join(parts)
 
 
-def _tile(label: str, unit: str, before: str, after: str = "", worse: bool = False) -> str:
+def tile(label: str, unit: str, before: str, after: str = "", worse: bool = False) -> str:
     """One number, or one before and one after; a triangle where it got worse."""
     figure = f"<b>{text(before)}</b>"
     if after:
@@ -88,16 +88,6 @@ def measures_table(report: Report) -> str:
     )
 
 
-def worst_first(plants: Sequence[Report]) -> list[Report]:
-    """Where to look first: what slides most now, and among what stands, what slid most before."""
-
-    def slide(plant: Report) -> tuple[float, float]:
-        after = number(plant.get("slide_after_mm")) or 0.0
-        return (after if after > NOTICED_MM else 0.0), number(plant.get("slide_before_mm")) or 0.0
-
-    return sorted(plants, key=slide, reverse=True)
-
-
 def plants_table(plants: Sequence[Report]) -> str:
     """The plants, as table rows, the worst first."""
     longest = max((number(plant.get("slide_before_mm")) or 0.0 for plant in plants), default=0.0)
@@ -115,7 +105,7 @@ def _plant_row(plant: Report, longest: float) -> str:
         f'<th scope="row" class="{side}"><button type="button">{name(effector.replace("_", " "))}</button></th>'
         f'<td data-value="{start}">{start}–{end}</td>'
         f"<td>{_figure(before)}</td><td>{_figure(after)}</td>"
-        f'<td data-value="{after or 0.0:.3f}">{_bars(before, after, longest)}</td>'
+        f'<td data-value="{after or 0.0:.3f}">{bars(before, after, longest)}</td>'
         f'<td class="word">{text(outcome)}</td>'
         f"<td>{_figure(number(plant.get('penetration_after_mm')))}</td>"
         f"<td>{_figure(number(plant.get('residual_mm')))}</td>"
@@ -127,7 +117,7 @@ def _figure(value: float | None) -> str:
     return "–" if value is None else f"{value:.1f}"
 
 
-def _bars(before: float | None, after: float | None, longest: float) -> str:
+def bars(before: float | None, after: float | None, longest: float) -> str:
     """The slides as two bars, with the mark of what viewers notice."""
     wide = [44.0 * min((value or 0.0) / longest, 1.0) for value in (before, after)]
     mark = 44.0 * NOTICED_MM / longest

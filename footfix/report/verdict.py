@@ -56,6 +56,16 @@ def slides(plants: Sequence[Report], when: Literal["before", "after"]) -> list[f
     return [number(plant.get(f"slide_{when}_mm")) or 0.0 for plant in plants]
 
 
+def worst_first(plants: Sequence[Report]) -> list[Report]:
+    """Where to look first: what slides most now, and among what stands, what slid most before."""
+
+    def slide(plant: Report) -> tuple[float, float]:
+        after = number(plant.get("slide_after_mm")) or 0.0
+        return (after if after > NOTICED_MM else 0.0), number(plant.get("slide_before_mm")) or 0.0
+
+    return sorted(plants, key=slide, reverse=True)
+
+
 def judge(report: Report) -> Verdict:
     """The verdict on a clip, from its report document."""
     if report.get("status") == "failed":
