@@ -5,31 +5,26 @@ Heavy imports stand inside the commands, so that `footfix --help` answers at onc
 
 from __future__ import annotations
 
-import json
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 import click
 
+from footfix.cli_options import Common, Many, many, shared
 from footfix.errors import FootfixError, UsageError
 from footfix.version import __version__
 
-if TYPE_CHECKING:
-    from footfix.batch import FileResult
-    from footfix.config import Config
-    from footfix.formats.contacts import Labels
-
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-INTERRUPTED, BUG, OVER_BUDGET, FAILED = 130, 4, 1, 3
+INTERRUPTED, BUG = 130, 4
 
 
 def main() -> None:
     """The entry point: commands, and what each kind of failure means to a shell."""
     _bytes_through()
+    # One thread a process: batches run as many processes, and sums come out the same to the last bit.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     try:
         code = cli.main(standalone_mode=False)
         sys.exit(code if isinstance(code, int) else 0)
@@ -68,24 +63,6 @@ def say(text: str) -> None:
     click.echo(text, err=True)
 
 
-def shared(command: Command) -> Command:
-    """The options that every command on clips takes."""
-    for option in reversed(
-        (
-            click.option("--config", type=click.Path(exists=True, dir_okay=False, path_type=Path),
-                         help="Settings file; without it footfix.yaml is looked for from the inputs upward."),
-            click.option("--preset", metavar="NAME", help="Packed settings: mocap, video, ml-generated, ..."),
-            click.option("--set", "sets", multiple=True, metavar="NAME=VALUE",
-                         help="One setting, such as detect.method=threshold. May be repeated."),
-            click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout."),
-            click.option("-q", "--quiet", is_flag=True, help="Only errors."),
-            click.option("-v", "--verbose", is_flag=True, help="All measures and notes."),
-        )
-    ):  # fmt: skip
-        command = option(command)
-    return command
-
-
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="footfix")
 def cli() -> None:
@@ -96,7 +73,7 @@ def cli() -> None:
 
 
 @cli.command()
-@click.argument("src", nargs=-1, required=True)
+@click.argument("src", nargs=-1)
 @click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for the outputs.")
 @click.option("--in-place", is_flag=True, help="Put the corrected file in the input's place.")
 @click.option("--method", type=click.Choice(["ik", "root", "both"]), help="How plants are held (enforce.method).")
@@ -105,58 +82,36 @@ def cli() -> None:
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--resume", is_flag=True, help="Go on with an interrupted run: leave what is done already.")
+@click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
+@click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
+              help="How failures are told.")  # fmt: skip
+@many
 @shared
 def clean(
     src: tuple[str, ...], output: Path | None, in_place: bool, method: str | None, labels: Path | None,
-    report: str | None, dry_run: bool, force: bool, config: Path | None, preset: str | None, sets: tuple[str, ...],
-    as_json: bool, quiet: bool, verbose: bool,
+    report: str | None, dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many,
+    common: Common,
 ) -> int:  # fmt: skip
     """Take the foot skate out of clips.
 
     SRC is a BVH file, a folder, or - for standard input.
     """
-    from footfix import batch
-    from footfix.report.text import summarize
+    from footfix import cli_runs
 
-    if output is not None and in_place:
-        raise UsageError("-o and --in-place exclude each other")
     options: dict[str, Any] = {}
     if method:
         options["enforce"] = {"method": method}
     if report:
         options["report"] = {"kind": report}
-    found = batch.sources(src)
-    settings = _config(src, config, preset, sets, options)
-    kind = settings.settings().report.kind
-    suffixes = [
-        ".contacts.json",
-        *([".report.json"] if kind != "none" else []),
-        *([".report.html"] if kind == "html" else []),
-    ]
-    jobs = batch.plan(found, output=output, in_place=in_place, suffixes=suffixes, force=force or dry_run)
-    if as_json and any(job.target is None for job in jobs):
-        raise UsageError("--json and a clip on standard output exclude each other; say where the clip goes with -o")
-    given = _labels_for(labels, [job.source for job in jobs])
-
-    def done(result: FileResult) -> None:
-        if result.data:
-            sys.stdout.buffer.write(result.data)
-        if result.error:
-            say(f"footfix: {result.error}")
-        elif not quiet and not as_json:
-            say(summarize(result.report, verbose=verbose))
-
-    results = batch.run(jobs, lambda job: batch.clean_one(job, settings, given[job.source], dry_run=dry_run), done)
-    if as_json:
-        _print_json({"format": "footfix-run", "version": 1, "files": [_plain(result) for result in results]})
-    elif len(results) > 1 and not quiet:
-        failed = sum(result.status == "failed" for result in results)
-        say(f"{len(results)} clips: {len(results) - failed} done, {failed} failed")
-    return _code(results)
+    return cli_runs.clean(
+        src, output=output, in_place=in_place, options=options, labels=labels, dry_run=dry_run, force=force,
+        resume=resume, junit=junit, style=style, many=many, common=common,
+    )  # fmt: skip
 
 
 @cli.command()
-@click.argument("src", nargs=-1, required=True)
+@click.argument("src", nargs=-1)
 @click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for the outputs.")
 @click.option("--format", "kind", type=click.Choice(["json", "csv", "npz"]), default="json", show_default=True)
 @click.option(
@@ -164,137 +119,67 @@ def clean(
 )
 @click.option("--labels", type=click.Path(exists=True, path_type=Path), help="Contacts to keep; the rest is detected.")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@many
 @shared
 def detect(
     src: tuple[str, ...], output: Path | None, kind: str, method: str | None, labels: Path | None, force: bool,
-    config: Path | None, preset: str | None, sets: tuple[str, ...], as_json: bool, quiet: bool, verbose: bool,
+    many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Find contacts only, as labels."""
-    from footfix import batch
+    from footfix import cli_runs
 
-    found = batch.sources(src)
-    settings = _config(src, config, preset, sets, {"detect": {"method": method}} if method else {})
-    targets = batch.plan_labels(found, output=output, suffix=f".contacts.{kind}", force=force or as_json)
-    given = _labels_for(labels, [source.path for source in found])
-    results = []
-    for source, target in zip(found, targets, strict=True):
-        result = batch.detect_one(source.path, None if as_json else target, kind, settings, given[source.path])
-        results.append(result)
-        if result.error:
-            say(f"footfix: {result.error}")
-        elif result.data and not as_json:
-            sys.stdout.buffer.write(result.data)
-        elif not quiet and not as_json:
-            say(f"{source.path}: {result.report['contacts']} contacts -> {', '.join(result.written)}")
-        for note in result.report.get("notes", ()) if not quiet else ():
-            if verbose or note["severity"] != "note":
-                say(f"  {note['severity']}: {note['text']}")
-    if as_json:
-        documents = [json.loads(result.data) if result.data else _plain(result) for result in results]
-        _print_json(
-            documents[0] if len(documents) == 1 else {"format": "footfix-run", "version": 1, "files": documents}
-        )
-    return _code(results)
+    options = {"detect": {"method": method}} if method else {}
+    return cli_runs.detect(
+        src, output=output, kind=kind, options=options, labels=labels, force=force, many=many, common=common
+    )
 
 
 @cli.command()
-@click.argument("src", nargs=-1, required=True)
+@click.argument("src", nargs=-1)
+@click.option("--max", "most", multiple=True, metavar="NAME=VALUE",
+              help="The most a measure may be, such as slide_mm=21. May be repeated.")  # fmt: skip
+@click.option("--labels", type=click.Path(exists=True, path_type=Path), help="Contacts to measure against.")
+@click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
+@click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
+              help="How results are told.")  # fmt: skip
+@many
 @shared
-def inspect(
-    src: tuple[str, ...], config: Path | None, preset: str | None, sets: tuple[str, ...], as_json: bool, quiet: bool,
-    verbose: bool,
+def check(
+    src: tuple[str, ...], most: tuple[str, ...], labels: Path | None, junit: Path | None, style: str, many: Many,
+    common: Common,
 ) -> int:  # fmt: skip
-    """Say what is in a file: rig, units, floor, and everything odd about it."""
-    from footfix import batch
-    from footfix.report.inspection import describe
+    """Measure clips and hold them against gates; change nothing.
 
-    settings = _config(src, config, preset, sets, {})
-    results = []
-    for source in batch.sources(src):
-        result = batch.inspect_one(source.path, settings)
-        results.append(result)
-        if result.error:
-            say(f"footfix: {result.error}")
-        elif not as_json:
-            click.echo(describe(result.report, quiet=quiet))
-    if as_json:
-        documents = [dict(result.report) if result.report else _plain(result) for result in results]
-        _print_json(
-            documents[0] if len(documents) == 1 else {"format": "footfix-run", "version": 1, "files": documents}
-        )
-    return _code(results)
+    Exits with 1 where a clip is over a gate, given by --max or by `gates:` in the config.
+    """
+    from footfix import cli_runs
+
+    return cli_runs.check(src, most=most, junit=junit, labels=labels, style=style, many=many, common=common)
+
+
+@cli.command()
+@click.argument("src", nargs=-1)
+@many
+@shared
+def inspect(src: tuple[str, ...], many: Many, common: Common) -> int:
+    """Say what is in a file: rig, units, floor, and everything odd about it."""
+    from footfix import cli_runs
+
+    return cli_runs.inspect(src, many=many, common=common)
 
 
 @cli.command()
 @click.argument("src", nargs=-1)
 @shared
-def settings(
-    src: tuple[str, ...], config: Path | None, preset: str | None, sets: tuple[str, ...], as_json: bool, quiet: bool,
-    verbose: bool,
-) -> int:  # fmt: skip
+def settings(src: tuple[str, ...], common: Common) -> int:
     """Print the settings that hold, each with its origin, as YAML that --config takes."""
+    from footfix import cli_runs
     from footfix import settings as composed
 
-    chosen = _config(src or (".",), config, preset, sets, {})
+    chosen = cli_runs.config_near(src or (".",), common, {})
     path = Path(src[0]) if src else None
-    if as_json:
-        _print_json(composed.plain(chosen.settings(path)))
+    if common.as_json:
+        cli_runs.print_json(composed.plain(chosen.settings(path)))
     else:
         click.echo(composed.as_yaml(chosen.stack(path)), nl=False)
     return 0
-
-
-def _config(
-    src: tuple[str, ...], config: Path | None, preset: str | None, sets: tuple[str, ...], options: dict[str, Any]
-) -> Config:
-    from footfix.config import load_config
-
-    places = [str((Path(each) if Path(each).is_dir() else Path(each).parent).absolute()) for each in src if each != "-"]
-    try:
-        near = Path(os.path.commonpath(places)) if places else Path.cwd()
-    except ValueError:  # inputs on several drives have no common parent
-        near = Path.cwd()
-    return load_config(config=config, preset=preset, sets=sets, near=near, command_line=options)
-
-
-def _labels_for(path: Path | None, named: list[str]) -> dict[str, Labels | None]:
-    """For each input the labels given for it: one file for one clip, or a folder with a file for each."""
-    if path is None:
-        return dict.fromkeys(named)
-    from footfix.files import read_whole
-    from footfix.formats.contacts import decode
-
-    if path.is_file():
-        if len(named) > 1:
-            raise UsageError(f"{path} labels one clip, but {len(named)} are named; give a folder of label files")
-        return {named[0]: decode(read_whole(path, 1 << 30), name=str(path))}
-    found: dict[str, Labels | None] = {}
-    for name in named:
-        stem = Path(name).stem
-        file = next(
-            (each for kind in ("json", "csv", "npz") if (each := path / f"{stem}.contacts.{kind}").is_file()), None
-        )
-        if file is None:
-            raise UsageError(f"{path} holds no {stem}.contacts.json (.csv, .npz) for {name}")
-        found[name] = decode(read_whole(file, 1 << 30), name=str(file))
-    return found
-
-
-def _plain(result: FileResult) -> dict[str, Any]:
-    entry: dict[str, Any] = {"source": result.source, "status": result.status}
-    if result.error:
-        entry["error"] = result.error
-    if result.written:
-        entry["written"] = list(result.written)
-    if result.report:
-        entry["report"] = dict(result.report)
-    return entry
-
-
-def _print_json(document: Any) -> None:
-    # ASCII, so that it is the same document on a console of any encoding
-    click.echo(json.dumps(document, indent=1))
-
-
-def _code(results: Any) -> int:
-    return FAILED if any(result.status == "failed" for result in results) else 0

@@ -35,8 +35,13 @@ def read_whole(path: str | os.PathLike[str], most_bytes: int) -> bytes:
     return data
 
 
-def write_whole(path: Path, data: bytes) -> None:
+def write_whole(path: Path, data: bytes, *, tag: str = "run") -> None:
     """Writes a file so that it appears whole or not at all, with the permissions a new file would have.
+
+    Args:
+        path: the file.
+        data: its bytes.
+        tag: of the run, in the temporary file's name; by it, and by the process, what a killed run left is known.
 
     Raises:
         OutputError: the folder is missing or read-only, the disk is full; what stood there still does.
@@ -44,7 +49,7 @@ def write_whole(path: Path, data: bytes) -> None:
     handle, temporary = -1, ""
     try:
         # Beside the target: only within one file system is the replacement a single step.
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".footfix-", suffix=".tmp")
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".footfix-{tag}-{os.getpid()}-", suffix=".tmp")
         with os.fdopen(handle, "wb") as file:
             file.write(data)
             file.flush()
@@ -61,6 +66,26 @@ def write_whole(path: Path, data: bytes) -> None:
             with suppress(OSError):
                 Path(temporary).unlink()
         raise
+
+
+def remove_leftovers(folder: Path, *, tag: str, process: int | None = None) -> None:
+    """Removes the temporary files that a killed run, or one killed process of it, left in a folder."""
+    pattern = f".footfix-{tag}-{'*' if process is None else process}-*.tmp"
+    for path in folder.glob(pattern):
+        with suppress(OSError):
+            path.unlink()
+
+
+def sync_folder(folder: Path) -> None:
+    """Makes sure that the names in a folder survive a power cut, where the system can."""
+    if os.name == "nt":
+        return
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def _umask() -> int:

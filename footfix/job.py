@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.bvh import Document, decode, encode
 from footfix.formats.contacts import Labels
+from footfix.measure.clip import measure
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
@@ -29,6 +30,9 @@ from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig, joined
 from footfix.rig.survey import survey
 from footfix.settings import Settings, plain
+
+if TYPE_CHECKING:
+    from footfix.report.offenders import Offender
 
 # Fewer frames than this hold no motion: there is no speed to look at.
 LEAST_FRAMES = 3
@@ -46,6 +50,7 @@ class Outputs:
         contacts: the contacts file.
         report: the report file as a document.
         pages: further outputs by suffix (".report.html", ".png").
+        offenders: the worst plants as small pictures, where a page is made.
     """
 
     status: Status
@@ -53,6 +58,7 @@ class Outputs:
     contacts: bytes
     report: Mapping[str, Any]
     pages: Mapping[str, bytes] = field(default_factory=dict)
+    offenders: tuple[Offender, ...] = ()
 
 
 @contextmanager
@@ -142,8 +148,8 @@ def clean_file(
     status: Status = "unchanged" if written == data else "cleaned"
     report = _report(document, results, source, settings, status=status, output=output)
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
-    pages = _pages(clip, results[-1].clip, joined(rigs), report, contacts_file, settings)
-    return Outputs(status, written, contacts_file, report, pages)
+    pages, offenders = _pages(clip, results[-1].clip, joined(rigs), report, contacts_file, settings)
+    return Outputs(status, written, contacts_file, report, pages, offenders)
 
 
 def contacts_json(contacts: Contacts, source: Mapping[str, Any], rig: Mapping[str, Any], settings: Settings) -> bytes:
@@ -222,15 +228,38 @@ def _too_short(
 
 def _pages(
     before: Clip, after: Clip, rig: Rig, report: Mapping[str, Any], contacts: bytes, settings: Settings
-) -> dict[str, bytes]:
-    pages: dict[str, bytes] = {}
-    if settings.report.kind == "html":
-        from footfix.report.motion import film
-        from footfix.report.page import PageData, render
+) -> tuple[dict[str, bytes], tuple[Offender, ...]]:
+    if settings.report.kind != "html":
+        return {}, ()
+    from footfix.report.motion import film
+    from footfix.report.offenders import worst_plants
+    from footfix.report.page import PageData, render
 
-        data = PageData(report, json.loads(contacts), film(before, after, rig))
-        pages[".report.html"] = render(data).encode("utf-8", "replace")
-    return pages
+    motion = film(before, after, rig)
+    page = render(PageData(report, json.loads(contacts), motion)).encode("utf-8", "replace")
+    return {".report.html": page}, worst_plants(motion, report)
+
+
+def measure_file(
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None
+) -> tuple[dict[str, Any], dict[str, float], list[dict[str, Any]]]:
+    """The source entry, the measures and the notes of one clip as it is; nothing is corrected.
+
+    Raises:
+        InputError: the clip can't be used; says why.
+    """
+    document = read(data, name, settings)
+    clip = document.clip
+    source = source_entry(data, name, clip)
+    if len(clip) < LEAST_FRAMES:
+        raise InputError(f"{len(clip)} frames hold no motion to measure", file=name)
+    with about(name):
+        rigs = find_rigs(clip, settings.rig)
+        contacts = find_contacts(clip, rigs, settings, labels)
+    found = [measure(clip, rig, contacts.only(sole.name for sole in rig.soles))[0] for rig in rigs]
+    doubts = (note for rig in rigs for note in rig.notes)
+    notes = report_format.notes((*document.notes, *doubts, *contacts.notes))
+    return source, report_format.worst([report_format.measures(each) for each in found]), notes
 
 
 def detect_file(

@@ -1,0 +1,105 @@
+"""Gates: the most that measures of a clip may be, and whether it keeps within."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from pathlib import Path, PurePath
+from typing import Any
+
+from footfix.batch.work import REPORT, FileResult, Task
+from footfix.errors import UsageError
+from footfix.files import STDIN
+from footfix.measure.clip import Measures
+from footfix.settings import suggest
+
+# Measures held against the clip before it was cleaned: what cleaning may cost.
+RATIOS: Mapping[str, str] = {
+    "jitter_ratio": "jitter_100m_s3",
+    "acceleration_ratio": "peak_acceleration_m_s2",
+    "knee_speed_ratio": "peak_knee_speed_deg_s",
+}
+NAMES = tuple(each.name for each in dataclasses.fields(Measures)) + tuple(RATIOS)
+
+
+def parse(texts: tuple[str, ...]) -> dict[str, float]:
+    """Gates from "slide_mm=21" and the like.
+
+    Raises:
+        UsageError: no such measure, or no number.
+    """
+    gates = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            gates[name.strip()] = float(value)
+        except ValueError:
+            equals = ""
+        if not equals or gates[name.strip()] != gates[name.strip()]:
+            raise UsageError(f"--max takes NAME=NUMBER, such as slide_mm=21, not {text!r}")
+    known(gates)
+    return gates
+
+
+def known(gates: Mapping[str, float]) -> None:
+    """Raises UsageError where a gate is on no measure."""
+    for name in gates:
+        if name not in NAMES:
+            raise UsageError(f"there is no measure {name!r} to gate{suggest(name, NAMES)}")
+
+
+def check(task: Task, data: bytes) -> FileResult:
+    """Measures a clip and holds it against its gates.
+
+    Args:
+        task: `extra["gates"]` are those of the command line; they lie over the settings' own.
+        data: the bytes of the clip.
+
+    Returns:
+        Status "over" where a gate is passed, "done" where none is; the report holds measures and gates.
+    """
+    from footfix.job import measure_file
+
+    source = task.job.source
+    gates = {**task.settings.gates, **task.extra.get("gates", {})}
+    known(gates)
+    entry, measures, notes = measure_file(data, source, task.settings, labels=task.labels)
+    values: dict[str, float] = dict(measures)
+    wanted = [name for name in gates if name in RATIOS]
+    if wanted:
+        reference = _reference(task)
+        for name in wanted:
+            now, was = measures.get(RATIOS[name], 0.0), (reference or measures).get(RATIOS[name], 0.0)
+            values[name] = float(f"{now / was:.6g}") if was > 0.0 else 1.0
+        if reference is None:
+            notes = [*notes, _no_reference(wanted)]
+    over = [
+        {"measure": name, "value": values[name], "most": most}
+        for name, most in gates.items()
+        if name in values and values[name] > most
+    ]
+    report = {"source": entry, "measures": values, "gates": gates, "over": over, "notes": notes}
+    return FileResult(source, "over" if over else "done", report=report)
+
+
+def _reference(task: Task) -> Mapping[str, float] | None:
+    """Measures of the clip before it was cleaned, from the report that lies beside it."""
+    if task.job.source == STDIN:
+        return None
+    path = Path(task.folder, task.job.source)
+    stem = path.name.removesuffix(path.suffix)
+    for name in dict.fromkeys((stem, stem.removesuffix(".clean"))):
+        try:
+            report: Any = json.loads(path.with_name(name + REPORT).read_bytes())
+        except (OSError, ValueError):
+            continue
+        if isinstance(report, dict) and report.get("output") == PurePath(path).name and report.get("before"):
+            before: Mapping[str, float] = report["before"]
+            return before
+    return None
+
+
+def _no_reference(wanted: list[str]) -> dict[str, Any]:
+    text = f"{', '.join(wanted)}: no report of its cleaning lies beside this clip, so it is held against itself"
+    return {"id": "no-reference", "severity": "warning", "text": text}

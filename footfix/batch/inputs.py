@@ -1,0 +1,137 @@
+"""Which files are meant: files, folders, lists and globs, as the command line names them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from footfix.errors import UsageError
+from footfix.files import STDIN, read_whole
+
+# What a cleaned file's name ends in where it is written beside its input; such files are no inputs of a folder.
+CLEAN_SUFFIX = ".clean.bvh"
+
+# A folder of this name stands in every folder of outputs; it holds the journal of the run that wrote them.
+MARK = ".footfix"
+
+_MOST_LIST_BYTES = 1 << 28
+
+
+@dataclass(frozen=True)
+class Source:
+    """An input and where it lies below what was named on the command line.
+
+    Args:
+        path: the file, or "-" for standard input.
+        below: its path relative to the folder that was named; its name alone for a file that was named.
+    """
+
+    path: str
+    below: Path
+
+
+def sources(
+    named: Iterable[str], *, lists: Iterable[str] = (), include: Sequence[str] = (), exclude: Sequence[str] = (),
+    leave_out: Path | None = None, own_outputs: bool = False,
+) -> tuple[Source, ...]:  # fmt: skip
+    """The inputs that files, folders, lists and "-" stand for.
+
+    A folder gives its `*.bvh` files, of any case, sorted, at any depth; hidden ones and what footfix itself
+    wrote are left out. Globs choose among what folders give: they are held against the path below the folder
+    (`*` goes across its parts), and without a slash also against the name.
+
+    Args:
+        named: files, folders and "-".
+        lists: files that name one input a line; "-" for standard input.
+        include: only files that match one of these.
+        exclude: no file that matches one of these.
+        leave_out: the folder of the outputs of this run.
+        own_outputs: True to take cleaned copies and folders of outputs, too.
+
+    Raises:
+        UsageError: one is not there, or nothing is left.
+    """
+    wanted = _chooser(include, exclude)
+    found: dict[str, Source] = {}
+    for name in named:
+        path = Path(name)
+        if name == STDIN:
+            found.setdefault(name, Source(name, Path("stdin.bvh")))
+        elif path.is_dir():
+            below = [each for each in _walk(path, leave_out, own_outputs) if wanted(each.relative_to(path))]
+            if not below:
+                chosen = " that --include and --exclude leave" if include or exclude else ""
+                raise UsageError(f"{name}: no BVH files in this folder{chosen}")
+            for each in below:
+                found.setdefault(str(each), Source(str(each), each.relative_to(path)))
+        elif path.exists():
+            found.setdefault(name, Source(name, Path(path.name)))
+        else:
+            raise UsageError(f"{name}: no such file or folder")
+    for source in (each for name in lists for each in _listed(name)):
+        found.setdefault(source.path, source)
+    if not found:
+        raise UsageError("nothing to do: name a BVH file, a folder, or - for standard input")
+    return tuple(found.values())
+
+
+def shard(found: Sequence[Source], part: int, parts: int) -> tuple[Source, ...]:
+    """Part `part` (1 to `parts`) of the inputs: every `parts`-th one, so that all parts hold alike."""
+    return tuple(found[part - 1 :: parts])
+
+
+def _chooser(include: Sequence[str], exclude: Sequence[str]) -> Callable[[Path], bool]:
+    def matches(path: Path, glob: str) -> bool:
+        return fnmatchcase(path.as_posix(), glob) or ("/" not in glob and fnmatchcase(path.name, glob))
+
+    def wanted(path: Path) -> bool:
+        chosen = not include or any(matches(path, glob) for glob in include)
+        return chosen and not any(matches(path, glob) for glob in exclude)
+
+    return wanted
+
+
+def _walk(folder: Path, leave_out: Path | None, own_outputs: bool) -> Iterator[Path]:
+    avoided = None if leave_out is None else os.path.realpath(leave_out)
+    for root, folders, files in os.walk(folder):
+        if not own_outputs and Path(root) != folder and MARK in folders:
+            folders.clear()
+            continue
+        folders[:] = sorted(
+            each for each in folders
+            if not each.startswith(".") and (avoided is None or os.path.realpath(Path(root, each)) != avoided)
+        )  # fmt: skip
+        for name in sorted(files):
+            low = name.lower()
+            cleaned = low.endswith(CLEAN_SUFFIX) and not own_outputs
+            if low.endswith(".bvh") and not cleaned and not name.startswith("."):
+                yield Path(root) / name
+
+
+def _listed(name: str) -> Iterator[Source]:
+    """The inputs that a list names: one a line, or between NUL bytes; blank lines and # comments are none."""
+    data = read_whole(name, _MOST_LIST_BYTES)
+    lines = data.split(b"\0") if b"\0" in data else data.removeprefix(b"\xef\xbb\xbf").splitlines()
+    for number, line in enumerate(lines, start=1):
+        entry = os.fsdecode(line)
+        if b"\0" not in data:
+            entry = entry.strip()
+            if entry.startswith("#"):
+                continue
+        if not entry:
+            continue
+        if not Path(entry).is_file():
+            raise UsageError(f"{name}:{number}: {entry}: no such file")
+        yield Source(entry, _within_here(entry))
+
+
+def _within_here(entry: str) -> Path:
+    """Where a listed file's outputs lie below the output folder: its path from here, or its name from elsewhere."""
+    path = Path(os.path.normpath(Path.cwd() / entry))
+    try:
+        return path.relative_to(Path.cwd())
+    except ValueError:
+        return Path(path.name)

@@ -1,0 +1,94 @@
+"""What a run has begun and done, line by line, so that an interrupted one can go on where it was.
+
+A clip is done when its report lies there with the right fingerprint; the journal is asked only whether outputs that
+are in the way are ours to overwrite, and keeps what the index shows. Its last line may be torn: it is left out.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from footfix.batch.inputs import MARK
+from footfix.batch.work import FileResult
+from footfix.errors import OutputError
+
+
+@dataclass(frozen=True)
+class Past:
+    """What earlier runs into a folder have left.
+
+    Args:
+        begun: names of the clips whose outputs they wrote or were about to write.
+        hashes: clip -> file name -> SHA-256 of what they wrote, for the clips that were done.
+        offenders: clip -> its worst plants, as plain values.
+    """
+
+    begun: frozenset[str] = frozenset()
+    hashes: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    offenders: Mapping[str, list[dict[str, Any]]] = field(default_factory=dict)
+
+
+def recall(folder: Path) -> Past:
+    """What the journals in an output folder say, those of all its shards."""
+    begun: set[str] = set()
+    hashes: dict[str, Mapping[str, str]] = {}
+    offenders: dict[str, list[dict[str, Any]]] = {}
+    for path in sorted((folder / MARK).glob("*.jsonl")):
+        for line in path.read_bytes().splitlines():
+            try:
+                entry = json.loads(line)
+                clip = entry["clip"]
+            except (ValueError, KeyError, TypeError):
+                continue
+            begun.add(clip)
+            if entry.get("state") == "done":
+                hashes[clip], offenders[clip] = entry.get("files", {}), entry.get("offenders", [])
+    return Past(frozenset(begun), hashes, offenders)
+
+
+class Journal:
+    """The journal of a run, appended to by its parent process alone; nothing at all without a folder."""
+
+    def __init__(self, folder: Path | None, tag: str) -> None:
+        self._handle = -1
+        if folder is None:
+            return
+        try:
+            (folder / MARK).mkdir(parents=True, exist_ok=True)
+            path = folder / MARK / f"{tag}.jsonl"
+            self._handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o666)
+            size = os.fstat(self._handle).st_size
+            if size and path.read_bytes()[-1:] != b"\n":
+                os.write(self._handle, b"\n")  # what a power cut tore stays a line of its own
+        except OSError as error:
+            raise OutputError(f"{folder / MARK}: can't be written: {error.strerror or error}") from None
+
+    def begin(self, clips: Iterable[str]) -> None:
+        """Says, before anything of theirs is written, that these clips' outputs are ours."""
+        self._write([{"clip": clip, "state": "begun"} for clip in clips])
+
+    def end(self, clip: str, result: FileResult) -> None:
+        """Says what became of a clip."""
+        if result.status == "failed":
+            self._write([{"clip": clip, "state": "failed"}])
+        elif not result.skipped:
+            pictures = [asdict(each) for each in result.offenders]
+            self._write([{"clip": clip, "state": "done", "files": dict(result.hashes), "offenders": pictures}])
+
+    def close(self) -> None:
+        """Closes the file."""
+        if self._handle >= 0:
+            os.close(self._handle)
+            self._handle = -1
+
+    def _write(self, entries: list[dict[str, Any]]) -> None:
+        if self._handle < 0 or not entries:
+            return
+        lines = "".join(json.dumps(entry) + "\n" for entry in entries)
+        os.write(self._handle, lines.encode("ascii"))
+        os.fsync(self._handle)

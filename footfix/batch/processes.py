@@ -1,0 +1,210 @@
+"""Tasks on worker processes, of which each may die without taking more than its clip with it.
+
+Python's own process pool breaks as a whole when one worker is killed, and can't stop a task that takes too long.
+Here every worker has a pipe of its own: what it works on is known, so its end costs that one task.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+from footfix.batch.work import FileResult, Task
+from footfix.errors import FootfixError
+from footfix.files import remove_leftovers
+
+Work = Callable[[Task], FileResult]
+
+_LOOK = 0.25  # [s] how often is looked whether to stop, where nothing happens
+_MOST_STILLBORN = 3  # workers that die before they have begun: then it is not for a clip's sake
+
+
+class Stop:
+    """Whether the user wants an end: asked once, running clips finish; asked twice, nothing does."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    @property
+    def soon(self) -> bool:
+        return self.asked > 0
+
+
+@dataclass(eq=False)
+class _Worker:
+    process: BaseProcess
+    pipe: Connection
+    ready: bool = False
+    task: int | None = None
+    since: float = 0.0
+
+
+def here(
+    work: Work, tasks: Sequence[Task], *, stop: Stop, starting: Callable[[int], None]
+) -> Iterator[tuple[int, FileResult]]:
+    """Does the tasks one after the other in this process."""
+    for index, task in enumerate(tasks):
+        if stop.soon:
+            return
+        starting(index)
+        yield index, work(task)
+
+
+def on_processes(
+    work: Work, tasks: Sequence[Task], *, workers: int, timeout: float | None, stop: Stop,
+    starting: Callable[[int], None],
+) -> Iterator[tuple[int, FileResult]]:  # fmt: skip
+    """Does the tasks on several processes, and gives each result as it comes.
+
+    Args:
+        work: a function of a module, for each task.
+        tasks: what is to be done.
+        workers: how many processes.
+        timeout: [s] after which a task is given up and its process killed.
+        stop: looked at before each task is handed out.
+        starting: told the index of each task just before it is handed out.
+
+    Yields:
+        Index and result of each task, in the order in which they end.
+
+    Raises:
+        FootfixError: processes can't be started here.
+    """
+    waiting = deque(range(len(tasks)))
+    crew = [_hire(work) for _ in range(max(min(workers, len(tasks)), 1))]
+    stillborn = 0
+    try:
+        while waiting or any(worker.task is not None for worker in crew):
+            if stop.soon:
+                waiting.clear()
+            for worker in crew:
+                if waiting and worker.ready and worker.task is None:
+                    _hand_out(worker, waiting, tasks, starting)
+            for worker in _heard(crew, timeout):
+                index, result = _outcome(worker, tasks, timeout)
+                if result is not None and index is not None:
+                    yield index, result
+                if not worker.process.is_alive() or worker.pipe.closed:
+                    stillborn += not worker.ready
+                    if stillborn >= _MOST_STILLBORN:
+                        raise FootfixError("worker processes end as soon as they start; -j1 works without them")
+                    crew.remove(worker)
+                    if waiting:
+                        crew.append(_hire(work))
+    finally:
+        for worker in crew:
+            _dismiss(worker, tasks)
+
+
+def _hire(work: Work) -> _Worker:
+    # spawn: the same on every system, and a worker inherits neither threads nor open files
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=_serve, args=(theirs, work), daemon=True)
+    process.start()
+    theirs.close()
+    return _Worker(process, ours)
+
+
+def _serve(pipe: Connection, work: Work) -> None:
+    """What a worker does: a task, its result, the next one, until the pipe closes."""
+    # Ctrl-C reaches every process of a terminal; it is for the parent to say what ends
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with suppress(EOFError, OSError):
+        pipe.send(None)
+        while True:
+            task = pipe.recv()
+            pipe.send(work(task))
+
+
+def _hand_out(
+    worker: _Worker, waiting: deque[int], tasks: Sequence[Task], starting: Callable[[int], None]
+) -> None:  # fmt: skip
+    index = waiting[0]
+    starting(index)
+    try:
+        worker.pipe.send(tasks[index])
+    except OSError:  # it has just died: its end is noticed below, the task stays
+        return
+    waiting.popleft()
+    worker.task, worker.since = index, time.monotonic()
+
+
+def _heard(crew: Sequence[_Worker], timeout: float | None) -> list[_Worker]:
+    """The workers that have something to say, have died, or are out of time."""
+    by_handle: dict[Any, _Worker] = {}
+    for worker in crew:
+        by_handle[worker.pipe] = worker
+        by_handle[worker.process.sentinel] = worker
+    now = time.monotonic()
+    rest = [worker.since + timeout - now for worker in crew if worker.task is not None] if timeout else []
+    spoke = wait(list(by_handle), timeout=max(min([_LOOK, *rest]), 0.0))
+    heard = list(dict.fromkeys(by_handle[handle] for handle in spoke))
+    if timeout:
+        now = time.monotonic()
+        heard += [
+            worker for worker in crew
+            if worker.task is not None and now - worker.since >= timeout and worker not in heard
+        ]  # fmt: skip
+    return heard
+
+
+def _outcome(worker: _Worker, tasks: Sequence[Task], timeout: float | None) -> tuple[int | None, FileResult | None]:
+    """The task a worker was at, and what became of it; nothing where it has only just begun to live."""
+    index = worker.task
+    try:
+        if worker.pipe.poll():
+            said = worker.pipe.recv()
+            worker.ready, worker.task = True, None
+            return index, said
+    except (EOFError, OSError):
+        pass
+    in_time = timeout is None or time.monotonic() - worker.since < timeout
+    if worker.process.is_alive() and index is not None and not in_time:
+        _kill(worker, tasks)
+        return index, _lost(tasks[index], f"took longer than {timeout:g} s and was stopped")
+    worker.process.join(5.0)
+    _kill(worker, tasks)
+    return index, None if index is None else _lost(tasks[index], _end(worker.process.exitcode))
+
+
+def _lost(task: Task, why: str) -> FileResult:
+    return FileResult(task.job.source, "failed", error=f"{task.job.source}: {why}")
+
+
+def _end(code: int | None) -> str:
+    if code is not None and code < 0:
+        name = signal.Signals(-code).name if -code in set(signal.Signals) else str(-code)
+        memory = ", most often for want of memory" if name == "SIGKILL" else ""
+        return f"its process was killed by the system ({name}{memory})"
+    return f"its process ended by itself (exit code {code})"
+
+
+def _dismiss(worker: _Worker, tasks: Sequence[Task]) -> None:
+    """Lets an idle worker go; kills one that is still at work."""
+    if worker.task is None:
+        worker.pipe.close()
+        worker.process.join(2.0)
+    _kill(worker, tasks)
+
+
+def _kill(worker: _Worker, tasks: Sequence[Task]) -> None:
+    process = worker.process.pid
+    if worker.process.is_alive():
+        worker.process.kill()
+        worker.process.join()
+    worker.pipe.close()
+    if worker.task is not None:
+        task = tasks[worker.task]
+        if task.job.target is not None:
+            remove_leftovers(Path(task.folder, task.job.target).parent, tag=task.tag, process=process)
+    worker.task = None

@@ -1,0 +1,139 @@
+"""A run over many clips: who does the tasks, what is told on the way, and how it is interrupted."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from footfix.batch.journal import Journal
+from footfix.batch.processes import Stop, Work, here, on_processes
+from footfix.batch.work import FileResult, Task
+from footfix.files import STDIN, remove_leftovers
+
+# With fewer clips than this a worker process takes longer to start than it saves.
+_WORTH_A_PROCESS = 4
+
+
+@dataclass(frozen=True)
+class Crew:
+    """Who does the work.
+
+    Args:
+        workers: processes; 0 for as many as there are processors, where that pays.
+        timeout: [s] for one clip, None for ever.
+        dask: address of a Dask scheduler, "" for this machine.
+    """
+
+    workers: int = 0
+    timeout: float | None = None
+    dask: str = ""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The results of a run, in the order of its tasks, and whether it was cut short."""
+
+    results: tuple[FileResult, ...]
+    interrupted: bool = False
+
+
+def run(
+    work: Work, tasks: Sequence[Task], *, crew: Crew, told: Callable[[FileResult], None],
+    journal: Journal | None = None, asked_to_stop: Callable[[int], None] = lambda running: None,
+) -> Outcome:  # fmt: skip
+    """Does all tasks; one that fails does not stop the others.
+
+    Args:
+        work: what is done with each.
+        tasks: in the order of the results.
+        crew: who does it.
+        told: each result as it comes, in the order in which clips end.
+        journal: told before a clip is begun and after it ended.
+        asked_to_stop: told once, when the first interrupt comes.
+
+    Raises:
+        KeyboardInterrupt: the second one; what was finished till then stays.
+    """
+    journal = journal or Journal(None, "")
+    stop = Stop()
+    _clear_leftovers(tasks)
+
+    def starting(index: int) -> None:
+        if tasks[index].job.target is not None:
+            journal.begin([tasks[index].job.name])
+
+    results: dict[int, FileResult] = {}
+    with _interrupts(stop, lambda: asked_to_stop(len(tasks) - len(results))):
+        for index, result in _done(work, tasks, crew, stop, starting):
+            results[index] = result
+            journal.end(tasks[index].job.name, result)
+            told(result)
+    return Outcome(tuple(results[index] for index in sorted(results)), stop.soon and len(results) < len(tasks))
+
+
+def _done(
+    work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: Callable[[int], None]
+) -> Iterator[tuple[int, FileResult]]:
+    # standard input is this process's own
+    own = [index for index, task in enumerate(tasks) if task.job.source == STDIN]
+    others = [index for index, task in enumerate(tasks) if task.job.source != STDIN]
+    for mine in own:
+        starting(mine)
+        yield mine, work(tasks[mine])
+    chosen = [tasks[index] for index in others]
+
+    def begin(k: int) -> None:
+        starting(others[k])
+
+    if not chosen:
+        return
+    ended: Iterator[tuple[int, FileResult]]
+    workers = crew.workers or (os.cpu_count() or 1 if len(chosen) >= _WORTH_A_PROCESS else 1)
+    if crew.dask:
+        from footfix.batch.cluster import on_cluster
+
+        ended = on_cluster(work, chosen, address=crew.dask, stop=stop, starting=begin)
+    elif workers > 1 or crew.timeout is not None:
+        ended = on_processes(work, chosen, workers=workers, timeout=crew.timeout, stop=stop, starting=begin)
+    else:
+        ended = here(work, chosen, stop=stop, starting=begin)
+    for k, result in ended:
+        yield others[k], result
+
+
+def _clear_leftovers(tasks: Sequence[Task]) -> None:
+    """Temporary files of the killed run that is being resumed; without --resume they may be those of a live one."""
+    folders = {
+        (Path(task.folder, task.job.target).parent, task.tag)
+        for task in tasks
+        if task.resume and task.job.target is not None and not task.dry_run
+    }
+    for folder, tag in folders:
+        remove_leftovers(folder, tag=tag)
+
+
+@contextmanager
+def _interrupts(stop: Stop, first: Callable[[], None]) -> Iterator[None]:
+    """The first Ctrl-C (or SIGTERM, as schedulers send it) asks for an end, the second one is it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def asked(number: int, frame: Any) -> None:
+        stop.asked += 1
+        if stop.asked > 1:
+            raise KeyboardInterrupt
+        first()
+
+    before = {number: signal.signal(number, asked) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,276 @@
+"""One clip of a batch, from its file to its output files; the same here, in a worker process and on a cluster."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from footfix.batch.outputs import Job, is_within
+from footfix.errors import FootfixError, InputError, OutputError
+from footfix.files import STDIN, read_whole, sync_folder, write_whole
+from footfix.version import __version__
+
+if TYPE_CHECKING:
+    from footfix.formats.contacts import Labels
+    from footfix.job import Outputs
+    from footfix.report.offenders import Offender
+    from footfix.settings import Settings
+
+REPORT, PAGE, CONTACTS = ".report.json", ".report.html", ".contacts.json"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A job and all that is needed to do it anywhere.
+
+    Args:
+        job: the clip and its outputs.
+        settings: the parameters that hold for this clip.
+        labels: contacts given for it.
+        dry_run: do everything but write.
+        resume: leave what is done for the same input, settings and version.
+        wrote: for a run that is resumed, file name -> SHA-256 of what it wrote for this clip before, as far as
+            that is known; None where it had not begun with it, so that files in the way are not its own.
+        tag: of the run, in the names of its temporary files.
+        folder: what relative paths are relative to.
+        keep_report: hand the whole report back, not only what a summary needs.
+        extra: what else a kind of work needs.
+    """
+
+    job: Job
+    settings: Settings
+    labels: Labels | None = None
+    dry_run: bool = False
+    resume: bool = False
+    wrote: Mapping[str, str] | None = None
+    tag: str = "run"
+    folder: str = ""
+    keep_report: bool = True
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class FileResult:
+    """What became of one clip: small, plain and picklable.
+
+    Args:
+        source: path of the input.
+        status: "cleaned", "unchanged" or "failed"; of other commands "done", "over" (a gate) or "failed".
+        error: for a person, where it failed.
+        line: of the input, where the error is about one.
+        report: the report document or what the command makes in its place; a digest of it in large runs.
+        written: paths of the outputs.
+        hashes: file name -> SHA-256 of each output.
+        data: bytes for standard output.
+        offenders: its worst plants, as small pictures.
+        skipped: True where it was done already.
+        bug: True where the failure is ours, not the file's.
+    """
+
+    source: str
+    status: str
+    error: str = ""
+    line: int | None = None
+    report: Mapping[str, Any] = field(default_factory=dict)
+    written: tuple[str, ...] = ()
+    hashes: Mapping[str, str] = field(default_factory=dict)
+    data: bytes = b""
+    offenders: tuple[Offender, ...] = ()
+    skipped: bool = False
+    bug: bool = False
+
+
+def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
+    """What an output depends on, as one hash: the input's bytes, the settings, given labels and the version."""
+    from footfix.settings import plain
+
+    digest = hashlib.sha256()
+    for part in (hashlib.sha256(data).digest(), json.dumps(plain(settings), sort_keys=True).encode(),
+                 repr(labels).encode("utf-8", "surrogateescape"), __version__.encode()):  # fmt: skip
+        digest.update(hashlib.sha256(part).digest())
+    return digest.hexdigest()
+
+
+def clean_one(task: Task) -> FileResult:
+    """Cleans one clip and writes its outputs, the report last: where that is, all of it is."""
+    return _guarded(task, _clean)
+
+
+def detect_one(task: Task) -> FileResult:
+    """Finds the contacts of one clip, and writes them or hands them back; `extra["kind"]` is the format."""
+    return _guarded(task, _detect)
+
+
+def inspect_one(task: Task) -> FileResult:
+    """Looks into one file."""
+    return _guarded(task, _inspect)
+
+
+def check_one(task: Task) -> FileResult:
+    """Measures one clip and holds it against `extra["gates"]`."""
+    return _guarded(task, _check)
+
+
+def _guarded(task: Task, work: Any) -> FileResult:
+    """The result of some work, whatever happens: one clip's failure is never that of others."""
+    source = task.job.source
+    try:
+        result: FileResult = work(task)
+        return result
+    except InputError as error:
+        return FileResult(source, "failed", error=str(error), line=error.line)
+    except FootfixError as error:
+        return FileResult(source, "failed", error=str(error))
+    except MemoryError:
+        return FileResult(source, "failed", error=f"{source}: not enough memory for this clip")
+    except OSError as error:
+        return FileResult(source, "failed", error=f"{source}: {error.strerror or error}")
+    except Exception as error:
+        if os.environ.get("FOOTFIX_DEBUG"):
+            raise
+        said = f"{source}: a bug in footfix, not in your file: {type(error).__name__}: {error}"
+        return FileResult(source, "failed", error=said, bug=True)
+
+
+def _read(task: Task) -> bytes:
+    source = task.job.source
+    path = source if source == STDIN else str(Path(task.folder, source))
+    try:
+        return read_whole(path, task.settings.limits.bytes)
+    except InputError as error:
+        raise error.within(source) from None
+
+
+def _clean(task: Task) -> FileResult:
+    from footfix.job import clean_file
+
+    job = task.job
+    data = _read(task)
+    key = fingerprint(data, task.settings, task.labels)
+    done = _finished(task, key) if task.resume else None
+    if done is not None:
+        return done
+    output = None if job.target is None else job.target.name
+    outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output)
+    report = {**outputs.report, "fingerprint": key}
+    files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
+    _write(task, files)
+    return FileResult(
+        job.source,
+        outputs.status,
+        report=report if task.keep_report else digest(report),
+        written=tuple(map(str, files)),
+        hashes={path.name: hashlib.sha256(content).hexdigest() for path, content in files.items()},
+        data=outputs.bvh if job.target is None and not task.dry_run else b"",
+        offenders=outputs.offenders,
+    )
+
+
+def _files(task: Task, outputs: Outputs, report: Mapping[str, Any]) -> dict[Path, bytes]:
+    """Every output of a clip and its bytes, in the order in which they are written."""
+    job = task.job
+    assert job.target is not None
+    files = {job.beside(CONTACTS): outputs.contacts}
+    files |= {job.beside(suffix): page for suffix, page in outputs.pages.items()}
+    files[job.target] = outputs.bvh
+    if task.settings.report.kind != "none":
+        text = json.dumps(report, indent=1, ensure_ascii=False) + "\n"
+        files[job.beside(REPORT)] = text.encode("utf-8", "surrogateescape")
+    return files
+
+
+def _write(task: Task, files: Mapping[Path, bytes]) -> None:
+    """Writes the outputs, the last one only when the others are safe on disk."""
+    paths = [(Path(task.folder, path), path, data) for path, data in files.items()]
+    if not paths:
+        return
+    folder = paths[0][0].parent
+    folder.mkdir(parents=True, exist_ok=True)
+    if task.job.within is not None and not is_within(paths[0][0], Path(task.folder, task.job.within)):
+        raise OutputError(f"{paths[0][1]} would lie outside {task.job.within}: a part of its path is a link")
+    for path, shown, data in paths:
+        _keep_edits(task, path, shown, data)
+    for k, (path, _, data) in enumerate(paths):
+        if k == len(paths) - 1:
+            sync_folder(folder)
+        write_whole(path, data, tag=task.tag)
+
+
+def _keep_edits(task: Task, path: Path, shown: Path, data: bytes) -> None:
+    """Raises where a resumed run would overwrite what is not its own, or what a person has changed since."""
+    if not task.resume or not path.exists():
+        return
+    if task.wrote is None:
+        raise OutputError(f"{shown}: is there already, made of another input or settings; --force overwrites it")
+    before = task.wrote.get(path.name)
+    if before is None:  # begun, not ended: whatever lies there, the interrupted run wrote it
+        return
+    now = hashlib.sha256(path.read_bytes()).hexdigest()
+    if now not in (before, hashlib.sha256(data).hexdigest()):
+        raise OutputError(f"{shown}: was changed since footfix wrote it; --force overwrites it")
+
+
+def _finished(task: Task, key: str) -> FileResult | None:
+    """What an earlier run made of a clip, if it is whole and of the same input, settings and version."""
+    job = task.job
+    if job.target is None or task.settings.report.kind == "none":
+        return None
+    try:
+        report = json.loads(Path(task.folder, job.beside(REPORT)).read_bytes())
+    except (OSError, ValueError):
+        return None
+    if not isinstance(report, dict) or report.get("fingerprint") != key:
+        return None
+    wanted = [job.target, job.beside(CONTACTS), *([job.beside(PAGE)] if task.settings.report.kind == "html" else [])]
+    if not all(Path(task.folder, path).is_file() for path in wanted):
+        return None
+    return FileResult(
+        job.source,
+        str(report["status"]),
+        report=report if task.keep_report else digest(report),
+        written=(*map(str, wanted), str(job.beside(REPORT))),
+        skipped=True,
+    )
+
+
+def digest(report: Mapping[str, Any]) -> dict[str, Any]:
+    """What summaries and indexes need of a report, so that ten thousand of them fit in memory."""
+    kept = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "outcome", "reason")
+    return {
+        **{key: report[key] for key in ("source", "status", "method", "before", "after", "correction", "notes")},
+        "plants": [{key: plant[key] for key in kept} for plant in report["plants"]],
+    }
+
+
+def _detect(task: Task) -> FileResult:
+    from footfix.formats.contacts import encode_csv, encode_npz
+    from footfix.job import contacts_json, detect_file
+
+    job, kind = task.job, task.extra["kind"]
+    contacts, entry, rig, notes = detect_file(_read(task), job.source, task.settings, labels=task.labels)
+    if kind == "json":
+        encoded = contacts_json(contacts, entry, rig, task.settings)
+    else:
+        encoded = encode_csv(contacts) if kind == "csv" else encode_npz(contacts)
+    report = {"contacts": sum(len(effector.contacts) for effector in contacts.effectors), "notes": notes}
+    if job.target is None or task.dry_run:
+        return FileResult(job.source, "done", report=report, data=encoded)
+    _write(task, {job.target: encoded})
+    return FileResult(job.source, "done", report=report, written=(str(job.target),))
+
+
+def _inspect(task: Task) -> FileResult:
+    from footfix.job import inspect_file
+
+    return FileResult(task.job.source, "done", report=inspect_file(_read(task), task.job.source, task.settings))
+
+
+def _check(task: Task) -> FileResult:
+    from footfix.batch.gates import check
+
+    return check(task, _read(task))

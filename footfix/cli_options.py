@@ -1,0 +1,122 @@
+"""Options that several commands share, and the values they stand for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import wraps
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import click
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Common:
+    """What every command on clips takes.
+
+    Args:
+        config: a settings file.
+        preset: name of a packed preset.
+        sets: "detect.method=auto" and the like.
+        as_json: one JSON document on stdout.
+        quiet, verbose: how much is told.
+    """
+
+    config: Path | None
+    preset: str | None
+    sets: tuple[str, ...]
+    as_json: bool
+    quiet: bool
+    verbose: bool
+
+
+def shared(command: Command) -> Command:
+    """The options that every command on clips takes; they arrive together as `common: Common`."""
+    return _gathered(
+        command, Common, "common",
+        click.option("--config", type=click.Path(exists=True, dir_okay=False, path_type=Path),
+                     help="Settings file; without it footfix.yaml is looked for from the inputs upward."),
+        click.option("--preset", metavar="NAME", help="Packed settings: mocap, video, ml-generated, ..."),
+        click.option("--set", "sets", multiple=True, metavar="NAME=VALUE",
+                     help="One setting, such as detect.method=threshold. May be repeated."),
+        click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout."),
+        click.option("-q", "--quiet", is_flag=True, help="Only errors."),
+        click.option("-v", "--verbose", is_flag=True, help="All measures and notes."),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Many:
+    """Which inputs, and who works on them.
+
+    Args:
+        from_file: lists of inputs.
+        include, exclude: globs over what folders hold.
+        shard: (part, parts), part from 1; None for all.
+        jobs: processes; 0 for as many as pay.
+        timeout: [s] for one clip.
+        dask: address of a scheduler; "" for this machine.
+    """
+
+    from_file: tuple[str, ...] = ()
+    include: tuple[str, ...] = ()
+    exclude: tuple[str, ...] = ()
+    shard: tuple[int, int] | None = None
+    jobs: int = 0
+    timeout: float | None = None
+    dask: str = ""
+
+    @property
+    def tag(self) -> str:
+        """What sets the files of this part of a run apart from those of the others."""
+        return "run" if self.shard is None else f"{self.shard[0]}-of-{self.shard[1]}"
+
+    def named(self, stem: str, suffix: str) -> str:
+        """The name of a file of the whole run."""
+        return f"{stem}{suffix}" if self.shard is None else f"{stem}.{self.tag}{suffix}"
+
+
+def many(command: Command) -> Command:
+    """The options of commands that do many clips; they arrive together as `many: Many`."""
+    return _gathered(
+        command, Many, "many",
+        click.option("--from-file", multiple=True, metavar="LIST", help="Inputs, one a line; - for standard input."),
+        click.option("--include", multiple=True, metavar="GLOB", help="Of folders, only files that match."),
+        click.option("--exclude", multiple=True, metavar="GLOB", help="Of folders, no files that match."),
+        click.option("--shard", metavar="PART/PARTS", callback=_shard,
+                     help="Only this part of the inputs, such as 3/16, for job arrays."),
+        click.option("-j", "--jobs", type=click.IntRange(0), default=0, metavar="N",
+                     help="Processes; by default one a processor, where that pays."),
+        click.option("--timeout", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+                     help="Give a clip up after this long."),
+        click.option("--dask", default="", metavar="ADDRESS",
+                     help="Work on this Dask cluster; its machines see the same paths."),
+    )  # fmt: skip
+
+
+def _shard(context: click.Context, option: click.Parameter, value: str | None) -> tuple[int, int] | None:
+    if value is None:
+        return None
+    found = re.fullmatch(r"([0-9]{1,6})/([0-9]{1,6})", value.strip())
+    if not found or not 1 <= int(found[1]) <= int(found[2]):
+        raise click.BadParameter(f"{value!r} is not PART/PARTS, such as 3/16", context, option)
+    return int(found[1]), int(found[2])
+
+
+def _gathered(command: Command, kind: type[Any], key: str, *options: Callable[[Any], Any]) -> Command:
+    """The command with more options, which reach it as one value."""
+    names = [each.name for each in fields(kind)]
+
+    @wraps(command)
+    def call(**given: Any) -> Any:
+        values = {name: given.pop(name) for name in names}
+        return command(**given, **{key: kind(**values)})
+
+    decorated: Any = call
+    for option in reversed(options):
+        decorated = option(decorated)
+    return cast(Command, decorated)
