@@ -18,7 +18,7 @@ from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.plants import Stance
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
-from footfix.enforce.targets import Goals, goals
+from footfix.enforce.targets import Goals, goals, rolled
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
@@ -207,7 +207,8 @@ def _solve(
     points: list[Floats] = [np.zeros((0, 3))] * len(rig.soles)
     hurry = []
     for k, (foot, goal) in enumerate(zip(legs, wanted, strict=True)):
-        ankle, turn = _reached(foot, goal, foot.hip + shift, limits[k])
+        goal, ankle = _reached(foot, goal, foot.hip + shift, limits[k], clip.frame_time, params, soft[k])
+        turn = goal.foot_turn(foot)
         changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
         turned = _turned(clip, pose, foot, turn, shift, ankle, changed, params.ease) if able[k] else {}
         new.update(turned)
@@ -217,14 +218,15 @@ def _solve(
     return Solved(shift, new, tuple(points), tuple(hurry))
 
 
-def _reached(foot: Foot, goal: Goals, hip: Floats, limit: Floats) -> tuple[Floats, Floats]:
-    """Ankle (F, 3) [m] and foot's turn (F, 4) within reach: the foot rolls on the end it stands on, then gives way."""
-    ankle, turn = goal.ankle(foot), goal.foot_turn(foot)
+def _reached(
+    foot: Foot, goal: Goals, hip: Floats, limit: Floats, frame_time: float, params: LegParams, soft: Floats
+) -> tuple[Goals, Floats]:
+    """The goals, and the ankle (F, 3) [m], within reach: the foot rolls on the end it stands on, then gives way."""
     in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
-    pivot = ankle + rotation.rotate(turn, in_foot)
-    roll = reach.rolled(hip, ankle, pivot, limit, goal.planted)
-    ankle = np.where(goal.planted[:, None], pivot + rotation.rotate(roll, ankle - pivot), ankle)
-    return reach.clamp(hip, ankle, limit), rotation.multiply(roll, turn)
+    pivot = goal.ankle(foot) + rotation.rotate(goal.foot_turn(foot), in_foot)
+    roll = reach.rolled(hip, goal.ankle(foot), pivot, limit, goal.planted, np.radians(params.reach.roll))
+    goal = rolled(goal, foot, roll, frame_time, params.ease, soft)
+    return goal, reach.clamp(hip, goal.ankle(foot), limit)
 
 
 def _turned(

@@ -20,6 +20,7 @@ class ReachParams:
 
     extension: float = 0.999  # of the leg's length, the straightest a leg may become
     root_limit: float = 0.03  # leg lengths that the root may come down; where more would be needed, it does not
+    roll: float = 12.0  # [degrees] that a planted foot rolls on one end for its leg to reach
     root_ease: float = 0.15  # [s] how early the root begins to give way
 
 
@@ -90,7 +91,7 @@ def _mean(x: Floats, half: int) -> Floats:
     return np.asarray(np.where(kernel_sum > 1e-9, kernel_sum, 0.0))
 
 
-def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bools) -> Floats:
+def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bools, most: float) -> Floats:
     """The turn (F, 4) in the world that rolls a planted foot about the end it stands on until its leg reaches.
 
     In the plane of hip, ankle and pivot the ankle comes nearer to the hip: the heel leaves the floor a little
@@ -102,6 +103,7 @@ def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bool
         pivot: (F, 3) [m] the end the foot stands on.
         limit: (F,) [m] how far the ankle may be from the hip.
         where: (F,) the frames in which the foot stands.
+        most: [rad] that it rolls at most.
     """
     arm, line = ankle - pivot, hip - pivot
     a, d = norm(arm), np.maximum(norm(line), 1e-300)
@@ -112,6 +114,8 @@ def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bool
     axis = np.cross(arm, line)
     length = norm(axis)
     angle = np.where(where & (length > 1e-12), np.maximum(angle, 0.0), 0.0)
+    half = 0.5 * most
+    angle = np.where(angle > half, half + half * np.tanh((angle - half) / half), angle)
     return rotation.from_axis_angle(axis / np.maximum(length, 1e-300)[:, None], angle)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,12 +21,14 @@ class Goals:
 
     Args:
         planted: (F,) some end of the foot is held.
-        on_ball: (F,) the ball is.
+        near: (F,) frames in which the foot may move.
+        on_ball: (F,) of heel and ball, the ball carries.
         turn: (F, 3) [rad] rotation vector in the world, to be applied to the foot.
         shift: (F, 3) [m] displacement of the ankle.
     """
 
     planted: Bools
+    near: Bools
     on_ball: Bools
     turn: Floats
     shift: Floats
@@ -78,7 +80,29 @@ def goals(
     roll = _roll(on["heel"], on["toe"])[:, None]
     shift = (1.0 - roll) * from_heel + roll * from_ball - foot.ankle
     shift[kept] = 0.0
-    return Goals(planted, on["toe"], turn, displacement(planted, shift, near, frame_time, params, soft))
+    on_ball = roll[:, 0] > 0.5
+    return Goals(planted, near, on_ball, turn, displacement(planted, shift, near, frame_time, params, soft))
+
+
+def rolled(
+    goal: Goals, foot: Foot, roll: Floats, frame_time: float, params: EaseParams, soft: Floats
+) -> Goals:
+    """The goals with the foot rolled by `roll` (F, 4) in the world about the end it stands on, and eased anew."""
+    rolls = goal.planted & (np.abs(roll[:, 3]) < 1.0 - 1e-12)
+    if not np.any(rolls):
+        return goal
+    in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
+    ankle, turned = goal.ankle(foot), goal.foot_turn(foot)
+    pivot = ankle + rotation.rotate(turned, in_foot)
+    turn = np.where(
+        rolls[:, None],
+        rotation.to_rotation_vector(rotation.multiply(roll, rotation.from_rotation_vector(goal.turn))),
+        goal.turn,
+    )
+    turn = displacement(goal.planted, turn, goal.near, frame_time, params, soft)
+    ankle = pivot - rotation.rotate(rotation.multiply(rotation.from_rotation_vector(turn), foot.turn), in_foot)
+    shift = displacement(goal.planted, ankle - foot.ankle, goal.near, frame_time, params, soft)
+    return replace(goal, turn=turn, shift=shift)
 
 
 def _carried(foot: Foot, at: dict[str, Floats], stance: Stance, other: str) -> Floats:
