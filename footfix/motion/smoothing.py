@@ -6,12 +6,13 @@ Source: Kim & Neff §5.1 (window 0.1 s, degree 4); A. Savitzky, M. Golay, Analyt
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import factorial
 
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Clip, Floats, frozen
 from footfix.notes import Note
 
 
@@ -42,6 +43,7 @@ def can_smooth(seconds: float, frame_time: float, degree: int) -> bool:
     return window_frames(seconds, frame_time, degree) > degree + 1
 
 
+@lru_cache(maxsize=512)
 def _weights(window: int, degree: int, at: float, derivative: int) -> Floats:
     """(window,) weights that evaluate the least-squares polynomial, or a derivative [1/frame^d], at a place."""
     places = np.arange(window) - window // 2
@@ -50,7 +52,7 @@ def _weights(window: int, degree: int, at: float, derivative: int) -> Floats:
     falling = np.array([factorial(n) / factorial(n - derivative) for n in k])
     row = np.zeros(degree + 1)
     row[derivative:] = falling * at ** (k - derivative)
-    return np.asarray(row @ np.linalg.pinv(powers))
+    return frozen(row @ np.linalg.pinv(powers))
 
 
 def savgol(
