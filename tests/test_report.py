@@ -19,7 +19,7 @@ from report_sample import HOSTILE, contacts_document, corrected, motion, report_
 from footfix.motion.kinematics import forward
 from footfix.report import glyphs, markup
 from footfix.report.index import IndexRow, render_index
-from footfix.report.motion import SHOWN_FRAMES, display_frames, film, packed
+from footfix.report.motion import SHOWN_FRAMES, Lines, display_frames, film, packed
 from footfix.report.offenders import worst_plants
 from footfix.report.pack import pack, quantize, unpack
 from footfix.report.page import PageData, asset, render
@@ -56,7 +56,7 @@ def test_a_minute_at_120_fps_stays_under_three_megabytes() -> None:
     clip = dataclasses.replace(clip, positions=clip.positions + noise)
     shown = film(clip, corrected(clip), rig())
     assert shown.step == 1
-    size = len(json.dumps(packed(shown, {})))
+    size = len(json.dumps(packed(shown, Lines())))
     joints = shown.joints_before.shape[1]
     assert size * 31 / joints < 2.6e6
 
@@ -75,7 +75,7 @@ def test_the_page_gets_the_motion_that_it_was_given() -> None:
     shown = film(clip, after, rig())
     joints = len(clip.skeleton)
     assert np.allclose(shown.joints_after[:, :joints], forward(after).positions)
-    data = packed(shown, {})
+    data = packed(shown, Lines())
     quantum, total = data["quantum"]["joints"], len(data["parents"])
     rebuilt = quantum * unpack(data["joints"]["before"], (240, total, 3)).astype(float)
     rebuilt += quantum * unpack(data["joints"]["shift"], (240, 1, 3))

@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report of a clip whose names come from a stranger, and an index that links it."""
     folder = tmp_path_factory.mktemp("pages")
     report, film = report_document(FRAMES), motion(FRAMES)
-    page = render(PageData(report, contacts_document(FRAMES), film, {"height_m": 0.05, "speed_m_s": 0.15}))
+    page = render(PageData(report, contacts_document(FRAMES), film))
     assert len(page) < 3e6
     (folder / "clip #1.html").write_text(page, encoding="utf-8", newline="")
     rows = [

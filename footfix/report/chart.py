@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.report.markup import text
-from footfix.report.motion import Motion
+from footfix.report.motion import Motion, side_of
 
 _WIDTH, _LEFT, _ROW, _BAR, _POINTS = 960, 96, 84, 9, 480
 
@@ -26,7 +26,7 @@ def chart(motion: Motion, contacts: Mapping[str, Any]) -> str:
         if e >= heights.shape[2]:
             break
         base = e * _ROW + _ROW - _BAR - 10 + bottom * scale
-        side = "left" if effector.get("side") == "left" else "right"
+        side = side_of(str(effector.get("name", ""))) or "left"
         rows.append(f'<text x="0" y="{base - 4:.1f}">{text(str(effector.get("name", "")).replace("_", " "))}</text>')
         rows.append(f'<path class="floor" d="M{_LEFT} {base:.1f}H{_WIDTH}"/>')
         for contact in effector.get("contacts") or ():

@@ -23,10 +23,6 @@ class Contacts {
     return this.document.effectors || [];
   }
 
-  get edited() {
-    return this.done.length > 0;
-  }
-
   changed() {
     for (const listener of this.listeners) listener();
   }

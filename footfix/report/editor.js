@@ -1,8 +1,8 @@
 // Pointers on the timeline (hover, jump, drag) and the form under it (edit, undo, download).
 
 class TimelineInput {
-  constructor(timeline, readout) {
-    Object.assign(this, { timeline, readout, pointers: new Map(), drag: null });
+  constructor(timeline) {
+    Object.assign(this, { timeline, pointers: new Map(), drag: null });
     const { canvas } = timeline;
     const on = (type, handler, options) => canvas.addEventListener(type, handler.bind(this), options);
     on("pointerdown", this.down);
@@ -150,10 +150,21 @@ function describe(timeline, frame, lane) {
     + `Height ${height("before")} → ${height("after")} cm, speed ${speed("before")} → ${speed("after")} cm/s`;
 }
 
+/** A contacts file as text: a contact a line, since people edit it by hand. */
+function spelled({ effectors, ...rest }) {
+  const open = (object) => JSON.stringify(object).replace(/\}$/, Object.keys(object).length ? ", " : "");
+  const block = (lines, indent) => (lines.length ? `[\n${lines.map((line) => indent + line).join(",\n")}\n${indent.slice(1)}]` : "[]");
+  const lines = effectors.map(({ contacts, ...effector }) => (
+    `${open(effector)}"contacts": ${block(contacts.map((contact) => JSON.stringify(contact)), "   ")}}`
+  ));
+  return `${open(rest)}"effectors": ${block(lines, " ")}}`;
+}
+
 /** The form that edits the contact that is selected, or adds one, and hands the file out. */
 class Editor {
   constructor(root, timeline, say) {
     Object.assign(this, { root, timeline, say, contacts: timeline.contacts });
+    this.saved = this.contacts.lanes;
     const part = (name) => root.querySelector(`[data-edit="${name}"]`);
     this.parts = Object.fromEntries(
       ["lane", "start", "end", "add", "delete", "force", "forbid", "undo", "redo", "previous", "next", "download", "state"]
@@ -178,6 +189,11 @@ class Editor {
     }
     this.contacts.listeners.add(() => this.refresh());
     this.refresh();
+  }
+
+  /** Whether there are contacts that were not handed out yet. */
+  get unsaved() {
+    return this.contacts.lanes !== this.saved;
   }
 
   get lane() {
@@ -232,18 +248,19 @@ class Editor {
     for (const wish of ["force", "forbid"]) {
       parts[wish].setAttribute("aria-pressed", String(Boolean(selection && wishOf(selection.contact) === wish)));
     }
-    parts.state.textContent = done.length ? `${done.length} ${done.length === 1 ? "change" : "changes"}, not yet downloaded` : "";
+    parts.state.textContent = this.unsaved ? `${done.length} ${done.length === 1 ? "change" : "changes"}, not yet downloaded` : "";
     this.timeline.still.stale = true;
     this.timeline.player.changed();
   }
 
   download() {
-    const text = `${JSON.stringify(this.contacts.toDocument(), null, 1)}\n`;
+    const text = `${spelled(this.contacts.toDocument())}\n`;
     const link = document.createElement("a");
     link.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
     link.download = this.root.dataset.file;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    this.saved = this.contacts.lanes;
     this.parts.state.textContent = `Downloaded ${this.root.dataset.file}`;
   }
 }

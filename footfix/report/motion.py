@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,21 @@ def display_frames(frames: int, most: int = SHOWN_FRAMES) -> Ints:
     return np.arange(0, frames, max(1, -(-frames // most)), dtype=np.intp)
 
 
+@dataclass(frozen=True)
+class Lines:
+    """Lines to draw into the curves of height and speed, and what they mean.
+
+    Args:
+        height: [m] above the floor.
+        speed: [m/s] over the floor.
+        meaning: for people.
+    """
+
+    height: float = 0.05
+    speed: float = 0.5
+    meaning: str = "the bounds of the foot skating ratio"
+
+
 @dataclass(frozen=True, eq=False)
 class Motion:
     """A figure before and after, at the frames that are shown.
@@ -34,8 +49,7 @@ class Motion:
         names: (J,) joints; an End Site has an empty name.
         parents: (J,) -1 for a root.
         root: the joint that carries the figure's travel.
-        hips: the two joints at the top of the legs, right one last, so that the page knows the figure's
-            sides; empty where that can't be said.
+        hips: the joint at the top of each leg and its side, "left", "right" or "" where sides mean nothing.
         soles: (E,) the joint that carries each sole point, in the order of the contacts' effectors.
         sole_names: (E,) their names, `left_heel`.
         joints_before, joints_after: (D, J, 3) [m] y up.
@@ -50,7 +64,7 @@ class Motion:
     names: tuple[str, ...]
     parents: tuple[int, ...]
     root: int
-    hips: tuple[int, ...]
+    hips: tuple[tuple[int, str], ...]
     soles: tuple[int, ...]
     sole_names: tuple[str, ...]
     joints_before: Floats
@@ -79,7 +93,6 @@ def film(before: Clip, after: Clip, rig: Rig, most: int = SHOWN_FRAMES) -> Motio
     skeleton = before.skeleton
     first = _points(before.frames(shown), rig)
     second = first if after is before else _points(after.frames(shown), rig)
-    hips = tuple(leg.hip for side in ("left", "right") for leg in rig.legs if leg.side == side)
     ends = skeleton.end_parents.tolist()
     return Motion(
         frames=len(before),
@@ -88,7 +101,7 @@ def film(before: Clip, after: Clip, rig: Rig, most: int = SHOWN_FRAMES) -> Motio
         names=(*skeleton.names, *("" for _ in ends)),
         parents=(*skeleton.parents.tolist(), *ends),
         root=rig.root,
-        hips=hips if len(hips) == 2 else (),
+        hips=tuple((leg.hip, side_of(leg.side)) for leg in rig.legs),
         soles=tuple(sole.joint for sole in rig.soles),
         sole_names=tuple(sole.name for sole in rig.soles),
         joints_before=first[0],
@@ -99,6 +112,11 @@ def film(before: Clip, after: Clip, rig: Rig, most: int = SHOWN_FRAMES) -> Motio
         speeds_after=_speeds(after, rig, shown),
         floor=rig.floor,
     )
+
+
+def side_of(name: str) -> str:
+    """The side that the name of a leg or an effector speaks of: "left", "right" or ""."""
+    return next((side for side in ("left", "right") if side in name.lower()), "")
 
 
 def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
@@ -130,7 +148,7 @@ def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
 _JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # what one step of the packed integers means [m, m, m/s]
 
 
-def packed(motion: Motion, thresholds: Mapping[str, float]) -> dict[str, Any]:
+def packed(motion: Motion, lines: Lines) -> dict[str, Any]:
     """The motion as the page's script reads it (codec.js), as plain JSON values.
 
     Corrections mostly shift the whole figure and turn a few joints of the legs, so of the figure after
@@ -146,10 +164,10 @@ def packed(motion: Motion, thresholds: Mapping[str, float]) -> dict[str, Any]:
         "frameTime": motion.frame_time,
         "parents": list(motion.parents),
         "root": motion.root,
-        "hips": list(motion.hips),
+        "hips": [list(hip) for hip in motion.hips],
         "soles": list(motion.soles),
         "floor": motion.floor,
-        "thresholds": dict(thresholds),
+        "lines": {"height": lines.height, "speed": lines.speed},
         "quantum": {"joints": _JOINT, "points": _POINT, "speeds": _SPEED},
         "joints": {"before": pack(before), **_packed_change(motion)},
         "points": {"before": pack(points), "after": _packed_unless_same(points, points_after)},

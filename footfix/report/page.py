@@ -15,13 +15,13 @@ from typing import Any
 from footfix.report import sections
 from footfix.report.chart import chart
 from footfix.report.markup import embedded_json, name, text
-from footfix.report.motion import Motion, packed
+from footfix.report.motion import Lines, Motion, packed
 from footfix.report.verdict import Report, judge, source_name
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "player.js", "camera.js", "stage.js", "contacts.js", "timeline.js", "editor.js", "table.js",
-    "plants.js", "paths.js", "viewer.js",
+    "codec.js", "canvas.js", "player.js", "camera.js", "figure.js", "stage.js", "orbit.js", "contacts.js", "bars.js",
+    "timeline.js", "editor.js", "table.js", "plants.js", "paths.js", "viewer.js",
 )  # fmt: skip
 
 
@@ -34,13 +34,13 @@ class PageData:
         contacts: the contacts document (the contract's contacts file); what the page hands back after
             editing is this document with other contacts.
         motion: the figure before and after; None where there is none to show (a clip that failed).
-        thresholds: lines to draw into the curves, by name: `height_m`, `speed_m_s`.
+        lines: drawn into the curves of height and speed.
     """
 
     report: Report
     contacts: Mapping[str, Any] = field(default_factory=dict)
     motion: Motion | None = None
-    thresholds: Mapping[str, float] = field(default_factory=dict)
+    lines: Lines = field(default_factory=Lines)
 
 
 @cache
@@ -111,6 +111,7 @@ def _viewer(data: PageData) -> str:
         chart=chart(data.motion, data.contacts),
         file=text(f"{stem}.contacts.json"),
         clip=name(file),
+        lines=text(f"{100.0 * data.lines.height:g} cm and {data.lines.speed:g} m/s, {data.lines.meaning}"),
     )
 
 
@@ -118,7 +119,7 @@ def _data(data: PageData) -> str:
     """What the script works on, in elements of the page."""
     if data.motion is None:
         return ""
-    document = {"contacts": _finite(data.contacts), "motion": packed(data.motion, data.thresholds)}
+    document = {"contacts": _finite(data.contacts), "motion": packed(data.motion, data.lines)}
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'
     return f"{values}\n<script>{script(*_SCRIPTS)}</script>"
 

@@ -80,7 +80,7 @@ class PathMap {
     const { motion, contacts } = this;
     contacts.lanes.forEach((lane, k) => {
       if (k >= motion.soles.length) return;
-      context.fillStyle = contacts.effectors[k].side === "right" ? theme.right : theme.left;
+      context.fillStyle = sideColor(theme, contacts.effectors[k]);
       for (const contact of lane) {
         if (wishOf(contact) === "forbid") continue;
         const i = Math.min(motion.shown - 1, Math.round((contact.start + contact.end) / 2 / motion.step));
@@ -142,6 +142,7 @@ class DriftPlot {
     const least = (values) => values.reduce((a, b) => Math.min(a, b), 0);
     const most = (values) => values.reduce((a, b) => Math.max(a, b), 0);
     this.low = least(this.upwards);
+    this.moves = this.across.some(Boolean) || this.upwards.some(Boolean);
     this.high = Math.max(most(this.across), most(this.upwards), 1);
     canvas.addEventListener("click", (event) => {
       const share = (event.clientX - canvas.getBoundingClientRect().left - 64) / (canvas.clientWidth - 76);

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from footfix.measure.plants import NOTICED_MM
-from footfix.report.motion import Motion
+from footfix.report.motion import Motion, side_of
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.raster import Raster, color, fitted
 from footfix.report.text import printable
@@ -55,7 +55,7 @@ def _panel(raster: Raster, offender: Offender, left: float, top: float) -> None:
     (x0, x1), (z0, z1) = ((min(axis), max(axis)) for axis in zip(*places, strict=True))
     scale = _PANEL / (1.12 * max(x1 - x0, z1 - z0))
     ox, oy = left + (_PANEL - scale * (x0 + x1)) / 2.0, top + (_PANEL - scale * (z0 + z1)) / 2.0
-    side = _RIGHT if "right" in offender.effector else _LEFT
+    side = _RIGHT if side_of(offender.effector) == "right" else _LEFT
     raster.circle(ox, oy, scale * NOTICED_MM, 1.0, _MUTED, dashes=24)
     raster.line([(ox + scale * x, oy + scale * z) for x, z in offender.path_before], 4.5, _WAS, 0.75)
     raster.line([(ox + scale * x, oy + scale * z) for x, z in offender.path_after], 2.4, side)

@@ -8,7 +8,8 @@ class Player {
     this.speed = 1;
     this.loop = null; // {from, to} in frames of the clip
     this.listeners = new Set();
-    this.clock = 0;
+    this.clock = 0; // when the last frame was counted [ms]
+    this.rest = 0; // of a frame, that has passed already
   }
 
   /** The frame of the clip that is shown. */

@@ -8,6 +8,7 @@ from typing import Any
 
 from footfix.measure.plants import NOTICED_MM
 from footfix.report.markup import name, text
+from footfix.report.motion import side_of
 from footfix.report.text import released
 from footfix.report.verdict import Report, Tone, Verdict, measure_rows, number, worst_first
 
@@ -99,7 +100,7 @@ def _plant_row(plant: Report, longest: float) -> str:
     start, end = (int(number(plant.get(key)) or 0) for key in ("start", "end"))
     before, after = (number(plant.get(f"slide_{when}_mm")) for when in ("before", "after"))
     outcome, reason = str(plant.get("outcome") or ""), str(plant.get("reason") or "")
-    side = "right" if "right" in effector else "left"
+    side = side_of(effector) or "left"
     return (
         f'<tr data-effector="{text(effector)}" data-start="{start}" data-end="{end}">'
         f'<th scope="row" class="{side}"><button type="button">{name(effector.replace("_", " "))}</button></th>'

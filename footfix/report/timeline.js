@@ -42,7 +42,7 @@ class Timeline {
 
   /** Where the curves begin and end; kept, since asking the page for a width is slow. */
   measure(width) {
-    this.gutter = width < 560 ? 70 : 96;
+    this.gutter = width < 560 ? 78 : 96;
     this.right = width - 12;
   }
 
@@ -163,11 +163,11 @@ class Timeline {
     context.textAlign = "right";
     context.textBaseline = "middle";
     context.font = theme.strong;
-    context.fillStyle = effector.side === "right" ? theme.right : theme.left;
+    context.fillStyle = sideColor(theme, effector);
     context.fillText(shorten(context, effector.name.replaceAll("_", " "), this.gutter - 10), x, top + LANE / 2);
     context.font = theme.small;
     context.fillStyle = theme.muted;
-    const wide = this.gutter > 80;
+    const wide = this.gutter > 90;
     context.fillText(`${(height * 100).toPrecision(2)} cm`, x, top + LANE + 10);
     context.fillText(wide ? "height" : "h", x, top + LANE + HEIGHT_PLOT / 2 + 6);
     context.fillText(`${speed.toPrecision(2)} m/s`, x, top + LANE + HEIGHT_PLOT + 10);
@@ -209,9 +209,8 @@ class Timeline {
     };
     rule(heightAt(0), []);
     rule(speedAt(0), []);
-    const { height_m: high, speed_m_s: fast } = motion.thresholds;
-    if (high !== undefined) rule(heightAt(high), [1, 3]);
-    if (fast !== undefined) rule(speedAt(fast), [1, 3]);
+    rule(heightAt(motion.lines.height), [1, 3]);
+    rule(speedAt(motion.lines.speed), [1, 3]);
     const lanes = motion.soles.length;
     for (const when of ["before", "after"]) {
       const color = when === "before" ? theme.was : this.color(theme, lane);
@@ -261,69 +260,15 @@ class Timeline {
     for (const contact of contacts) {
       const chosen = (draft && draft.contact === contact)
         || (selection && selection.lane === lane && selection.contact === contact);
-      this.drawBar(context, theme, lane, contact, chosen);
+      const [left, right] = [this.x(contact.start), this.x(contact.end)];
+      const box = { x: left, y: this.top(lane) + 2, wide: Math.max(right - left, 1.5), tall: LANE - 5 };
+      drawBar(context, theme, box, contact, this.color(theme, lane), chosen);
+      if (this.editing && chosen) for (const x of [left, right]) drawHandle(context, theme, x, box);
     }
-  }
-
-  /** A contact: filled as far as it is certain; forced with a pin, forbidden hollow and hatched. */
-  drawBar(context, theme, lane, contact, chosen) {
-    const [a, b] = [this.x(contact.start), this.x(contact.end)];
-    const [y, tall, wide] = [this.top(lane) + 2, LANE - 5, Math.max(b - a, 1.5)];
-    const color = this.color(theme, lane);
-    const forbidden = wishOf(contact) === "forbid";
-    const round = Math.min(3, wide / 2);
-    context.beginPath();
-    context.roundRect(a, y, wide, tall, round);
-    context.fillStyle = color;
-    context.globalAlpha = forbidden ? 0.08 : 0.25;
-    context.fill();
-    context.globalAlpha = 1;
-    context.save();
-    context.clip();
-    if (forbidden) this.hatch(context, color, a, y, wide, tall);
-    else {
-      const sure = tall * Math.max(0, Math.min(1, contact.confidence ?? 1));
-      context.fillRect(a, y + tall - sure, wide, sure);
-    }
-    context.restore();
-    context.lineWidth = chosen ? 2.5 : 1;
-    context.strokeStyle = chosen ? theme.ink : color;
-    context.stroke();
-    if (wishOf(contact) === "force") this.pin(context, theme, (a + b) / 2, y + tall / 2);
-    if (this.editing && chosen) for (const x of [a, b]) this.handle(context, theme, x, y, tall);
-  }
-
-  hatch(context, color, x, y, wide, tall) {
-    context.beginPath();
-    for (let k = -tall; k < wide; k += 6) {
-      context.moveTo(x + k, y + tall);
-      context.lineTo(x + k + tall, y);
-    }
-    context.strokeStyle = color;
-    context.lineWidth = 1.2;
-    context.stroke();
-    context.beginPath();
-    context.roundRect(x, y, wide, tall, 3);
-  }
-
-  pin(context, theme, x, y) {
-    context.save();
-    context.translate(x, y);
-    context.rotate(Math.PI / 4);
-    context.fillStyle = theme.stage;
-    context.fillRect(-3.5, -3.5, 7, 7);
-    context.restore();
-  }
-
-  handle(context, theme, x, y, tall) {
-    context.beginPath();
-    context.roundRect(x - 3, y - 2, 6, tall + 4, 3);
-    context.fillStyle = theme.ink;
-    context.fill();
   }
 
   color(theme, lane) {
-    return this.contacts.effectors[lane].side === "right" ? theme.right : theme.left;
+    return sideColor(theme, this.contacts.effectors[lane]);
   }
 
   // ---- pointers ------------------------------------------------------------------------------------

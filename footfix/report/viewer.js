@@ -20,17 +20,22 @@ class Viewer {
     this.stage = new Stage(element("stage"), this.motion, this.player, this.contacts);
     this.timeline = new Timeline(element("timeline"), this.motion, this.player, this.contacts);
     this.parts = [this.stage, this.timeline];
-    if (element("paths")) this.parts.push(new PathMap(element("paths"), this.motion, this.player, this.contacts));
-    if (element("drift")) this.parts.push(new DriftPlot(element("drift"), this.motion, this.player));
+    this.parts.push(new PathMap(element("paths"), this.motion, this.player, this.contacts));
+    const drift = new DriftPlot(element("drift"), this.motion, this.player);
+    if (drift.moves) this.parts.push(drift);
+    else {
+      element("unmoved").hidden = false;
+      element("unmoved").nextElementSibling.hidden = element("drift").hidden = true;
+    }
     this.table = new PlantsTable(element("plants"), (plant) => this.showPlant(plant));
     this.editor = new Editor(element("editor"), this.timeline, (words) => this.say(words));
-    this.input = new TimelineInput(this.timeline);
+    new TimelineInput(this.timeline);
+    this.orbit = new Orbit(this.stage, () => this.refresh());
     this.theme = readTheme();
     this.pending = false;
     this.player.listeners.add(() => this.refresh());
     this.contacts.listeners.add(() => this.refresh());
     this.wireControls();
-    this.wireStage();
     this.wireKeys();
     this.wireLooks();
     this.refresh();
@@ -75,7 +80,7 @@ class Viewer {
   // ---- controls ------------------------------------------------------------------------------------
 
   wireControls() {
-    const { player, stage, timeline } = this;
+    const { player, timeline } = this;
     const act = (id, handler) => element(id).addEventListener("click", handler);
     element("scrub").max = String(this.motion.shown - 1);
     element("scrub").addEventListener("input", (event) => {
@@ -105,7 +110,6 @@ class Viewer {
       this.refresh();
     });
     act("edit", () => this.toggleEditing());
-    this.stageButtons = stage.show;
   }
 
   press(button, pressed) {
@@ -170,46 +174,6 @@ class Viewer {
     this.say(`${effector.replaceAll("_", " ")}, frames ${start} to ${end}, playing in a loop`);
   }
 
-  // ---- the stage's pointers --------------------------------------------------------------------------
-
-  wireStage() {
-    const { canvas, camera } = this.stage;
-    const held = new Map();
-    const on = (type, handler, options) => canvas.addEventListener(type, (event) => {
-      handler(event);
-      this.refresh();
-    }, options);
-    const gap = () => {
-      const [a, b] = [...held.values()];
-      return Math.hypot(a.x - b.x, a.y - b.y);
-    };
-    on("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      held.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    });
-    on("pointermove", (event) => {
-      const from = held.get(event.pointerId);
-      if (!from) return;
-      const [dx, dy] = [event.clientX - from.x, event.clientY - from.y];
-      const before = held.size === 2 ? gap() : 0;
-      held.set(event.pointerId, { x: event.clientX, y: event.clientY });
-      if (held.size === 2) {
-        camera.zoom(before / Math.max(gap(), 1));
-        camera.drag(dx / 2, dy / 2);
-      } else if (event.shiftKey || event.buttons & 6) camera.drag(dx, dy);
-      else camera.orbit(-dx * 0.008, dy * 0.008);
-    });
-    for (const type of ["pointerup", "pointercancel"]) on(type, (event) => held.delete(event.pointerId));
-    on("contextmenu", (event) => event.preventDefault());
-    on("dblclick", () => this.stage.frame(null));
-    on("wheel", (event) => {
-      // Until the stage has been clicked, the wheel scrolls the page as everywhere else.
-      if (document.activeElement !== canvas && !event.ctrlKey && !event.metaKey) return;
-      event.preventDefault();
-      camera.zoom(1.0012 ** event.deltaY);
-    }, { passive: false });
-  }
-
   // ---- keys ------------------------------------------------------------------------------------------
 
   wireKeys() {
@@ -221,25 +185,10 @@ class Viewer {
         if (event.key.toLowerCase() !== "z" || !this.timeline.editing) return;
         if (event.shiftKey) this.contacts.redo();
         else this.editor.undo();
-      } else if (!(target === this.stage.canvas && this.stageKey(event)) && !this.pageKey(event)) return;
+      } else if (!(target === this.stage.canvas && this.orbit.key(event)) && !this.pageKey(event)) return;
       event.preventDefault();
       this.refresh();
     });
-  }
-
-  stageKey(event) {
-    const { camera } = this.stage;
-    const moves = {
-      ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1],
-    };
-    if (event.key in moves) {
-      const [x, y] = moves[event.key];
-      if (event.shiftKey) camera.drag(-x * 24, -y * 24);
-      else camera.orbit(x * 0.12, -y * 0.12);
-    } else if (event.key === "+" || event.key === "=") camera.zoom(0.88);
-    else if (event.key === "-") camera.zoom(1.14);
-    else return false;
-    return true;
   }
 
   pageKey(event) {
@@ -304,7 +253,7 @@ class Viewer {
     addEventListener("beforeprint", print(true));
     addEventListener("afterprint", print(false));
     addEventListener("beforeunload", (event) => {
-      if (element("editor").dataset.unsaved === "true") event.preventDefault();
+      if (this.editor.unsaved) event.preventDefault();
     });
   }
 }
