@@ -139,22 +139,26 @@ def detect(
 @click.option("--max", "most", multiple=True, metavar="NAME=VALUE",
               help="The most a measure may be, such as slide_mm=21. May be repeated.")  # fmt: skip
 @click.option("--labels", type=click.Path(exists=True, path_type=Path), help="Contacts to measure against.")
+@click.option("--anew", is_flag=True, help="Detect contacts anew, even where those of a cleaning lie beside the clip.")
 @click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
 @click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
               help="How results are told.")  # fmt: skip
 @many
 @shared
 def check(
-    src: tuple[str, ...], most: tuple[str, ...], labels: Path | None, junit: Path | None, style: str, many: Many,
-    common: Common,
+    src: tuple[str, ...], most: tuple[str, ...], labels: Path | None, anew: bool, junit: Path | None, style: str,
+    many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Measure clips and hold them against gates; change nothing.
 
+    A clip that footfix cleaned is measured against the contacts that lie beside it, others are looked through.
     Exits with 1 where a clip is over a gate, given by --max or by `gates:` in the config.
     """
     from footfix import cli_runs
 
-    return cli_runs.check(src, most=most, junit=junit, labels=labels, style=style, many=many, common=common)
+    return cli_runs.check(
+        src, most=most, junit=junit, labels=labels, style=style, anew=anew, many=many, common=common
+    )
 
 
 @cli.command()

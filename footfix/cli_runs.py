@@ -63,6 +63,8 @@ def clean(
     journal = Journal(output if writes else None, many.tag)
     try:
         outcome = _run(clean_one, tasks, many, common, style, journal, _told_cleaned(common, few))
+        if not outcome.interrupted:
+            journal.finish()
     finally:
         journal.close()
     return _close_clean(outcome, tasks, {} if dry_run else whole, past, junit, style, common)
@@ -138,8 +140,8 @@ def inspect(src: tuple[str, ...], *, many: Many, common: Common) -> int:
 
 
 def check(
-    src: tuple[str, ...], *, most: tuple[str, ...], junit: Path | None, labels: Path | None, style: str, many: Many,
-    common: Common,
+    src: tuple[str, ...], *, most: tuple[str, ...], junit: Path | None, labels: Path | None, style: str, anew: bool,
+    many: Many, common: Common,
 ) -> int:  # fmt: skip
     """`footfix check`."""
     from footfix.batch import gates
@@ -149,7 +151,7 @@ def check(
     found = _found(src, many, own_outputs=True)
     config = _config(src, many, common, {})
     jobs = [_reading(source) for source in found]
-    tasks = [replace(task, extra={"gates": limits}) for task in _tasks(jobs, found, config, labels)]
+    tasks = [replace(task, extra={"gates": limits, "anew": anew}) for task in _tasks(jobs, found, config, labels)]
     for task in tasks:
         gates.known(task.settings.gates)
     outcome = _run(check_one, tasks, many, common, style, Journal(None, ""), lambda result, say: None)

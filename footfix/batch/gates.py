@@ -8,9 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from footfix.batch.work import REPORT, FileResult, Task
+from footfix.batch.work import CONTACTS, REPORT, FileResult, Task
 from footfix.errors import UsageError
-from footfix.files import STDIN
+from footfix.files import STDIN, read_whole
+from footfix.formats.contacts import Labels, decode
 from footfix.measure.clip import Measures
 from footfix.settings import suggest
 
@@ -64,16 +65,15 @@ def check(task: Task, data: bytes) -> FileResult:
     source = task.job.source
     gates = {**task.settings.gates, **task.extra.get("gates", {})}
     known(gates)
-    entry, measures, notes = measure_file(data, source, task.settings, labels=task.labels)
+    before, labels = _cleaning(task)
+    entry, measures, notes = measure_file(data, source, task.settings, labels=task.labels or labels)
     values: dict[str, float] = dict(measures)
     wanted = [name for name in gates if name in RATIOS]
-    if wanted:
-        reference = _reference(task)
-        for name in wanted:
-            now, was = measures.get(RATIOS[name], 0.0), (reference or measures).get(RATIOS[name], 0.0)
-            values[name] = float(f"{now / was:.6g}") if was > 0.0 else 1.0
-        if reference is None:
-            notes = [*notes, _no_reference(wanted)]
+    for name in wanted:
+        now, was = measures.get(RATIOS[name], 0.0), (before or measures).get(RATIOS[name], 0.0)
+        values[name] = float(f"{now / was:.6g}") if was > 0.0 else 1.0
+    if wanted and before is None:
+        notes = [*notes, _no_reference(wanted)]
     over = [
         {"measure": name, "value": values[name], "most": most}
         for name, most in gates.items()
@@ -83,10 +83,10 @@ def check(task: Task, data: bytes) -> FileResult:
     return FileResult(source, "over" if over else "done", report=report)
 
 
-def _reference(task: Task) -> Mapping[str, float] | None:
-    """Measures of the clip before it was cleaned, from the report that lies beside it."""
+def _cleaning(task: Task) -> tuple[Mapping[str, float] | None, Labels | None]:
+    """Measures of the clip before it was cleaned, and its contacts, where its report and labels lie beside it."""
     if task.job.source == STDIN:
-        return None
+        return None, None
     path = Path(task.folder, task.job.source)
     stem = path.name.removesuffix(path.suffix)
     for name in dict.fromkeys((stem, stem.removesuffix(".clean"))):
@@ -95,9 +95,12 @@ def _reference(task: Task) -> Mapping[str, float] | None:
         except (OSError, ValueError):
             continue
         if isinstance(report, dict) and report.get("output") == PurePath(path).name and report.get("before"):
-            before: Mapping[str, float] = report["before"]
-            return before
-    return None
+            beside = path.with_name(name + CONTACTS)
+            labels = None
+            if not task.extra.get("anew") and beside.is_file():
+                labels = decode(read_whole(beside, task.settings.limits.bytes), name=beside.name)
+            return report["before"], labels
+    return None, None
 
 
 def _no_reference(wanted: list[str]) -> dict[str, Any]:

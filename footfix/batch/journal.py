@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 from footfix.batch.inputs import MARK
 from footfix.batch.work import FileResult
 from footfix.errors import OutputError
+from footfix.files import write_whole
 
 
 @dataclass(frozen=True)
@@ -39,16 +40,23 @@ def recall(folder: Path) -> Past:
     hashes: dict[str, Mapping[str, str]] = {}
     offenders: dict[str, list[dict[str, Any]]] = {}
     for path in sorted((folder / MARK).glob("*.jsonl")):
-        for line in path.read_bytes().splitlines():
-            try:
-                entry = json.loads(line)
-                clip = entry["clip"]
-            except (ValueError, KeyError, TypeError):
-                continue
+        for _, entry in _entries(path):
+            clip = entry["clip"]
             begun.add(clip)
-            if entry.get("state") == "done":
+            if entry["state"] == "done":
                 hashes[clip], offenders[clip] = entry.get("files", {}), entry.get("offenders", [])
     return Past(frozenset(begun), hashes, offenders)
+
+
+def _entries(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
+    """The lines that are whole, and what they say."""
+    for line in path.read_bytes().splitlines():
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(entry, dict) and isinstance(entry.get("clip"), str) and "state" in entry:
+            yield line, entry
 
 
 class Journal:
@@ -56,11 +64,13 @@ class Journal:
 
     def __init__(self, folder: Path | None, tag: str) -> None:
         self._handle = -1
+        self._path = Path()
         if folder is None:
             return
         try:
             (folder / MARK).mkdir(parents=True, exist_ok=True)
             path = folder / MARK / f"{tag}.jsonl"
+            self._path = path
             self._handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o666)
             size = os.fstat(self._handle).st_size
             if size and path.read_bytes()[-1:] != b"\n":
@@ -79,6 +89,17 @@ class Journal:
         elif not result.skipped:
             pictures = [asdict(each) for each in result.offenders]
             self._write([{"clip": clip, "state": "done", "files": dict(result.hashes), "offenders": pictures}])
+
+    def finish(self) -> None:
+        """Keeps one line a clip, by name: however a run came to its end, its journal is the same."""
+        if self._handle < 0:
+            return
+        last: dict[str, bytes] = {}
+        for line, entry in _entries(self._path):
+            if entry["state"] != "begun":
+                last[entry["clip"]] = line
+        self.close()
+        write_whole(self._path, b"".join(last[clip] + b"\n" for clip in sorted(last)))
 
     def close(self) -> None:
         """Closes the file."""

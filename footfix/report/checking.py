@@ -79,7 +79,8 @@ def text(rows: Sequence[Row], *, quiet: bool, verbose: bool) -> str:
         if verbose:
             lines += [f"  {name} {value:g}" for name, value in each.measures.items()]
         if not quiet:
-            lines += [f"  {note['severity']}: {printable(str(note['text']))}" for note in _doubts(each)]
+            where = printable(each.source)
+            lines += [f"{note['severity']:<7} {where}: {printable(str(note['text']))}" for note in _doubts(each)]
     if not quiet:
         passed = sum(each.status == "done" for each in rows)
         counts = [f"{passed} passed"]
