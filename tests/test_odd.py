@@ -299,6 +299,9 @@ OWN_FILES = {
     "tabs and blanks": (HEAD.encode() + ROWS.replace(" ", " \t ").encode(), read(4)),
     "no channels at all": (b"HIERARCHY ROOT a { OFFSET 0 0 0 }\nMOTION\nFrames: 2\nFrame Time: 0.1\n\n\n",
         read(0, "end-site-missing", "frames-mismatch", "no-frames", "root-fixed", "brace-on-line")),
+    "rows without channels": (
+        b"HIERARCHY ROOT a { OFFSET 0 0 0 }\nMOTION\nFrames: 1\nFrame Time: 0.1\n1 2 3\n",
+        refused("5:1: rows have 3 numbers, but the hierarchy has 0 channels")),
     # motions
     "frozen": (HEAD.encode() + (ROWS.splitlines()[0] + "\n").encode() * 4, read(4, "frozen")),
     "leap": (plain(("0.20 9.02", "999.20 9.02")), read(4, "jump")),

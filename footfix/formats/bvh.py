@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from footfix.errors import InputError
 from footfix.formats import bvh_channels
 from footfix.formats.bvh_compose import compose
@@ -73,7 +75,8 @@ class Document:
     @cached_property
     def file_clip(self) -> Clip:
         """The motion in the file's units and axes."""
-        return bvh_channels.to_clip(self.skeleton, self.channels, self.values, self.base, self.frame_time)
+        with np.errstate(invalid="ignore"):
+            return bvh_channels.to_clip(self.skeleton, self.channels, self.values, self.base, self.frame_time)
 
     @cached_property
     def clip(self) -> Clip:
@@ -131,10 +134,11 @@ def encode(document: Document, clip: Clip | None = None) -> bytes:
     if clip is not None and clip is not document.clip:
         if clip.positions.shape != document.clip.positions.shape:
             raise ValueError(f"the clip is {clip.positions.shape}, the file {document.clip.positions.shape}")
-        found = bvh_channels.changes(
-            document.channels, document.values, document.base, document.clip, clip, document.unit_m, document.up
-        )
-        text = splice(text, document.rows, list(found))
+        with np.errstate(invalid="ignore"):  # numbers that are none stay as they stand
+            found = bvh_channels.changes(
+                document.channels, document.values, document.base, document.clip, clip, document.unit_m, document.up
+            )
+            text = splice(text, document.rows, list(found))
     return text.decode("utf-8").encode(document.encoding) if document.encoding else text
 
 

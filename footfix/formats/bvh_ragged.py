@@ -28,10 +28,10 @@ def read_ragged(cursor: Cursor, layouts: list[int], declared: int | None) -> Row
     keep = _keep_rows(cursor, starts, ends, line, strange)
     stop = start if not len(starts) else stop
     firsts, counts = _line_counts(line, keep)
-    if not layouts[0] or not len(firsts):
+    if not len(firsts):
         return Rows(np.zeros((0, layouts[0])), text, start, stop, comma=comma)
     for columns in layouts:
-        found = _arrange(cursor, starts, firsts, counts, columns, declared)
+        found = _arrange(cursor, starts, firsts, counts, columns, declared) if columns else None
         if found is not None:
             break
     else:

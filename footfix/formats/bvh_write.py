@@ -60,6 +60,8 @@ def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
 def row_blocks(rows: Rows) -> Iterator[RowBlock]:
     """The places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
     columns = rows.values.shape[1]
+    if not rows.values.size:
+        return
     if rows.first is not None:
         starts, ends = tokens(rows.text, rows.start, rows.stop)
         for a, b in consecutive(rows):
