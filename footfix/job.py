@@ -222,8 +222,13 @@ def _too_short(
     if settings.report.kind == "html":
         from footfix.report.page import PageData, render
 
-        pages[".report.html"] = render(PageData(report, json.loads(contacts_file))).encode("utf-8", "replace")
+        pages[".report.html"] = render(PageData(report, _document(contacts_file))).encode("utf-8", "replace")
     return Outputs("unchanged", data, contacts_file, report, pages)
+
+
+def _document(contacts: bytes) -> Any:
+    """The contacts file as a document; a file name that is no UTF-8 keeps its bytes in it."""
+    return json.loads(contacts.decode("utf-8", "surrogateescape"))
 
 
 def _pages(
@@ -236,7 +241,7 @@ def _pages(
     from footfix.report.page import PageData, render
 
     motion = film(before, after, rig)
-    page = render(PageData(report, json.loads(contacts), motion)).encode("utf-8", "replace")
+    page = render(PageData(report, _document(contacts), motion)).encode("utf-8", "replace")
     return {".report.html": page}, worst_plants(motion, report)
 
 
