@@ -31,6 +31,7 @@ from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
+from footfix.motion.leadin import motion_proper
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
@@ -54,6 +55,8 @@ class Row:
 
 def jump(before: Clip, after: Clip, rig: Rig) -> float:
     """By how much a leg joint turns farther between two frames than it did thereabouts before [deg per 1/120 s]."""
+    proper = motion_proper(before)
+    before, after = before.frames(proper), after.frames(proper)
     worst = 0.0
     for joint in {j for leg in rig.legs for j in (*leg.chain, leg.toe) if j is not None}:
         old, new = (

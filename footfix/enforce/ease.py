@@ -23,6 +23,7 @@ class EaseParams:
     method: Literal["smooth", "cubic", "hermite"] = "smooth"  # least squares, Glardon eq. 9-10, Kim & Neff
     seconds: float = 0.30  # how long before a plant it begins and after it ends (Glardon's sigma)
     settle: float = 0.02  # [s] what is quicker than this in a plant's correction is not carried beyond it
+    lead: float = 0.08  # [s] in which a knee that was captured overstretched comes to bend forwards
     slack: float = 0.10  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
 
 

@@ -15,8 +15,10 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose
 
-# How far the knee's usual axis leads when the captured leg is too straight to say: as much as a bend of 3 degrees.
-_STRAIGHT = 0.05
+# Up to which bend the captured leg is too straight to say about which axis its knee flexes [sine].
+_STRAIGHT = 0.08
+# A knee that was captured bent backwards by less than the first [rad] is overstretched, beyond the second it is meant.
+_OVERSTRETCHED, _MEANT = 0.17, 0.44
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -61,13 +63,16 @@ def knee_axis(foot: Foot, hip_turn: Floats) -> Floats:
         usual_in_world = rotation.rotate(hip_turn, unit(usual))
     else:  # a leg that is never bent: a knee bends so that the shank goes away from the toes
         usual_in_world = unit(np.cross(thigh, foot.heel - foot.ball))
-    same_side = np.where(dot(normal, usual_in_world) < 0.0, -1.0, 1.0)
-    axis = same_side[:, None] * normal + _STRAIGHT * usual_in_world
+    # through a straight leg the normal swings round: only as much of it counts as lies along the usual axis
+    c = dot(normal, usual_in_world)
+    aside = normal - c[:, None] * usual_in_world
+    square = c * c + _STRAIGHT**2
+    axis = np.sqrt(square)[:, None] * usual_in_world + (c * np.abs(c) / square)[:, None] * aside
     along = unit(thigh)
     return unit(axis - dot(axis, along)[:, None] * along)
 
 
-def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, forward: Floats) -> LegTurns:
+def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, share: Floats) -> LegTurns:
     """The leg that reaches from `hip` to `ankle`.
 
     Args:
@@ -75,8 +80,8 @@ def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, forward: Flo
         axis: (F, 3) of the knee, from `knee_axis`.
         hip: (F, 3) [m] where the hip is now.
         ankle: (F, 3) [m] where the ankle is to be; out of reach, the leg is as straight or as bent as it goes.
-        forward: (F,) how much a knee that was captured bent backwards is to bend forwards, 0 to 1. Many clips
-            overstretch a straight leg by a degree or two; bent further on that side it would be broken.
+        share: (F,) how much of the change of flexion is made, 0 to 1. Many clips overstretch a straight knee by a
+            few degrees; what changes there bends forwards, and this leads over from what does not change.
 
     Returns:
         The turns. The knee stays in the captured leg's plane, carried along by the smallest turn that takes the
@@ -92,7 +97,8 @@ def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, forward: Flo
     cosine = (reach**2 - dot(thigh, thigh) - dot(shank, shank)) / np.maximum(
         2.0 * norm(thigh) * norm(in_plane), 1e-300
     )
-    flexion = np.arccos(np.clip(cosine, -1.0, 1.0)) * np.where(captured < 0.0, 2.0 * forward - 1.0, 1.0)
+    way = np.clip(1.0 + 2.0 * (captured + _OVERSTRETCHED) / (_MEANT - _OVERSTRETCHED), -1.0, 1.0)
+    flexion = captured + share * (way * np.arccos(np.clip(cosine, -1.0, 1.0)) - captured)
     bend = rotation.from_axis_angle(axis, flexion - captured)
     swing = rotation.between(thigh + rotation.rotate(bend, shank), ankle - hip)
     return LegTurns(swing, bend)

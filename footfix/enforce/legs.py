@@ -236,8 +236,8 @@ def _turned(
     if not np.any(changed):
         return {}
     axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
-    forward = presence(changed, clip.frame_time, ease.seconds)
-    turns = ik.two_bones(foot, axis, foot.hip + shift, ankle, forward)
+    share = presence(changed, clip.frame_time, ease.lead)
+    turns = ik.two_bones(foot, axis, foot.hip + shift, ankle, share)
     local = ik.local_rotations(clip, pose, foot, turns, turn)
     return {joint: np.where(changed[:, None], q, clip.rotations[:, joint]) for joint, q in local.items()}
 
