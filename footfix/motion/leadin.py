@@ -49,6 +49,8 @@ def _lead(clip: Clip, order: Ints) -> int:
     first = held if held < frames // 2 else 0  # the pose at the start may be held for a while
     turn, shift = _steps(clip, order[first : first + LONGEST + 13])
     inner = order[first + LONGEST : frames - LONGEST]
+    if len(inner) < 4:
+        return 0
     own_turn, own_shift = _own(clip, inner)
     ratio = _REST_JUMP if rest[0] else _JUMP
     usual = _CALM * float(np.median(turn[LONGEST:]))
@@ -75,22 +77,24 @@ def _turned(clip: Clip, order: Ints) -> Floats:
 
 def _steps(clip: Clip, order: Ints) -> tuple[Floats, Floats]:
     """From each frame to the next: turn of the joints [rad], root mean square, and shift of the roots."""
-    turns = clip.rotations[order]
-    angles = rotation.angle(rotation.multiply(rotation.inverse(turns[:-1]), turns[1:]))
-    places = clip.positions[order][:, clip.skeleton.parents < 0]
-    shifts = np.linalg.norm(np.diff(places, axis=0), axis=-1).max(axis=1, initial=0.0)
+    return _between(clip, order[:-1], order[1:])
+
+
+def _between(clip: Clip, firsts: Ints, seconds: Ints) -> tuple[Floats, Floats]:
+    a, b = clip.rotations[firsts], clip.rotations[seconds]
+    angles = np.nan_to_num(rotation.angle(rotation.multiply(rotation.inverse(a), b)))
+    places = np.nan_to_num(
+        clip.positions[:, clip.skeleton.parents < 0][np.stack([firsts, seconds])], posinf=0.0, neginf=0.0
+    )
+    shifts = np.linalg.norm(places[1] - places[0], axis=-1).max(axis=1, initial=0.0)
     return np.sqrt(np.mean(angles**2, axis=1)), shifts
 
 
 def _own(clip: Clip, inner: Ints) -> tuple[float, float]:
     """The quickest steps that the clip makes inside: the 90th percentile, which glitches do not move."""
     firsts = inner[np.unique(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
-    step = int(inner[1] - inner[0])
-    pairs = np.stack([firsts, firsts + step], axis=1)
-    turns, places = clip.rotations[pairs], clip.positions[pairs][:, :, clip.skeleton.parents < 0]
-    angles = rotation.angle(rotation.multiply(rotation.inverse(turns[:, 0]), turns[:, 1]))
-    shifts = np.linalg.norm(places[:, 1] - places[:, 0], axis=-1).max(axis=1, initial=0.0)
-    return float(np.quantile(np.sqrt(np.mean(angles**2, axis=1)), 0.9)), float(np.quantile(shifts, 0.9))
+    turns, shifts = _between(clip, firsts, firsts + int(inner[1] - inner[0]))
+    return float(np.quantile(turns, 0.9)), float(np.quantile(shifts, 0.9))
 
 
 def _held(clip: Clip, order: Ints) -> int:

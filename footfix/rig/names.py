@@ -22,14 +22,15 @@ _PARTS = {
     r"|頭|首|髪|胸|スカート|目|尾|上半身|脊",
 }
 _HELPER = re.compile(
-    r"(^|[^a-z])ik([^a-z]|$)|pole|target|ctrl|control|helper|nub|twist|roll|mesh|goal|locator|effector|(?<!b)end$|dummy|ＩＫ|捩"
+    r"(^|[^a-z])ik([^a-z]|$)|pole|target|ctrl|control|helper|nub|twist|roll|mesh|goal|locator|effector|(^|_)end(site)?$|dummy|ｉｋ|捩"
 )
 _LEFT = {"l", "left", "lft", "lf", "links", "izq", "izquierda", "gauche", "左"}
 _RIGHT = {"r", "right", "rgt", "rt", "rechts", "der", "derecha", "droite", "右"}
 _NAMESPACE = re.compile(r"^.*[:|]")
 _PREFIX = re.compile(
-    r"^(mixamorig\d*|character\d*|ctrl|cc_base|bip\d*|valvebiped|j_bip_[clr](?=_)|def|org|bn|jnt|joint|sim|b|bone)[_ .\-]+",
-    re.I,
+    r"^(mixamorig\d*|character\d*|ctrl|cc_base|bip\d*|valvebiped|j_bip_[clr](?=_)"
+    r"|def|org|bn|jnt|joint|sim|b|bone)[_ .\-]+",
+    re.IGNORECASE,
 )
 _WORDS = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+|[^\x00-\x7f]+")
 _GLUED = re.compile(

@@ -74,9 +74,8 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
         first, second = _evenly(clip, frames, step)
     if not len(first):
         clip, first, second = _at_rest(clip), np.zeros(1, np.intp), np.zeros(1, np.intp)
-    elif _collapsed(clip, int(first[len(first) // 2])):
-        below = clip.skeleton.parents >= 0
-        clip = replace(clip, positions=np.where(below[:, None], clip.skeleton.offsets, clip.positions))
+    else:
+        clip = _drawn_out(clip, int(first[len(first) // 2]))
     both = clip.frames(np.concatenate([first, second]))
     pose = forward(both)
     n = len(first)
@@ -120,12 +119,14 @@ def _sound(clip: Clip, frames: Ints) -> Bools:
     return np.asarray(finite & (np.where(finite, extent, 0.0) <= 1e4 * max(usual, 1e-9)), dtype=np.bool_)
 
 
-def _collapsed(clip: Clip, frame: int) -> bool:
-    """Whether position channels of zero have drawn all bones to nothing, as in files that hold a rest pose only."""
+def _drawn_out(clip: Clip, frame: int) -> Clip:
+    """The clip with bones as long as at rest where position channels near zero have drawn most to nothing."""
     rest = np.abs(clip.skeleton.offsets).max(axis=1)
-    long_at_rest = (clip.skeleton.parents >= 0) & (rest > 0.0)
-    drawn = np.abs(clip.positions[frame]).max(axis=1)
-    return bool(long_at_rest.any() and (drawn < 1e-3 * rest)[long_at_rest].mean() > 0.6)
+    bones = (clip.skeleton.parents >= 0) & (rest > 0.0)
+    nothing = bones & (np.abs(clip.positions[frame]).max(axis=1) < 1e-3 * rest)
+    if nothing.sum() <= 0.3 * bones.sum():
+        return clip
+    return replace(clip, positions=np.where(nothing[:, None], clip.skeleton.offsets, clip.positions))
 
 
 def _at_rest(clip: Clip) -> Clip:

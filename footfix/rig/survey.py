@@ -80,7 +80,7 @@ def _unit(leg: float) -> tuple[float, tuple[Note, ...], str]:
     unit = _TYPICAL_LEG / leg
     note = Note(
         "unit-unknown",
-        f"a leg of {leg:.4g} fits no usual unit; it is taken to be {_TYPICAL_LEG} m long; set rig.unit_m if you know better",
+        f"a leg of {leg:.4g} fits no usual unit; taken to be {_TYPICAL_LEG} m long; set rig.unit_m if you know better",
     )
     return unit, (note,), f"leg length {leg:.4g} scaled to {_TYPICAL_LEG} m"
 
