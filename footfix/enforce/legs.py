@@ -30,6 +30,7 @@ class JudgeParams:
     """What holding a foot may do to the joints of its leg."""
 
     speed: float = 200.0  # [deg/s] by which a joint may turn faster than captured before a plant gives way
+    given: float = 3.0  # times as fast where the contacts were given, not detected
     peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
     peel_most: float = 0.12  # [s] and altogether,
     peel_share: float = 0.3  # but no more of the plant than this

@@ -26,6 +26,10 @@ from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 
+# Contacts that somebody gave are held as they are; the edges of those that a detector found are less certain.
+GIVEN = ("labels", "known")
+
+
 @dataclass(frozen=True, kw_only=True)
 class EnforceParams:
     """How footplants are enforced."""
@@ -76,6 +80,10 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
+    if contacts.method in GIVEN:
+        plants = replace(params.plants, edge_speed=np.inf)
+        judge = replace(params.judge, speed=params.judge.given * params.judge.speed, peel_most=0.0)
+        params = replace(params, plants=plants, judge=judge)
     pose = posed(clip, rig)
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
