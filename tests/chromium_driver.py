@@ -167,6 +167,15 @@ class Page:
         self._mouse("mouseReleased", points[-1], modifiers, clickCount=1)
         self.settle()
 
+    def touch(self, *fingers: list[tuple[float, float]]) -> None:
+        """Fingers go down at their first places, through the others together, and up."""
+        for k in range(len(fingers[0])):
+            points = [{"x": finger[k][0], "y": finger[k][1], "id": n} for n, finger in enumerate(fingers)]
+            kind = "touchMove" if k else "touchStart"
+            self.call("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        self.call("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        self.settle()
+
     def hover(self, x: float, y: float) -> None:
         self._mouse("mouseMoved", (x, y), 0)
         self.settle()

@@ -120,6 +120,24 @@ def test_the_view_turns_by_mouse_and_by_keys(page: Page) -> None:
     assert frame(page) == 0
 
 
+def test_fingers_turn_zoom_and_scrub(browser: Browser, folder: Path) -> None:
+    page = browser.open(folder / "clip #1.html", width=390, height=844, touch=True)
+    left, top, width, height = page.box("#stage")
+    x, y = left + width / 2, top + height / 2
+    seen = [page.run("document.querySelector('#stage').toDataURL()")]
+    one = [(x, y), (x + 60, y + 5)]
+    two = [[(x, y), (x - 5, y), (x - 40, y)], [(x + 30, y), (x + 40, y), (x + 90, y)]]
+    for fingers in ([one], two):
+        page.touch(*fingers)
+        seen.append(page.run("document.querySelector('#stage').toDataURL()"))
+    assert len(set(seen)) == 3
+    left, top, width, _ = page.box("#timeline")
+    start, end = left + 78, left + width - 12
+    page.touch([(start + 5, top + 60), (start + 20, top + 60), ((start + end) / 2, top + 60)])
+    assert abs(frame(page) - FRAMES / 2) < 3
+    assert page.complaints == []
+
+
 def test_a_plant_of_the_table_is_shown_in_a_loop(page: Page) -> None:
     page.click("#plants thead th:nth-child(2) button")
     starts = page.run("[...document.querySelectorAll('#plants tbody tr')].map(row => Number(row.dataset.start))")
