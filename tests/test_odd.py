@@ -6,12 +6,14 @@ import gzip
 import time
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 from bvhmaker import PLAIN, plain
 from conftest import SHARED
 
 from footfix.errors import InputError
 from footfix.formats.bvh import Document, decode, encode
+from footfix.formats.repair import repair
 from footfix.motion.clip import Clip
 
 
@@ -317,3 +319,21 @@ OWN_FILES["utf-16 be"] = (OWN_FILES["utf-16 be"], read(4, "encoding-utf16", "byt
 def test_own_files(name: str) -> None:
     data, expected = OWN_FILES[name]
     check(data, expected)
+
+
+def test_headings_that_share_a_line_are_repaired() -> None:
+    data = plain(("Frames: 4\nFrame Time: 0.0333333\n", "Frame Time: 0.0333333 Frames: 999\n"))
+    mended, notes = repair(decode(data))
+    assert "frames-mismatch" in {note.id for note in notes}
+    assert decode(mended).notes == ()
+
+
+def test_a_short_row_before_text_is_mended_by_itself() -> None:
+    # the words of row and text together are as many as a row has
+    data = plain(("9.90\n", "\nx\n"))
+    document = decode(data)
+    assert len(document.values) == 4
+    mended, _ = repair(document)
+    again = decode(mended)
+    assert again.notes == ()
+    np.testing.assert_allclose(again.values, document.values, atol=1e-9)

@@ -39,5 +39,5 @@ def consecutive(rows: Rows) -> list[tuple[int, int]]:
     columns = rows.values.shape[1]
     breaks = np.diff(rows.first) != columns
     if rows.width is not None:
-        breaks |= rows.width[1:] < columns
+        breaks |= (rows.width[1:] < columns) | (rows.width[:-1] < columns)
     return list(pairwise([0, *(np.flatnonzero(breaks) + 1).tolist(), len(rows.first)]))

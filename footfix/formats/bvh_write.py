@@ -32,19 +32,19 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> bytes:
         return text
     some = np.flatnonzero(np.any([change.frames for change in changed], axis=0))
     first, last = int(some[0]), int(some[-1])
-    pieces: list[bytes | memoryview] = []
-    done, view = 0, memoryview(text)
+    pieces, done = list[bytes | memoryview](), 0
     for frame, starts, ends in row_blocks(rows):
         if frame > last:
             break
         span = slice(frame, frame + len(starts))
         here = [change for change in changed if change.frames[span].any()] if span.stop > first else []
         if here and starts.shape[1] < rows.values.shape[1]:
-            pieces += [view[done : int(starts[0, 0])], _row_text(rows, frame, here)]
+            pieces += [text[done : int(starts[0, 0])], _row_text(rows, frame, here)]
             done = int(ends[0, -1])
         elif here:
-            done = _splice_block(view, rows, span, starts, ends, here, pieces, done)
-    pieces.append(view[done:])
+            piece, done = _splice_block(text, rows, span, starts, ends, here, done)
+            pieces.append(piece)
+    pieces.append(memoryview(text)[done:])
     return b"".join(pieces)
 
 
@@ -80,10 +80,9 @@ def row_blocks(rows: Rows) -> Iterator[RowBlock]:
 
 
 def _splice_block(
-    view: memoryview, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change],
-    pieces: list[bytes | memoryview], done: int,
-) -> int:  # fmt: skip
-    """Adds the text up to the end of the block's last new number to `pieces`; returns that place."""
+    text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int
+) -> tuple[bytes, int]:
+    """The text from `done` up to the end of the block's last new number, and that place."""
     columns = np.array([change.column for change in changed])
     mask = np.stack([change.frames[span] for change in changed], axis=1)
     values = np.stack([change.values[span] for change in changed], axis=1)
@@ -93,52 +92,48 @@ def _splice_block(
     mask &= np.abs(values - rows.values[span][:, columns]) > 0.5 * 10.0**-places
     used = np.flatnonzero(mask.any(axis=1))
     if not len(used):
-        return done
-    starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
+        return b"", done
+    if len(used) < len(starts):
+        starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
     gaps = (starts[:, 1:] - ends[:, :-1]).max(axis=0)
     joined = (np.diff(columns) == 1) & (gaps[columns[:-1]] <= _WIDEST_GAP)
-    groups = np.split(np.arange(len(columns)), np.flatnonzero(~joined) + 1)
-    froms, tos, texts = [], [], []
-    for group in groups:
+    new, bounds = list[list[bytes]](), list[Ints]()
+    for group in np.split(np.arange(len(columns)), np.flatnonzero(~joined) + 1):
         which = slice(int(columns[group[0]]), int(columns[group[-1]]) + 1)
-        run, lengths = _run_text(
-            rows, starts[:, which], ends[:, which], mask[:, group], values[:, group], places
-        )
-        cuts = np.concatenate([[0], np.cumsum(lengths)]).tolist()
-        run_view = memoryview(run)
-        texts.append([run_view[a:b] for a, b in pairwise(cuts)])
-        froms.append(starts[:, which.start])
-        tos.append(ends[:, which.stop - 1])
+        run = _run_text(rows, starts[:, which], ends[:, which], mask[:, group], values[:, group], places)
+        new.append(run)
+        bounds += [starts[:, which.start], ends[:, which.stop - 1]]
     # kept text, new numbers, kept text, new numbers, ... row by row
-    kept_from = np.stack(tos, axis=1).ravel()
-    kept_to = np.stack(froms, axis=1).ravel().tolist()
-    begins = [done, *kept_from[:-1].tolist()]
-    kept = [view[a:b] for a, b in zip(begins, kept_to, strict=True)]
-    new = chain.from_iterable(zip(*texts, strict=True))
-    pieces.extend(chain.from_iterable(zip(kept, new, strict=True)))
-    return int(kept_from[-1])
+    cuts = [done, *np.stack(bounds, axis=1).ravel().tolist()]
+    kept = [text[a:b] for a, b in zip(cuts[0:-1:2], cuts[1::2], strict=True)]
+    row_by_row = chain.from_iterable(zip(*new, strict=True))
+    return b"".join(chain.from_iterable(zip(kept, row_by_row, strict=True))), cuts[-1]
 
 
 def _run_text(
     rows: Rows, starts: Ints, ends: Ints, mask: Bools, values: Floats, places: int
-) -> tuple[bytes, Ints]:
-    """The text of neighbouring columns (rows, n), gaps and unchanged numbers as they were, and its length by row."""
+) -> list[bytes]:
+    """The text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
     count, n = starts.shape
     raw = np.frombuffer(rows.text, np.uint8)
     formatted = fixed(values[mask], places)
     if rows.comma:
         formatted[formatted == ord(".")] = ord(",")
-    sizes = ends - starts
-    wide = max(formatted.shape[1], int(sizes[~mask].max(initial=0)))
     gaps = starts[:, 1:] - ends[:, :-1]
-    gap = int(gaps.max(initial=0))
-    cells = np.zeros((count, n, wide + gap), dtype=np.uint8)
-    cells[:, :, : formatted.shape[1]][mask] = formatted
-    for k in range(int(sizes[~mask].max(initial=0))):
-        which = ~mask & (sizes > k)
-        cells[..., k][which] = raw[starts[which] + k]
+    sizes, gap = ends - starts, int(gaps.max(initial=0))
+    if mask.all():
+        cells = np.zeros((count, n, formatted.shape[1] + gap), dtype=np.uint8)
+        cells[:, :, : formatted.shape[1]] = formatted.reshape(count, n, -1)
+    else:
+        longest = int(sizes[~mask].max(initial=0))
+        cells = np.zeros((count, n, max(formatted.shape[1], longest) + gap), dtype=np.uint8)
+        cells[:, :, : formatted.shape[1]][mask] = formatted
+        for k in range(longest):
+            which = ~mask & (sizes > k)
+            cells[..., k][which] = raw[starts[which] + k]
     for k in range(gap):
         which = gaps > k
-        cells[:, :-1, wide + k][which] = raw[ends[:, :-1][which] + k]
-    lengths = np.count_nonzero(cells.reshape(count, -1), axis=1)
-    return cells.tobytes().translate(None, b"\0"), np.asarray(lengths)
+        cells[:, :-1, k - gap][which] = raw[ends[:, :-1][which] + k]
+    cuts = np.cumsum(np.count_nonzero(cells.reshape(count, -1), axis=1)).tolist()
+    run = cells.tobytes().translate(None, b"\0")
+    return [run[a:b] for a, b in pairwise([0, *cuts])]

@@ -140,8 +140,8 @@ def _headings(document: Document) -> list[bytes]:
     own = document.text[document.motion_at : document.rows.start].splitlines()
     times = [line.strip() for line in own if line.strip().lower().startswith(b"frame time:")]
     mended = {note.id for note in document.notes if note.id.startswith("frame-time-")} - {"frame-time-unusual"}
-    if times and not mended and b"," not in times[0]:
-        lines[2] = times[0]
+    if times and not mended and b"," not in times[0] and len(times[0].split()) > 2:
+        lines[2] = b" ".join(times[0].split()[:3])
     return lines
 
 
