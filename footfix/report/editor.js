@@ -146,7 +146,7 @@ function describe(timeline, frame, lane) {
   const contact = contacts.at(lane, at);
   const planted = !contact ? "free" : wishOf(contact) === "forbid" ? "contact forbidden"
     : `planted ${contact.start}–${contact.end}, ${wishOf(contact) === "force" ? "forced" : `confidence ${(contact.confidence ?? 1).toFixed(2)}`}`;
-  return `${head}: ${contacts.effectors[lane].name.replaceAll("_", " ")} ${planted}. `
+  return `${head}: ${named(contacts.effectors[lane])} ${planted}. `
     + `Height ${height("before")} → ${height("after")} cm, speed ${speed("before")} → ${speed("after")} cm/s`;
 }
 
@@ -171,7 +171,7 @@ class Editor {
         .map((name) => [name, part(name)]),
     );
     this.contacts.effectors.forEach((effector, lane) => {
-      this.parts.lane.append(new Option(effector.name.replaceAll("_", " "), String(lane)));
+      this.parts.lane.append(new Option(named(effector), String(lane)));
     });
     const act = (name, handler) => this.parts[name].addEventListener("click", handler);
     act("add", () => this.add());

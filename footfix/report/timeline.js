@@ -19,7 +19,7 @@ class Timeline {
     this.still = new Still(); // all but the playhead
     canvas.style.height = `${RULER + this.rows * (LANE + HEIGHT_PLOT + SPEED_PLOT + GAP) + 4}px`;
     this.tops = this.rangeTops();
-    this.measure(canvas.clientWidth);
+    [this.gutter, this.right] = [96, canvas.clientWidth - 12];
   }
 
   /** The top of the height and speed axes: near the floor, and over everything. */
@@ -33,16 +33,21 @@ class Timeline {
       }
       for (const speed of motion.speeds[when]) fast = Math.max(fast, speed);
     }
-    const near = { height: roundStep(motion.size.height * 0.13), speed: roundStep(motion.size.height * 0.7) };
+    const near = {
+      height: Math.max(roundStep(motion.size.height * 0.13), 2 * motion.lines.height),
+      speed: Math.max(roundStep(motion.size.height * 0.7), 2 * motion.lines.speed),
+    };
     near.bottom = Math.max(low, -near.height / 4);
     return { near, whole: { height: Math.max(high, 0.01), speed: Math.max(fast, 0.1), bottom: Math.min(low, 0) } };
   }
 
   // ---- places --------------------------------------------------------------------------------------
 
-  /** Where the curves begin and end; kept, since asking the page for a width is slow. */
-  measure(width) {
-    this.gutter = width < 560 ? 78 : 96;
+  /** Where the curves begin and end: right of the longest name. Kept, since to ask a page for sizes is slow. */
+  measure(context, theme, width) {
+    context.font = theme.strong;
+    const names = this.contacts.effectors.slice(0, this.rows).map((each) => context.measureText(named(each)).width);
+    this.gutter = Math.min(Math.max(width < 560 ? 74 : 96, ...names.map((each) => each + 14)), width * 0.35);
     this.right = width - 12;
   }
 
@@ -93,8 +98,10 @@ class Timeline {
   draw(theme) {
     this.keepPlayhead();
     const { context, width, height } = fit(this.canvas);
-    this.measure(width);
-    this.still.show(context, (still) => this.drawStill(still, theme));
+    this.still.show(context, (still) => {
+      this.measure(still, theme, width);
+      this.drawStill(still, theme);
+    });
     if (this.hover) this.line(context, this.hover.frame, theme.muted, 1, [2, 3], height);
     this.line(context, this.player.frame, theme.ink, 1.5, [], height);
     const x = this.x(this.player.frame);
@@ -164,13 +171,13 @@ class Timeline {
     context.textBaseline = "middle";
     context.font = theme.strong;
     context.fillStyle = sideColor(theme, effector);
-    context.fillText(shorten(context, effector.name.replaceAll("_", " "), this.gutter - 10), x, top + LANE / 2);
+    context.fillText(shorten(context, named(effector), this.gutter - 10), x, top + LANE / 2);
     context.font = theme.small;
     context.fillStyle = theme.muted;
     const wide = this.gutter > 90;
-    context.fillText(`${(height * 100).toPrecision(2)} cm`, x, top + LANE + 10);
+    context.fillText(`${Number((height * 100).toPrecision(2))} cm`, x, top + LANE + 10);
     context.fillText(wide ? "height" : "h", x, top + LANE + HEIGHT_PLOT / 2 + 6);
-    context.fillText(`${speed.toPrecision(2)} m/s`, x, top + LANE + HEIGHT_PLOT + 10);
+    context.fillText(`${Number(speed.toPrecision(2))} m/s`, x, top + LANE + HEIGHT_PLOT + 10);
     context.fillText(wide ? "speed" : "v", x, top + LANE + HEIGHT_PLOT + SPEED_PLOT - 5);
   }
 
@@ -197,7 +204,8 @@ class Timeline {
     const rise = (HEIGHT_PLOT - 6) / (height - bottom);
     const heightAt = (metres) => top + HEIGHT_PLOT - 2 - (metres - bottom) * rise;
     const speedAt = (value) => top + HEIGHT_PLOT + SPEED_PLOT - (value * (SPEED_PLOT - 4)) / speed;
-    const rule = (y, dash) => {
+    const rule = (y, dash, within = true) => {
+      if (!within) return;
       context.beginPath();
       context.moveTo(this.gutter, y);
       context.lineTo(this.right, y);
@@ -209,8 +217,8 @@ class Timeline {
     };
     rule(heightAt(0), []);
     rule(speedAt(0), []);
-    rule(heightAt(motion.lines.height), [1, 3]);
-    rule(speedAt(motion.lines.speed), [1, 3]);
+    rule(heightAt(motion.lines.height), [1, 3], motion.lines.height <= height);
+    rule(speedAt(motion.lines.speed), [1, 3], motion.lines.speed <= speed);
     const lanes = motion.soles.length;
     for (const when of ["before", "after"]) {
       const color = when === "before" ? theme.was : this.color(theme, lane);
@@ -289,6 +297,11 @@ class Timeline {
     const contact = this.contacts.at(lane, Math.floor(this.frameAt(x)));
     return contact ? { kind: "bar", lane, contact } : { kind: "empty", lane };
   }
+}
+
+/** The name of an effector as people read it. */
+function named(effector) {
+  return effector.name.replaceAll("_", " ");
 }
 
 /** A text cut with an ellipsis where it is too wide. */

@@ -70,7 +70,7 @@ class Viewer {
   plantedNow() {
     const { contacts, player } = this;
     const planted = contacts.effectors.filter((_, lane) => contacts.planted(lane, player.frame));
-    return planted.length ? `: planted ${planted.map((each) => each.name.replaceAll("_", " ")).join(", ")}` : ": no contact";
+    return planted.length ? `: planted ${planted.map(named).join(", ")}` : ": no contact";
   }
 
   say(words) {
