@@ -6,7 +6,7 @@ for by the scheduler itself: it gives the clip to another one, and gives up afte
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from footfix.batch.processes import Stop, Work
@@ -46,40 +46,55 @@ def _connect(address: str) -> Any:
 def _feed(
     client: Any, work: Work, tasks: Sequence[Task], stop: Stop, starting: Callable[[int], None]
 ) -> Iterator[tuple[int, FileResult]]:
+    threads = max(sum(client.nthreads().values()), 1)
+    suspects: list[int] = []
+    for index, future in _ended(client, work, tasks, range(len(tasks)), _AHEAD * threads, stop, starting):
+        if _was_lost(future):
+            suspects.append(index)
+        else:
+            yield index, _result(future, tasks[index])
+    # With a worker go the clips that only waited there. One at a time, each answers for itself alone.
+    for index, future in _ended(client, work, tasks, suspects, 1, stop, lambda index: None):
+        yield index, _result(future, tasks[index])
+
+
+def _ended(
+    client: Any, work: Work, tasks: Sequence[Task], order: Iterable[int], ahead: int, stop: Stop,
+    starting: Callable[[int], None],
+) -> Iterator[tuple[int, Any]]:  # fmt: skip
+    """Submits tasks, `ahead` of them at a time, and gives each one's future when it has ended."""
     import distributed
 
     dask: Any = distributed
-    at_work: dict[Any, int] = {}
-    waiting = iter(enumerate(tasks))
-    ended = dask.as_completed([], with_results=False, raise_errors=False)
+    waiting, at_work = iter(order), {}
+    ended = dask.as_completed([], loop=client.loop, raise_errors=False)
 
-    def submit() -> bool:
-        index, task = next(waiting, (-1, None))
-        if task is None or stop.soon:
-            return False
-        starting(index)
-        # the same work twice gives the same bytes, each file whole: a second try is safe
-        future = client.submit(work, task, pure=False, retries=0)
-        at_work[future] = index
-        ended.add(future)
-        return True
+    def submit() -> None:
+        index = None if stop.soon else next(waiting, None)
+        if index is not None:
+            starting(index)
+            # the same work twice gives the same bytes, each file whole: that workers are made up for is safe
+            future = client.submit(work, tasks[index], pure=False)
+            at_work[future] = index
+            ended.add(future)
 
-    threads = sum(client.nthreads().values())
-    for _ in range(max(_AHEAD * threads, 2)):
-        if not submit():
-            break
+    for _ in range(ahead):
+        submit()
     while at_work:
         future = next(ended)
-        index = at_work.pop(future)
-        yield index, _result(future, tasks[index])
+        yield at_work.pop(future), future
         submit()
+
+
+def _was_lost(future: Any) -> bool:
+    return future.status == "error" and type(future.exception()).__name__ == "KilledWorker"
 
 
 def _result(future: Any, task: Task) -> FileResult:
     if future.status == "finished":
         result: FileResult = future.result()
         return result
-    error = future.exception() if future.status == "error" else None
-    lost = type(error).__name__ == "KilledWorker"
-    why = "its workers were lost, one after the other" if lost else f"the cluster gave it up ({error or future.status})"
+    why = f"the cluster gave it up ({future.exception() if future.status == 'error' else future.status})"
+    if _was_lost(future):
+        why = "its workers were lost, one after the other"
     return FileResult(task.job.source, "failed", error=f"{task.job.source}: {why}")

@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -138,10 +139,12 @@ def _guarded(task: Task, work: Any) -> FileResult:
 
 
 def _read(task: Task) -> bytes:
+    from footfix.formats.bvh import glance
+
     source = task.job.source
     path = source if source == STDIN else str(Path(task.folder, source))
     try:
-        return read_whole(path, task.settings.limits.bytes)
+        return read_whole(path, task.settings.limits.bytes, partial(glance, limits=task.settings.limits))
     except InputError as error:
         raise error.within(source) from None
 
