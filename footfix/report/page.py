@@ -20,8 +20,8 @@ from footfix.report.verdict import Report, judge, source_name
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "player.js", "camera.js", "figure.js", "stage.js", "orbit.js", "contacts.js", "bars.js",
-    "timeline.js", "editor.js", "table.js", "plants.js", "paths.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "stage.js", "orbit.js", "contacts.js",
+    "bars.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "viewer.js",
 )  # fmt: skip
 
 

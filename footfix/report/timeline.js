@@ -89,7 +89,9 @@ class Timeline {
   keepPlayhead() {
     const [from, to] = this.window;
     const { frame } = this.player;
-    if (this.draft || (frame >= from && frame <= to)) return;
+    const moved = frame !== this.kept; // one who looks elsewhere while it stands is left alone
+    this.kept = frame;
+    if (!moved || this.draft || (frame >= from && frame <= to)) return;
     this.zoomTo(frame - (to - from) * 0.1, frame + (to - from) * 0.9);
   }
 
@@ -105,6 +107,7 @@ class Timeline {
     if (this.hover) this.line(context, this.hover.frame, theme.muted, 1, [2, 3], height);
     this.line(context, this.player.frame, theme.ink, 1.5, [], height);
     const x = this.x(this.player.frame);
+    if (x < this.gutter - 1 || x > this.right + 1) return;
     context.beginPath();
     context.moveTo(x - 6, RULER - 12);
     context.lineTo(x + 6, RULER - 12);
@@ -289,7 +292,9 @@ class Timeline {
     const nearest = { distance: grip };
     for (const contact of this.contacts.lanes[lane]) {
       for (const end of ["start", "end"]) {
-        const distance = Math.abs(this.x(contact[end]) - x);
+        // Where two bars touch, the one that is chosen comes first.
+        const chosen = this.contacts.selection?.contact === contact;
+        const distance = Math.abs(this.x(contact[end]) - x) - (chosen ? 2 : 0);
         if (distance < nearest.distance) Object.assign(nearest, { distance, contact, end });
       }
     }
@@ -297,11 +302,6 @@ class Timeline {
     const contact = this.contacts.at(lane, Math.floor(this.frameAt(x)));
     return contact ? { kind: "bar", lane, contact } : { kind: "empty", lane };
   }
-}
-
-/** The name of an effector as people read it. */
-function named(effector) {
-  return effector.name.replaceAll("_", " ");
 }
 
 /** A text cut with an ellipsis where it is too wide. */

@@ -1,0 +1,28 @@
+// What the page says in words.
+
+/** The name of an effector as people read it. */
+function named(effector) {
+  return effector.name.replaceAll("_", " ");
+}
+
+/** What the curves say at a frame, in words. */
+function describe(timeline, frame, lane) {
+  const { motion, contacts } = timeline;
+  const index = Math.max(0, Math.min(motion.shown - 1, Math.round(frame / motion.step)));
+  const at = index * motion.step;
+  const head = `Frame ${at}, ${(at * motion.frameTime).toFixed(2)} s`;
+  if (lane === null) return head;
+  const lanes = motion.soles.length;
+  const height = (when) => ((motion.points[when][(index * lanes + lane) * 3 + 1] - motion.floor) * 100).toFixed(1);
+  const speed = (when) => (motion.speeds[when][index * lanes + lane] * 100).toFixed(0);
+  return `${head}: ${named(contacts.effectors[lane])} ${inWords(contacts.at(lane, at))}. `
+    + `Height ${height("before")} → ${height("after")} cm, speed ${speed("before")} → ${speed("after")} cm/s`;
+}
+
+function inWords(contact) {
+  if (!contact) return "free";
+  const wish = wishOf(contact);
+  if (wish === "forbid") return "contact forbidden";
+  const certain = wish === "force" ? "forced" : `confidence ${(contact.confidence ?? 1).toFixed(2)}`;
+  return `planted ${contact.start}–${contact.end}, ${certain}`;
+}
