@@ -5,16 +5,27 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from footfix.errors import InputError, OutputError
 
 STDIN = "-"
+_HEAD = 1 << 26  # [bytes] read before anything else
+_PART = 1 << 30  # [bytes] read together
 
 
-def read_whole(path: str | os.PathLike[str], most_bytes: int) -> bytes:
+def read_whole(
+    path: str | os.PathLike[str], most_bytes: int, glance: Callable[[bytes], None] | None = None
+) -> bytes:
     """The bytes of a file, or of standard input for "-".
+
+    Args:
+        path: which file.
+        most_bytes: more are refused.
+        glance: looks at the first bytes of a large file, and raises where the rest is not worth reading.
 
     Raises:
         InputError: it can't be read, or is larger than allowed; no more than that is ever held.
@@ -22,10 +33,10 @@ def read_whole(path: str | os.PathLike[str], most_bytes: int) -> bytes:
     name = os.fspath(path)
     try:
         if name == STDIN:
-            data = sys.stdin.buffer.read(most_bytes + 1)
+            data = _read(sys.stdin.buffer, most_bytes, glance)
         else:
             with open(name, "rb") as file:  # noqa: PTH123  # a name of any bytes, as the system gave it
-                data = file.read(most_bytes + 1)
+                data = _read(file, most_bytes, glance)
     except OSError as error:
         raise InputError(f"can't be read: {error.strerror or error}", file=name) from None
     if len(data) > most_bytes:
@@ -33,6 +44,22 @@ def read_whole(path: str | os.PathLike[str], most_bytes: int) -> bytes:
             f"larger than {most_bytes / 1e6:,.0f} MB", file=name, hint="limits.bytes allows more"
         )  # fmt: skip
     return data
+
+
+def _read(file: BinaryIO, most_bytes: int, glance: Callable[[bytes], None] | None) -> bytes:
+    """Up to one byte more than `most_bytes`; sets aside no more memory than the file says it needs."""
+    try:
+        size = os.fstat(file.fileno()).st_size
+    except OSError:
+        size = 0  # no file of the system
+    parts = [file.read(_HEAD)]
+    if len(parts[0]) == _HEAD and glance is not None:
+        glance(parts[0])
+    read = len(parts[0])
+    while parts[-1] and read <= most_bytes:
+        parts.append(file.read(min(max(size - read, 0), most_bytes - read, _PART) + 1))
+        read += len(parts[-1])
+    return parts[0] if read == len(parts[0]) else b"".join(parts)
 
 
 def write_whole(path: Path, data: bytes, *, tag: str = "run") -> None:

@@ -6,6 +6,7 @@ it, and every assumption is a note; what has no meaning is refused, saying where
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,15 +20,16 @@ from footfix.formats.bvh_hierarchy import read_hierarchy
 from footfix.formats.bvh_motion import read_headings, read_rows
 from footfix.formats.bvh_numbers import number
 from footfix.formats.bvh_rows import Rows
-from footfix.formats.bvh_text import Cursor, Limits, Notes, unmask
+from footfix.formats.bvh_text import Cursor, Limits, Notes, refuse_strangers, unmask
 from footfix.formats.bvh_tree import Channel, Hierarchy
 from footfix.formats.bvh_write import splice
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.notes import Note
 
-__all__ = ["Document", "Limits", "compose", "decode", "encode"]
+__all__ = ["Document", "Limits", "compose", "decode", "encode", "glance"]
 
 _LIMITS = Limits()
+_MOTION = re.compile(rb"motion|frame", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +119,22 @@ def decode(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document
         return _decode(data, name, limits)
     except InputError as error:
         raise (error.within(name) if name and not error.file else error) from None
+
+
+def glance(head: bytes, *, limits: Limits = _LIMITS) -> None:
+    """Looks at the first bytes of a large file, so that gigabytes of something else need not be read.
+
+    Args:
+        head: the first bytes.
+        limits: if there are as many as a header may have, the motion must have begun in them.
+
+    Raises:
+        InputError: whatever follows, it will be refused.
+    """
+    refuse_strangers(head)
+    wide = head.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if len(head) >= limits.header and not wide and not _MOTION.search(head):
+        raise InputError(f"there is no MOTION in the first {limits.header} bytes", hint="limits.header allows more")
 
 
 def encode(document: Document, clip: Clip | None = None) -> bytes:

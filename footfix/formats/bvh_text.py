@@ -33,6 +33,18 @@ _STRANGERS = (
 )
 
 
+def refuse_strangers(head: bytes) -> None:
+    """Names what is found under the name of a BVH and is none, by its first bytes.
+
+    Raises:
+        InputError: it is one of those.
+    """
+    start_of_text = head[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    for start, what, hint in _STRANGERS:
+        if start_of_text[: len(start)].lower() == start.lower():
+            raise InputError(what, hint=hint)
+
+
 def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
     """The text of a file as bytes that words can be found in, and the encoding to give it back in.
 
@@ -46,18 +58,16 @@ def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
     Raises:
         InputError: it is empty, or something else than BVH.
     """
-    if not data.strip(b"\0 \t\r\n\x1a"):
+    blank = b"\0 \t\r\n\x1a"
+    if not data[:4096].strip(blank) and not data.strip(blank):  # stripping copies: not what is large and sound
         what = "the file is empty" if not data else "the file holds nothing but blanks"
         raise InputError(what, hint="export or download it again")
-    head = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    for start, what, hint in _STRANGERS:
-        if head[: len(start)].lower() == start.lower():
-            raise InputError(what, hint=hint)
+    refuse_strangers(data)
     for bom, encoding in ((b"\xff\xfe\0\0", "utf-32"), (b"\0\0\xfe\xff", "utf-32"),
                           (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be")):  # fmt: skip
         if data.startswith(bom):
             return _from_wide(data, encoding, notes), encoding
-    if head[1:2] == b"\0" and head[3:4] == b"\0" and head[:1].isalpha():
+    if data[1:2] == b"\0" and data[3:4] == b"\0" and data[:1].isalpha():
         return _from_wide(data, "utf-16-le", notes), "utf-16-le"
     control = len(data[:1024].translate(None, bytes(range(32, 256)) + b"\t\n\v\f\r\x1a"))
     if control > 16 and b"HIERARCHY" not in data[:1024].upper():
