@@ -136,6 +136,7 @@ def hung(clip: Clip, parent: str, chain: Sequence[tuple[str, tuple[float, float,
         offsets=np.concatenate([skeleton.offsets, offsets]),
         end_parents=skeleton.end_parents,
         end_offsets=skeleton.end_offsets,
+        translates=np.concatenate([skeleton.translates, np.zeros(len(chain), bool)]),
     )
     positions = np.concatenate([clip.positions, np.tile(offsets, (frames, 1, 1))], axis=1)
     turns = np.concatenate([clip.rotations, rotation.identity((frames, len(chain)))], axis=1)

@@ -264,6 +264,33 @@ def test_the_root_is_what_carries_the_figure() -> None:
     assert find_rig(_headed(clip, clip.positions[:, 0], moves=True)).root == 0  # only the upper one does
 
 
+@pytest.mark.parametrize("named", [True, False])
+def test_ik_bones_beside_the_pelvis(named: bool) -> None:
+    clip = walk().clip
+    on_floor = clip.positions[:, 0] * [1.0, 0.0, 1.0]
+    larger = _headed(clip, on_floor, moves=True)
+    for part, place in (("foot", (0.1, 0.1, 0.0)), ("hand", (0.6, 1.4, 0.0))):
+        larger = hung(larger, "Reference", [(f"ik_{part}_root", (0.0, 0.0, 0.0)), (f"ik_{part}_l", place)])
+        larger = hung(larger, f"ik_{part}_root", [(f"ik_{part}_r", (-place[0], *place[1:]))])
+    rig = find_rig(larger if named else nameless(larger))
+    assert {leg.ankle for leg in rig.legs} == {1 + leg[3] for leg in known_legs(clip)}
+    assert rig.root == 1
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_leg_that_is_there_twice_is_taken_with_its_foot(named: bool) -> None:
+    clip = walk().clip
+    larger = clip
+    for side in ("Left", "Right"):
+        own = [clip.skeleton.names.index(f"{side}{part}") for part in ("UpLeg", "Leg", "Foot")]
+        chain = [(f"{clip.skeleton.names[j]}D", tuple(clip.skeleton.offsets[j].tolist())) for j in own]
+        larger = hung(larger, "Hips", chain)
+        turns = larger.rotations.copy()
+        turns[:, -3:] = clip.rotations[:, own]
+        larger = Clip(larger.skeleton, larger.positions, turns, larger.frame_time)
+    assert legs(find_rig(larger if named else nameless(larger))) == known_legs(clip)
+
+
 def test_each_figure_of_a_file_has_its_rig() -> None:
     clip = walk().clip
     both = together(clip, walk("turn").clip.frames(slice(0, len(clip))), (2.0, 0.0, 0.0))

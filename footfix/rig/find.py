@@ -213,15 +213,14 @@ def _floor(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float
 
 
 def _carrier(seen: Sample, figure: Figure) -> int:
-    """The joint nearest to the pelvis that translates the whole figure."""
-    skeleton = seen.skeleton
-    whole = len(seen.below(figure.root))
-    way = skeleton.ancestors(figure.pelvis)
+    """The joint nearest to the pelvis that translates the whole figure, and not its legs alone."""
+    legs = {joint for limb in figure.limbs for joint in seen.below(limb.branch)}
+    rest = set(seen.below(figure.root)) - legs
+    way = seen.skeleton.ancestors(figure.pelvis)
     able = [
         joint
-        for joint in way
-        if skeleton.translates[joint] and len(seen.below(joint)) + len(skeleton.ancestors(joint)) > 0.8 * whole
+        for place, joint in enumerate(way)
+        if seen.skeleton.translates[joint] and len(rest & set(seen.below(joint))) + len(way) - place > 0.5 * len(rest)
     ]
-    travel = {joint: float(np.ptp(seen.local[:, joint], axis=0).max()) for joint in able}
-    moving = [joint for joint in able if travel[joint] > 0.005 * figure.length]
+    moving = [joint for joint in able if seen.travel[joint] > 0.005 * figure.length]
     return (moving or able or [figure.root])[0]

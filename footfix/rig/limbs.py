@@ -74,7 +74,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
         return []
     found = []
     for pelvis in figure:
-        branches = [c for c in skeleton.children[pelvis] if sample.reach[c] > 0.15 * size]
+        branches = [c for c in skeleton.children[pelvis] if sample.reach[c] > 0.1 * size]
         if len(branches) < 2:
             continue
         candidates = {c: _limbs(sample, pelvis, c, size) for c in branches}
@@ -89,10 +89,8 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
     if not found:
         return []
     longest = max(pair.length for pair in found if pair.score > max(p.score for p in found) - 8.0)
-    fork = root
-    while len(sample.skeleton.children[fork]) == 1:
-        fork = sample.skeleton.children[fork][0]  # a reference or simulation bone above the hips is no body
-    away = {pair.pelvis: _way(sample, fork, pair.pelvis) for pair in found}
+    fork = _fork(sample, root)
+    away = {pair.pelvis: _way(sample, fork, size, pair.pelvis) for pair in found}
     judged = [
         replace(
             pair,
@@ -103,8 +101,24 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
     return sorted(judged, key=lambda pair: -pair.score)
 
 
-def _way(sample: Sample, root: int, joint: int) -> float:
-    return float(sum(sample.bones[j] for j in sample.skeleton.ancestors(joint) if j != root))
+def _fork(sample: Sample, root: int) -> int:
+    """The joint at which a body begins: below reference and simulation bones, past what hangs beside it."""
+    while True:
+        total = sum(sample.bones[list(sample.below(root)[1:])])
+        for child in sample.skeleton.children[root]:
+            if sum(sample.bones[list(sample.below(child)[1:])]) > 0.8 * (total - sample.bones[child]) > 0.0:
+                root = child
+                break
+        else:
+            return root
+
+
+def _way(sample: Sample, fork: int, size: float, joint: int) -> float:
+    """How far a joint is along the bones from what carries the body: a joint that travels, or where it begins."""
+    above = sample.skeleton.ancestors(joint)
+    travellers = [place for place, each in enumerate(above) if sample.travel[each] > 0.003 * size]
+    last = travellers[0] if travellers else above.index(fork) if fork in above else len(above) - 1
+    return float(sum(sample.bones[each] for each in above[:last]))
 
 
 def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
@@ -113,7 +127,7 @@ def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
     stack: list[tuple[int, tuple[int, ...], tuple[float, ...]]] = [(branch, (branch,), (0.0,))]
     while stack:
         joint, path, way = stack.pop()
-        if len(path) >= 3 and way[-1] > 0.1 * size:
+        if len(path) >= 3 and way[-1] > 0.07 * size:
             found += _split(sample, branch, path, way)
         if len(path) < 16:
             for child in sample.skeleton.children[joint]:

@@ -13,7 +13,7 @@ _PARTS = {
     "heel": r"heel|calcane|かかと|踵",
     "ankle": r"ankle|foot|feet|hoof|paw$|足首|脚踝|脚腕|hock",
     "knee": r"knee|shin|calf|crus|lo(w|wer)?leg|legl(o|ow|ower)$|tibia|ひざ|膝|小腿|すね",
-    "thigh": r"thigh|upp?(er)?leg|legup(per)?$|femur|大腿|太もも|もも|hip$|股",
+    "thigh": r"thigh|upp?(er)?leg|legup(per)?$|femur|大腿|太もも|もも|hip$|hip(pitch|yaw|roll)|股",
     "leg": r"leg|足|脚|腿",
     "arm": r"arm|hand|wrist|elbow|should|shldr|clav|collar|finger|thumb|humer|radius|ulna|scap|palm|pinky|pinkie"
     r"|index|middle|ring\d*|metacarp|carpal|wing|腕|手|肩|ひじ|肘|指|鎖骨",

@@ -49,6 +49,11 @@ class Sample:
         return tuple(sorted(found))
 
     @cached_property
+    def travel(self) -> Floats:
+        """(J,) how far each joint moves in its parent's frame, 0 for those that only turn."""
+        return np.asarray(np.ptp(self.local, axis=0).max(axis=-1) * self.skeleton.translates)
+
+    @cached_property
     def reach(self) -> Floats:
         """(J,) the longest way along bones from each joint down to a tip."""
         skeleton = self.skeleton
