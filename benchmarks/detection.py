@@ -112,8 +112,8 @@ def read_clip(path: Path) -> Clip:
     return document.placed(unit_m=seen.unit_m, up=seen.up).clip
 
 
-def truths(folder: Path) -> Iterator[tuple[str, Known, Tracks]]:
-    """The clips of a truth folder: name, what is known, tracks by our own rig."""
+def truths(folder: Path) -> Iterator[tuple[str, str, Known, Tracks]]:
+    """The clips of a truth folder: name, subject, what is known, tracks by our own rig."""
     kinds = {}
     if (folder / "manifest.csv").exists():
         with (folder / "manifest.csv").open(newline="", encoding="utf-8") as rows:
@@ -122,7 +122,7 @@ def truths(folder: Path) -> Iterator[tuple[str, Known, Tracks]]:
         truth = json.loads(path.with_suffix(".truth.json").read_text(encoding="utf-8"))
         clip = read_clip(path)
         kind = kinds.get(path.stem, truth["activity"])
-        yield path.stem, known_of(truth, kind), tracks_of(clip, find_rig(clip))
+        yield path.stem, truth["subject"], known_of(truth, kind), tracks_of(clip, find_rig(clip))
 
 
 def known_of(truth: dict[str, Any], kind: str) -> Known:
@@ -161,7 +161,7 @@ def _by_rule(rule: Callable[[Tracks], Bools], tracks: Tracks) -> Finding:
 def against_plates(folder: Path) -> dict[str, Table]:
     """A table for each detector."""
     tables: dict[str, Table] = defaultdict(Table)
-    for _, truth, tracks in truths(folder):
+    for _, _, truth, tracks in truths(folder):
         for name, detector in detectors().items():
             tables[name].add(truth, detector(tracks), tracks.frame_time)
     return tables

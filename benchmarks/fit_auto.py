@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import argparse
 import zlib
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from detection import Table, truths
-from fit_network import FitParams, Moments, fit_by_committee, module, rounded
+from fit_network import Batch, FitParams, Moments, fit_by_committee, module, rounded
 from fit_takes import Take, made, recorded
 from fit_variants import variant
 
@@ -29,46 +30,60 @@ WALKERS, WALKER_VARIANTS, WALKER_WEIGHT = 300, 2, 0.25
 FITTED = Path(__file__).resolve().parent.parent / "footfix" / "detect" / "fitted.py"
 
 
-def moments(takes: list[Take], bare: list[Take], walkers: list[Take]) -> Moments:
-    """All variants of some takes, as what a network is fitted to."""
-    all_of = Moments()
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One foot of one variant of a take: its curves (n, columns), allowed states (n, 4), and how much it counts."""
+
+    subject: str
+    curves: Batch
+    allowed: Batch
+    weight: float
+
+
+def pieces(folder: Path) -> list[Piece]:
+    """All variants of all takes and walkers."""
+    takes, bare = recorded(folder), recorded(folder, toes=False)
+    all_of: list[Piece] = []
     for take, toeless in zip(takes, bare, strict=True):
         for k in range(VARIANTS):
             random = np.random.default_rng([zlib.crc32(take.name.encode()), k]) if k else None
-            _add(all_of, toeless if k % 6 == 5 else take, random, 1.0)
-    for n, take in enumerate(walkers):
+            all_of += _pieces(toeless if k % 6 == 5 else take, random, 1.0)
+    for n, take in enumerate(made(WALKERS, 1)):
         for k in range(WALKER_VARIANTS):
-            _add(all_of, take, np.random.default_rng([1, n, k]), WALKER_WEIGHT)
+            all_of += _pieces(take, np.random.default_rng([1, n, k]), WALKER_WEIGHT)
     return all_of
 
 
-def _add(all_of: Moments, take: Take, random: np.random.Generator | None, weight: float) -> None:
+def _pieces(take: Take, random: np.random.Generator | None, weight: float) -> list[Piece]:
     curves, allowed, share = variant(take, random)
-    for k in (0, 1):
-        all_of.add(curves[k].astype(np.float32), allowed[:, k].astype(np.float32), weight * share)
+    return [
+        Piece(take.subject, curves[k].astype(np.float32), allowed[:, k].astype(np.float32), weight * share)
+        for k in (0, 1)
+    ]
 
 
 def fold(subject: str) -> int:
-    """The part a subject belongs to, by name, so that more takes change no split."""
-    return zlib.crc32(subject.encode()) % FOLDS
+    """The part a subject belongs to, by name, so that more takes change no split; walkers are in none."""
+    return -1 if subject == "walker" else zlib.crc32(subject.encode()) % FOLDS
 
 
-def fitted_without(part: int | None, takes: list[Take], bare: list[Take], walkers: list[Take]) -> Network:
+def fitted_without(part: int | None, all_of: list[Piece]) -> Network:
     """The network fitted to all subjects but those of one part."""
-    chosen = [k for k, take in enumerate(takes) if fold(take.subject) != part]
-    all_of = moments([takes[k] for k in chosen], [bare[k] for k in chosen], walkers)
-    return rounded(fit_by_committee(all_of, FitParams(), FOLDS if part is None else part))
+    moments = Moments()
+    for piece in all_of:
+        if fold(piece.subject) != part:
+            moments.add(piece.curves, piece.allowed, piece.weight)
+    return rounded(fit_by_committee(moments, FitParams(), FOLDS if part is None else part))
 
 
 def cross_validated(folder: Path) -> Table:
     """Each take judged by a network that has not seen its subject."""
-    takes, bare, walkers = recorded(folder), recorded(folder, toes=False), made(WALKERS, 1)
-    subjects = {take.name: take.subject for take in takes}
+    all_of = pieces(folder)
     table = Table()
     for part in range(FOLDS):
-        network = fitted_without(part, takes, bare, walkers)
-        for name, truth, tracks in truths(folder):
-            if fold(subjects[name]) == part:
+        network = fitted_without(part, all_of)
+        for _, subject, truth, tracks in truths(folder):
+            if fold(subject) == part:
                 table.add(truth, auto(tracks, AutoParams(), network), tracks.frame_time)
         print(f"part {part + 1} of {FOLDS} judged", flush=True)
     return table
@@ -84,13 +99,13 @@ def main() -> None:
     if asked.cross:
         print("\n".join(cross_validated(asked.truth).rows()))
     if asked.write:
-        takes, bare, walkers = recorded(asked.truth), recorded(asked.truth, toes=False), made(WALKERS, 1)
-        network = fitted_without(None, takes, bare, walkers)
+        all_of = pieces(asked.truth)
+        people = {piece.subject for piece in all_of} - {"walker"}
         said = (
-            f"Fitted to {len(takes)} takes of {len({take.subject for take in takes})} people over force plates and\n"
-            f"{len(walkers)} made walkers, each in several variants."
+            f"Fitted to takes of {len(people)} people over force plates and to {WALKERS} made walkers, each in\n"
+            "several variants."
         )
-        FITTED.write_bytes(module(network, said).encode())
+        FITTED.write_bytes(module(fitted_without(None, all_of), said).encode())
 
 
 if __name__ == "__main__":

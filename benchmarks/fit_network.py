@@ -84,6 +84,12 @@ class Numbers:
         e = np.exp(z - z.max(axis=1, keepdims=True))
         return first, second, e / e.sum(axis=1, keepdims=True)
 
+    def over(self, curves: Batch) -> Batch:
+        """The probabilities (n, 4) over a piece of evidence."""
+        seen = np.pad((curves - self.mean) / self.spread, ((PAD, PAD), (0, 0)), mode="edge")
+        at = np.arange(len(curves))[:, None] + PAD + self.taps
+        return self.answer(seen[at].reshape(len(curves), -1))[2]
+
     def network(self) -> Network:
         a = {name: array.astype(np.float64) for name, array in self.arrays.items()}
         hidden = a.pop("hidden").reshape(len(self.taps), len(self.mean), -1)
@@ -154,13 +160,13 @@ def _gradients(numbers: Numbers, seen: Batch, target: Batch, weight: Batch) -> d
 
 def fit_by_committee(moments: Moments, params: FitParams, seed: int) -> Network:
     """The network that is kept: it learns from what a committee says, and from the truth."""
-    committee = [fit(moments, params, 1000 * seed + k).network() for k in range(params.committee)]
+    committee = [fit(moments, params, 1000 * seed + k) for k in range(params.committee)]
     taught = Moments()
     for piece, target, place, weight in zip(
         moments.pieces, moments.targets, _relative(moments), moments.weights, strict=True
     ):
         curves = piece[PAD:-PAD]
-        said = np.mean([each.logits(curves.astype(np.float64)) for each in committee], axis=0)
+        said = np.mean([np.log(each.over(curves) + 1e-9) for each in committee], axis=0)
         said = np.exp(said) / np.exp(said).sum(axis=1, keepdims=True)
         known = said[place] * target
         said[place] = 0.5 * said[place] + 0.5 * known / (known.sum(axis=1, keepdims=True) + 1e-9)

@@ -71,7 +71,7 @@ def _shift(take: Take, rate: float, random: Random) -> Floats:
     times = np.arange(count) / rate
     shift = np.zeros((count, 3))
     if random.random() < 0.35:  # the root's way scaled, as by a retarget
-        shift += (random.uniform(0.75, 1.25) - 1.0) * take.pelvis * level
+        shift += (random.uniform(0.75, 1.25) - 1.0) * take.pelvis * (level if random.random() < 0.5 else 1.0)
     if random.random() < 0.35:
         shift[:, ::2] += random.normal(0.0, 0.08, 2) * times[:, None]
     if random.random() < 0.25:
@@ -110,7 +110,8 @@ def with_wrong_soles(take: Take, random: Random) -> Take:
     up = np.cross(np.cross(along, [0.0, 1.0, 0.0]), along)
     up = up / (np.linalg.norm(up, axis=-1, keepdims=True) + 1e-9)
     off = [
-        along * random.normal(0.0, 0.025, (1, 2, 1)) + up * random.normal(0.0, 0.008, (1, 2, 1)) for _ in range(2)
+        along * random.normal(0.0, 0.025, (1, 2, 1)) + up * random.normal(0.0, deviation, (1, 2, 1))
+        for deviation in (0.013, 0.007)
     ]
     return replace(take, heel=take.heel + off[0], toe=take.toe + off[1])
 

@@ -13,6 +13,7 @@ from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, stretches
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +23,7 @@ class AutoParams:
     Args:
         switch: nats that a landing or a leaving costs; dearer means fewer and longer contacts.
         roll: nats that a change between heel, flat and toe costs.
+        certainty: log odds of a contact that is as likely as not, and what each nat of the network's own adds.
         chunk: [s] of the clip that are weighed at a time; bounds memory, changes nothing.
         evidence: how evidence is sampled.
         doubts: when to tell what is doubtful.
@@ -29,6 +31,7 @@ class AutoParams:
 
     switch: float = 3.0
     roll: float = 2.0
+    certainty: tuple[float, float] = (0.0, 1.0)
     chunk: float = 120.0
     evidence: EvidenceParams = field(default_factory=EvidenceParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
@@ -44,8 +47,12 @@ def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Find
     columns: list[Bools] = []
     sure: list[Floats] = []
     for answer in answers:
-        columns += masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
-        sure += _sure(answer, len(tracks), per_frame)
+        parts = masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
+        columns += parts
+        sure += [
+            confidence(part, p, params)
+            for part, p in zip(parts, _parts(answer, len(tracks), per_frame), strict=True)
+        ]
     notes = frame_rate(tracks, params.doubts)
     for foot, answer in zip(tracks.feet, answers, strict=True):
         planted = np.interp(np.arange(len(tracks)) * per_frame, np.arange(len(answer)), _planted(answer))
@@ -69,7 +76,21 @@ def logits(tracks: Tracks, params: AutoParams, network: Network) -> tuple[Floats
     return tuple(np.concatenate(answer) for answer in answers)
 
 
-def _sure(answer: Floats, frames: int, per_frame: float) -> tuple[Floats, Floats]:
+def confidence(mask: Bools, probability: Floats, params: AutoParams) -> Floats:
+    """How likely each contact is right, at all of its frames (F,); 0 elsewhere.
+
+    A network is surer of itself than it should be, so the log odds of its mean probability over the contact are
+    scaled to how often such contacts of people it had not seen were right.
+    """
+    out = np.zeros(len(mask))
+    for a, b in runs(mask):
+        mean = float(np.clip(probability[a:b].mean(), 1e-3, 1.0 - 1e-3))
+        odds = params.certainty[0] + params.certainty[1] * np.log(mean / (1.0 - mean))
+        out[a:b] = 1.0 / (1.0 + np.exp(-odds))
+    return out
+
+
+def _parts(answer: Floats, frames: int, per_frame: float) -> tuple[Floats, Floats]:
     """Probability (F,) that the heel is in contact at each frame, and the toe."""
     at, grid = np.arange(frames) * per_frame, np.arange(len(answer))
     p = np.exp(answer)
