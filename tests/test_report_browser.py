@@ -159,7 +159,7 @@ def test_the_timeline_tells_values_and_jumps(page: Page) -> None:
     x = left + 96 + (width - 108) * 45 / FRAMES
     page.hover(x, top + 24 + 30)
     readout = page.run("document.querySelector('#readout').textContent")
-    assert readout.startswith("Frame 45, 0.38 s: left heel planted 20–70, forced. Height ")
+    assert readout.startswith("Frame 45, 0.38 s: left heel planted 20–70, forced, pinned, slides 30 → 0 mm. Height ")
     track = rig().tracks(rig().pose(walker(FRAMES)))[0]
     assert f"{100 * (track[45, 1] - 0.01):.1f} →" in readout
     page.drag([(x, top + 60), (x + (width - 108) * 100 / FRAMES, top + 60)])

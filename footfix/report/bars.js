@@ -43,6 +43,12 @@ function drawPin(context, theme, x, y) {
   context.restore();
 }
 
+/** A bar whose plant still slides farther than viewers let pass. */
+function underline(context, theme, { x, y, wide, tall }) {
+  context.fillStyle = theme.fair;
+  context.fillRect(x, y + tall + 1.5, wide, 3);
+}
+
 /** What a pointer takes hold of at the end of the bar that is chosen. */
 function drawHandle(context, theme, x, { y, tall }) {
   context.beginPath();

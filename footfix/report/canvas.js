@@ -1,5 +1,7 @@
 // What all canvases share: sharp pixels, pictures that are kept, round numbers, the colours of the legs.
 
+const NOTICED = 0.021; // a slide that viewers notice [m]
+
 /** A canvas made as sharp as the screen; sizes are in CSS pixels. */
 function fit(canvas) {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];

@@ -9,10 +9,12 @@ function wishOf(contact) {
 }
 
 class Contacts {
-  constructor(document, frames) {
+  constructor(document, frames, plants) {
     this.document = document;
     this.frames = frames;
+    this.fates = new Map(plants.map(([name, start, before, after, outcome]) => [`${name} ${start}`, { before, after, outcome }]));
     this.lanes = (document.effectors || []).map((effector) => effector.contacts || []);
+    this.untouched = new Set(this.lanes.flat());
     this.undone = [];
     this.done = [];
     this.selection = null; // {lane, contact}
@@ -112,6 +114,11 @@ class Contacts {
   /** The contact of a lane at a frame, or undefined. */
   at(lane, frame) {
     return this.lanes[lane].find((contact) => contact.start <= frame && frame < contact.end);
+  }
+
+  /** What became of a contact: {before, after, outcome}, slides in millimetres; nothing for one that was edited. */
+  fate(lane, contact) {
+    return this.untouched.has(contact) ? this.fates.get(`${this.effectors[lane].name} ${contact.start}`) : undefined;
   }
 
   /** Whether an effector is planted at a frame. */

@@ -16,7 +16,7 @@ from footfix.report import sections
 from footfix.report.chart import chart
 from footfix.report.markup import embedded_json, name, text
 from footfix.report.motion import Lines, Motion, packed
-from footfix.report.verdict import Report, judge, source_name
+from footfix.report.verdict import Report, judge, number, source_name
 from footfix.version import __version__
 
 _SCRIPTS = (
@@ -119,9 +119,19 @@ def _data(data: PageData) -> str:
     """What the script works on, in elements of the page."""
     if data.motion is None:
         return ""
-    document = {"contacts": _finite(data.contacts), "motion": packed(data.motion, data.lines)}
+    document = {
+        "contacts": _finite(data.contacts),
+        "motion": packed(data.motion, data.lines),
+        "plants": [_fate(plant) for plant in data.report.get("plants") or ()],
+    }
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'
     return f"{values}\n<script>{script(*_SCRIPTS)}</script>"
+
+
+def _fate(plant: Report) -> list[Any]:
+    """What became of a plant, as the timeline wants to know it."""
+    slides = (number(plant.get(f"slide_{when}_mm")) for when in ("before", "after"))
+    return [str(plant.get("effector", "")), plant.get("start"), *slides, str(plant.get("outcome") or "")]
 
 
 def _finite(value: Any) -> Any:

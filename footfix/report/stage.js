@@ -1,7 +1,5 @@
 // The stage: the figure before and after on its floor, drawn with a painter's order on a 2D canvas.
 
-const NOTICED = 0.021; // a slide that viewers notice [m]
-
 class Stage {
   constructor(canvas, motion, player, contacts) {
     Object.assign(this, { canvas, motion, player, contacts });

@@ -8,7 +8,8 @@ function readTheme() {
   const value = (name) => style.getPropertyValue(`--${name}`).trim();
   const family = getComputedStyle(document.body).fontFamily;
   const theme = { small: `11px ${family}`, strong: `600 12px ${family}` };
-  for (const name of ["ink", "muted", "line", "axis", "stage", "left", "right", "was", "bone", "shadow"]) theme[name] = value(name);
+  const names = ["ink", "muted", "line", "axis", "stage", "left", "right", "was", "bone", "shadow", "fair"];
+  for (const name of names) theme[name] = value(name);
   return theme;
 }
 
@@ -16,7 +17,7 @@ class Viewer {
   constructor(data) {
     this.motion = readMotion(data.motion);
     this.player = new Player(this.motion);
-    this.contacts = new Contacts(data.contacts, this.motion.frames);
+    this.contacts = new Contacts(data.contacts, this.motion.frames, data.plants);
     this.stage = new Stage(element("stage"), this.motion, this.player, this.contacts);
     this.timeline = new Timeline(element("timeline"), this.motion, this.player, this.contacts);
     this.parts = [this.stage, this.timeline];

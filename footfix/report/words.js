@@ -13,16 +13,19 @@ function describe(timeline, frame, lane) {
   const head = `Frame ${at}, ${(at * motion.frameTime).toFixed(2)} s`;
   if (lane === null) return head;
   const lanes = motion.soles.length;
-  const height = (when) => ((motion.points[when][(index * lanes + lane) * 3 + 1] - motion.floor) * 100).toFixed(1);
+  const height = (when) => ((motion.points[when][(index * lanes + lane) * 3 + 1] - motion.floor) * 100).toFixed(1).replace("-0.0", "0.0");
   const speed = (when) => (motion.speeds[when][index * lanes + lane] * 100).toFixed(0);
-  return `${head}: ${named(contacts.effectors[lane])} ${inWords(contacts.at(lane, at))}. `
+  return `${head}: ${named(contacts.effectors[lane])} ${inWords(contacts, lane, at)}. `
     + `Height ${height("before")} → ${height("after")} cm, speed ${speed("before")} → ${speed("after")} cm/s`;
 }
 
-function inWords(contact) {
+function inWords(contacts, lane, frame) {
+  const contact = contacts.at(lane, frame);
   if (!contact) return "free";
   const wish = wishOf(contact);
   if (wish === "forbid") return "contact forbidden";
   const certain = wish === "force" ? "forced" : `confidence ${(contact.confidence ?? 1).toFixed(2)}`;
-  return `planted ${contact.start}–${contact.end}, ${certain}`;
+  const fate = contacts.fate(lane, contact);
+  const slides = fate ? `, ${fate.outcome}, slides ${fate.before?.toFixed(0)} → ${fate.after?.toFixed(0)} mm` : "";
+  return `planted ${contact.start}–${contact.end}, ${certain}${slides}`;
 }
