@@ -88,7 +88,9 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
 def _read_regular(text: bytes, start: int, layouts: list[int]) -> Rows | None:
     """Rows as they should be: one a line, all equally long. numpy's reader is the fastest exact one."""
     try:
-        values = np.loadtxt(BytesIO(memoryview(text)[start:]), comments=None, ndmin=2)
+        stream = BytesIO(text)  # shares the bytes with the text
+        stream.seek(start)
+        values = np.loadtxt(stream, comments=None, ndmin=2)
     except ValueError:
         return None
     return Rows(values, text, start, len(text)) if values.shape[1] in layouts else None
