@@ -36,6 +36,7 @@ from footfix.rig.survey import survey
 RATE = 300.0  # [Hz]
 POINTS = ("pelvis", "hip", "ankle", "heel", "toe")
 CALM = ("stand", "squat", "sit")  # kinds of motion in which the figure goes nowhere
+SWIFT = ("run", "jump", "sprint")  # kinds of which few were recorded
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +72,10 @@ class Take:
     @property
     def calm(self) -> bool:
         return any(word in self.kind for word in CALM)
+
+    @property
+    def swift(self) -> bool:
+        return any(word in self.kind for word in SWIFT)
 
 
 def load_clip(path: Path) -> Clip:

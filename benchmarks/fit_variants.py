@@ -28,7 +28,7 @@ def variant(take: Take, random: Random | None) -> tuple[tuple[Floats, ...], Bool
     Returns:
         For each foot its curves (n, columns), the allowed states (n, 2, 4), and how much the variant counts.
     """
-    weight = 0.3 if take.calm else 1.0
+    weight = 0.3 if take.calm else 2.0 if take.swift else 1.0
     rate, fps = RATE, take.fps
     if random is not None:
         take, rate, fps, weight = _changed(take, random, weight)
@@ -53,6 +53,8 @@ def _changed(take: Take, random: Random, weight: float) -> tuple[Take, float, fl
 
     if now(0.12):
         take, weight = backwards_in_time(take), 0.4 * weight  # landing is not leaving in reverse
+    if take.kind == "jump" and now(0.5):
+        take = on_one_foot(take, random)
     if now(0.25):
         take = on_stairs(take, random)
     if now(0.5):
@@ -60,6 +62,8 @@ def _changed(take: Take, random: Random, weight: float) -> tuple[Take, float, fl
     rate = RATE * (float(np.exp(random.uniform(-0.35, 0.35))) if now(0.6) else 1.0)
     if "run" in take.kind and now(0.4):
         rate *= random.uniform(1.0, 1.5)  # towards a sprint
+    if take.kind == "jump" and now(0.6):
+        rate *= random.uniform(1.0, 2.5)  # towards hopping
     take = take.moved(_shift(take, rate, random))
     fps = float(random.choice(_FPS)) if now(0.6) else take.fps
     return take, rate, fps, weight
@@ -86,7 +90,7 @@ def _shift(take: Take, rate: float, random: Random) -> Floats:
         shift -= speed * times[:, None] * (1.0 if random.random() < 0.5 else random.uniform(0.3, 1.3))
     elif 0.15 <= kind < 0.21:  # in place
         shift -= take.pelvis * level
-    elif 0.21 <= kind < 0.24:  # hung up by the pelvis
+    elif 0.21 <= kind < 0.23:  # hung up by the pelvis
         shift -= take.pelvis
     return shift
 
@@ -101,6 +105,21 @@ def backwards_in_time(take: Take) -> Take:
     """The take played from its end."""
     flipped = {p: getattr(take, p)[::-1] for p in (*POINTS, "allowed", "stands")}
     return replace(take, **flipped)
+
+
+def on_one_foot(take: Take, random: Random) -> Take:
+    """With one foot held up all the time, so that the other one hops."""
+    k, count = int(random.integers(2)), len(take.pelvis)
+    held = {p: np.array(getattr(take, p)) for p in POINTS[2:]}
+    place = np.array([random.normal(0.0, 0.1), -random.uniform(0.5, 0.8), random.normal(-0.15, 0.15)])
+    place = place + 0.05 * wander(random, count, RATE, 0.5, 3)
+    ankle = take.hip[:, k] + place
+    for p in held:
+        held[p][:, k] = ankle + (held[p][:, k] - take.ankle[:, k])
+    allowed, stands = take.allowed.copy(), take.stands.copy()
+    allowed[:, k] = [True, False, False, False]
+    stands[:, k] = False
+    return replace(replace(take, **held), allowed=allowed, stands=stands)
 
 
 def with_wrong_soles(take: Take, random: Random) -> Take:

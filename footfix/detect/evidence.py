@@ -21,6 +21,7 @@ STEP = 0.01  # [s] of the grid
 OWN: dict[str, float] = {
     "heel over floor ahead": 0.02, "heel over floor behind": 0.02,
     "toe over floor ahead": 0.02, "toe over floor behind": 0.02,
+    "heel over its own floor": 0.01, "toe over its own floor": 0.01,
     "heel rise": 0.3, "toe rise": 0.3,
     "heel lift": 10.0, "toe lift": 10.0,
     "heel speed": 0.3, "toe speed": 0.3,
@@ -46,6 +47,7 @@ class EvidenceParams:
         smooth: [s] window of the smoothing before a clip is sampled down to the grid.
         speed, lift: [s] windows of the first and second derivative.
         floor: [s] how far ahead and behind the floor under a foot is looked for.
+        own: [s] the same for each point by itself, which forgives a sole point that was guessed too high.
         both: [s] the same for the lower foot of a pair.
     """
 
@@ -53,6 +55,7 @@ class EvidenceParams:
     speed: float = 0.05
     lift: float = 0.09
     floor: float = 0.5
+    own: float = 1.0
     both: float = 0.8
 
 
@@ -181,6 +184,8 @@ def _own(
     reach_speed = savgol(reach, STEP, seconds=params.speed, degree=2, derivative=1)
     curves = [
         heel[:, 1] - ahead, heel[:, 1] - behind, toe[:, 1] - ahead, toe[:, 1] - behind,
+        heel[:, 1] - np.maximum(*floors(heel[:, 1], params.own)),
+        toe[:, 1] - np.maximum(*floors(toe[:, 1], params.own)),
         heel_velocity[:, 1], toe_velocity[:, 1], heel_lift, toe_lift,
         np.hypot(heel_velocity[:, 0], heel_velocity[:, 2]), np.hypot(toe_velocity[:, 0], toe_velocity[:, 2]),
         forward, outward, past[:, 0], past[:, 1], push, 1.0 - reach, reach_speed, lowest - both,
