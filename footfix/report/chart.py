@@ -29,12 +29,7 @@ def chart(motion: Motion, contacts: Mapping[str, Any]) -> str:
         side = side_of(str(effector.get("name", ""))) or "left"
         rows.append(f'<text x="0" y="{base - 4:.1f}">{text(str(effector.get("name", "")).replace("_", " "))}</text>')
         rows.append(f'<path class="floor" d="M{_LEFT} {base:.1f}H{_WIDTH}"/>')
-        for contact in effector.get("contacts") or ():
-            x, width = _x(contact["start"], motion.frames), _x(contact["end"], motion.frames)
-            rows.append(
-                f'<rect class="{side}" x="{x:.1f}" y="{e * _ROW + _ROW - _BAR - 4}" width="{width - x:.1f}" '
-                f'height="{_BAR}" rx="2"/>'
-            )
+        rows.append(f'<path class="bars {side}" d="{_bars(effector, motion.frames, e * _ROW + _ROW - _BAR)}"/>')
         for when, series in zip(("before", "after"), heights[..., e], strict=True):
             rows.append(f'<path class="{when} {side}" d="{_path(series, motion, base, scale)}"/>')
     height = max(len(effectors), 1) * _ROW
@@ -46,6 +41,18 @@ def chart(motion: Motion, contacts: Mapping[str, Any]) -> str:
 
 def _x(frame: float, frames: int) -> float:
     return _LEFT + (_WIDTH - _LEFT) * frame / max(frames, 1)
+
+
+def _bars(effector: Mapping[str, Any], frames: int, y: float) -> str:
+    """The contacts of an effector as strokes; those closer than half a unit run together."""
+    spans: list[list[float]] = []
+    for contact in effector.get("contacts") or ():
+        a, b = _x(contact["start"], frames), _x(contact["end"], frames)
+        if spans and a - spans[-1][1] < 0.5:
+            spans[-1][1] = b
+        else:
+            spans.append([a, b])
+    return "".join(f"M{a:.1f} {y:.1f}H{b:.1f}" for a, b in spans)
 
 
 def _path(series: Floats, motion: Motion, base: float, scale: float) -> str:
