@@ -16,9 +16,10 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams, presence, within_reach
 from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.plants import Stance
+from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
-from footfix.enforce.targets import Goals, goals, rolled
+from footfix.enforce.targets import Goals, goals, lifted, rolled
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
@@ -60,8 +61,10 @@ class Solved:
 class LegParams:
     """The parts of the settings that the legs need."""
 
+    solver: str = "closed"
     shares: bool = False  # the root takes what all planted feet share
     strength: float = 1.0
+    sink: float = 0.003
     ease: EaseParams = field(default_factory=EaseParams)
     reach: ReachParams = field(default_factory=ReachParams)
     root: RootParams = field(default_factory=RootParams)
@@ -191,6 +194,7 @@ def _solve(
     for k, foot in enumerate(legs):
         own = [stance for stance in stands if stance.leg == k and able[k]]
         goal = goals(foot, own, clip.frame_time, params.ease, soft[k])
+        goal = lifted(goal, foot, params.sink * rig.leg_length, clip.frame_time, params.ease, soft[k])
         wanted.append(replace(goal, turn=params.strength * goal.turn, shift=params.strength * goal.shift))
     shift = np.zeros((len(clip), 3))
     movable = bool(clip.skeleton.translates[rig.root])
@@ -211,7 +215,7 @@ def _solve(
         goal, ankle = _reached(foot, goal, foot.hip + shift, limits[k], clip.frame_time, params, soft[k])
         turn = goal.foot_turn(foot)
         changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
-        turned = _turned(clip, pose, foot, turn, shift, ankle, changed, params.ease) if able[k] else {}
+        turned = _turned(clip, pose, foot, turn, shift, ankle, changed, params) if able[k] else {}
         new.update(turned)
         hurry.append(_hurry(clip, turned))
         for e, at in zip(foot.effectors, (foot.heel_in_foot, foot.ball_in_foot), strict=True):
@@ -231,16 +235,42 @@ def _reached(
 
 
 def _turned(
-    clip: Clip, pose: Pose, foot: Foot, turn: Floats, shift: Floats, ankle: Floats, changed: Bools, ease: EaseParams
+    clip: Clip, pose: Pose, foot: Foot, turn: Floats, shift: Floats, ankle: Floats, changed: Bools, params: LegParams
 ) -> dict[int, Floats]:
     """New local rotations of one leg's joints; the clip's own numbers where nothing changes."""
     if not np.any(changed):
         return {}
     axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
-    share = presence(changed, clip.frame_time, ease.lead)
+    share = presence(changed, clip.frame_time, params.ease.lead)
+    if params.solver == "priorities":
+        return _by_priorities(clip, pose, foot, axis, foot.hip + shift, ankle, turn, changed)
     turns = ik.two_bones(foot, axis, foot.hip + shift, ankle, share)
     local = ik.local_rotations(clip, pose, foot, turns, turn)
     return {joint: np.where(changed[:, None], q, clip.rotations[:, joint]) for joint, q in local.items()}
+
+
+def _by_priorities(
+    clip: Clip, pose: Pose, foot: Foot, axis: Floats, hip: Floats, ankle: Floats, turn: Floats, changed: Bools
+) -> dict[int, Floats]:
+    """The same from the prioritised solver: every joint of the chain that bends takes its part."""
+    chain = leg_chain(clip, pose, foot, axis, changed)
+    chain = replace(chain, base=hip[changed])
+    goal, foot_turn = ankle[changed], turn[changed]
+    ball = goal + rotation.rotate(foot_turn, foot.ball_in_foot[changed])
+    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
+    length = float(np.median(np.linalg.norm(thigh, axis=1) + np.linalg.norm(shank, axis=1)))
+    found = solve(chain, goal, ball, length)
+    above = chain.base_turn
+    for k in range(len(foot.leg.chain) - 1):
+        above = rotation.multiply(above, found.locals_[:, k])
+    new = {}
+    for k, joint in enumerate(foot.leg.chain):
+        local = found.locals_[:, k]
+        if joint == foot.leg.ankle:  # what is left of the foot's turn, about the line from ankle to ball
+            local = rotation.multiply(rotation.inverse(above), foot_turn)
+        new[joint] = clip.rotations[:, joint].copy()
+        new[joint][changed] = rotation.normalize(local)
+    return new
 
 
 def _hurry(clip: Clip, turned: dict[int, Floats]) -> Floats:

@@ -20,6 +20,7 @@ class PlantParams:
     keep_slide: float = 0.0015  # a plant that slides less, stands as level and turns as little, is left alone
     keep_height: float = 0.004  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
+    sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
     places: int = 9  # places along a stance's slide that are tried where its leg would be stretched too far

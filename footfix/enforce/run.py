@@ -25,7 +25,6 @@ from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-
 # Contacts that somebody gave are held as they are; the edges of those that a detector found are less certain.
 GIVEN = ("labels", "known")
 
@@ -35,6 +34,7 @@ class EnforceParams:
     """How footplants are enforced."""
 
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
+    solver: Literal["closed", "priorities"] = "closed"  # two bones in closed form; or every joint that bends
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     plants: PlantParams = field(default_factory=PlantParams)
     ground: GroundParams = field(default_factory=GroundParams)
@@ -81,9 +81,8 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
     if contacts.method in GIVEN:
-        plants = replace(params.plants, edge_speed=np.inf)
         judge = replace(params.judge, speed=params.judge.given * params.judge.speed, peel_most=0.0)
-        params = replace(params, plants=plants, judge=judge)
+        params = replace(params, plants=replace(params.plants, edge_speed=np.inf), judge=judge)
     pose = posed(clip, rig)
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
@@ -102,8 +101,8 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         soft: tuple[Floats, ...] = tuple(np.zeros(len(clip)) for _ in legs)
     else:
         wanted = LegParams(
-            shares=params.method == "both", strength=params.strength, ease=params.ease, reach=params.reach,
-            root=params.root, judge=params.judge,
+            solver=params.solver, shares=params.method == "both", strength=params.strength, ease=params.ease,
+            reach=params.reach, root=params.root, judge=params.judge, sink=params.plants.sink,
         )  # fmt: skip
         done = enforced(clip, rig, pose, legs, held, wanted)
         correction, points, soft = done.correction, done.points, done.soft

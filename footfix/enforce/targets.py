@@ -22,14 +22,18 @@ class Goals:
     Args:
         planted: (F,) some end of the foot is held.
         near: (F,) frames in which the foot may move.
+        flat: (F,) both ends are.
         on_ball: (F,) of heel and ball, the ball carries.
+        level: (F,) [m] height of the floor below the foot.
         turn: (F, 3) [rad] rotation vector in the world, to be applied to the foot.
         shift: (F, 3) [m] displacement of the ankle.
     """
 
     planted: Bools
     near: Bools
+    flat: Bools
     on_ball: Bools
+    level: Floats
     turn: Floats
     shift: Floats
 
@@ -65,7 +69,7 @@ def goals(
             both = on["heel"][stance.frames] & on["toe"][stance.frames]
             at[other][stance.frames][both] = _carried(foot, at, stance, other)[both]
     planted = on["heel"] | on["toe"]
-    near = within_reach(planted, frame_time, params.seconds)
+    near = within_reach(planted & ~kept, frame_time, params.seconds)
     flat = on["heel"] & on["toe"]
     # 1. the foot's turn: known where both ends stand
     turn = np.zeros((frames, 3))
@@ -81,7 +85,54 @@ def goals(
     shift = (1.0 - roll) * from_heel + roll * from_ball - foot.ankle
     shift[kept] = 0.0
     on_ball = roll[:, 0] > 0.5
-    return Goals(planted, near, on_ball, turn, displacement(planted, shift, near, frame_time, params, soft))
+    shift = displacement(planted, shift, near, frame_time, params, soft)
+    return Goals(planted, near, flat, on_ball, _levels(stands, frames), turn, shift)
+
+
+def _levels(stands: Sequence[Stance], frames: int) -> Floats:
+    """(F,) [m] height of the floor: that of the stance, and before and after it of the lower of its neighbours."""
+    order = sorted(stands, key=lambda stance: stance.frames.start)
+    level = np.full(frames, -np.inf)
+    for k, stance in enumerate(order):
+        level[stance.frames] = stance.level
+        before = order[k - 1].frames.stop if k else 0
+        after, beyond = frames, stance.level
+        if k + 1 < len(order):
+            after, beyond = order[k + 1].frames.start, order[k + 1].level
+        level[before : stance.frames.start] = min(stance.level, order[k - 1].level if k else stance.level)
+        level[stance.frames.stop : after] = min(stance.level, beyond)
+    return level
+
+
+def lifted(
+    goal: Goals, foot: Foot, tolerance: float, frame_time: float, params: EaseParams, soft: Floats
+) -> Goals:
+    """The goals with no end of the foot deeper than `tolerance` [m] in the floor where the foot moves.
+
+    A foot that stands on one end rolls on it until the other is out of the floor; one in the air is raised.
+    """
+    turned, ankle = goal.foot_turn(foot), goal.ankle(foot)
+    heel = ankle + rotation.rotate(turned, foot.heel_in_foot)
+    ball = ankle + rotation.rotate(turned, foot.ball_in_foot)
+    on_one = goal.planted & ~goal.flat
+    stands, hangs = (np.where(goal.on_ball[:, None], a, b) for a, b in ((ball, heel), (heel, ball)))
+    deep = np.where(on_one & goal.near, goal.level - hangs[:, 1], 0.0)
+    arm = hangs - stands
+    up = np.array([0.0, 1.0, 0.0])
+    axis = np.cross(arm, up)
+    length = np.linalg.norm(arm, axis=1)
+    sine = np.clip(deep / np.maximum(length, 1e-300), 0.0, 1.0)
+    angle = np.where(deep > tolerance, np.arcsin(sine), 0.0)
+    roll = rotation.from_axis_angle(axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None], angle)
+    goal = rolled(goal, foot, roll, frame_time, params, soft)
+    turned, ankle = goal.foot_turn(foot), goal.ankle(foot)
+    low = np.minimum(rotation.rotate(turned, foot.heel_in_foot)[:, 1], rotation.rotate(turned, foot.ball_in_foot)[:, 1])
+    low = np.where(goal.near & ~goal.planted, goal.level - ankle[:, 1] - low, 0.0)
+    dips = low > tolerance
+    if not np.any(dips):
+        return goal
+    shift = goal.shift + np.where(dips, low, 0.0)[:, None] * up
+    return replace(goal, shift=displacement(goal.planted | dips, shift, goal.near, frame_time, params, soft))
 
 
 def rolled(
