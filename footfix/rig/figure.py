@@ -18,8 +18,9 @@ from footfix.rig.toes import ball, balls
 
 _LEAST = 1.2  # score below which a pair of limbs is no pair of legs
 _LEAST_FRONT = -1.2  # shape below which it is no pair of front legs; they hang far out from the spine
-_ALIKE = (0.75, 1.35)  # front legs against hind legs, hip to tip; a man's arms have 0.7 of his legs
+_ALIKE = (0.75, 1.35)  # front legs against hind legs in length; a man's arms have 0.63 of his legs
 _BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
+_HIGH = 0.4  # [leg lengths] of hips and shoulders over the lowest joint, at least
 _GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
 _MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; a gallop leaves half
 
@@ -81,7 +82,7 @@ def figures(seen: Sample, params: RigParams, *, y_up: bool) -> tuple[Figure, ...
 
 def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figure:
     hind = candidates[0]
-    front = _front_legs(seen, hind, candidates[1:]) if y_up else None
+    front = _front_legs(seen, hind, candidates[1:]) if y_up and len(seen) > 1 else None
     legs: list[Limb] = []
     toes: list[int | None] = []
     ends: list[str] = []
@@ -104,21 +105,21 @@ def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
         )
         if not apart or pair.shape < _LEAST_FRONT:
             continue
-        ratio = _reach(seen, pair) / _reach(seen, hind)
-        if _ALIKE[0] <= ratio <= _ALIKE[1] and _apart(seen, hind, pair) and _stand(seen, hind, pair):
+        if (
+            _ALIKE[0] <= pair.length / hind.length <= _ALIKE[1]
+            and _apart(seen, hind, pair)
+            and _stand(seen, hind, pair)
+        ):
             return pair
     return None
 
 
-def _reach(seen: Sample, pair: Pair) -> float:
-    return float(np.mean([limb.length + seen.reach[limb.ankle] for limb in pair.limbs]))
-
-
 def _apart(seen: Sample, hind: Pair, front: Pair) -> bool:
-    """Whether a back lies level between two pairs of legs."""
+    """Whether a back lies level between two pairs of legs, well above the ground."""
     middles = [np.mean([seen.places[:, limb.hip] for limb in pair.limbs], axis=0) for pair in (hind, front)]
-    span = np.linalg.norm((middles[1] - middles[0])[:, [0, 2]], axis=-1)
-    return bool(np.median(span) > _BACK * hind.length)
+    level = np.linalg.norm((middles[1] - middles[0])[:, [0, 2]], axis=-1)
+    high = np.minimum(*(middle[:, 1] for middle in middles)) - seen.places[..., 1].min(axis=1)
+    return bool(np.median(level) > _BACK * hind.length and np.median(high) > _HIGH * hind.length)
 
 
 def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:

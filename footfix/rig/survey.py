@@ -109,7 +109,7 @@ def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
         evidence[axis] = {
             "lean": float(lean @ up),
             "steady": 0.6 * thick * _steady(heights, figure.length),
-            "zero": 0.3 * thick * float(np.exp(-((ground / (0.12 * figure.length)) ** 2))),
+            "zero": 0.45 * thick * float(np.exp(-(((ground / figure.length - 0.03) / 0.08) ** 2))),
             "lying": 0.6 * thick * _lying(heights, ground, figure.length),
             "travel": -0.5 * float(np.clip(np.ptp(hips @ up) / figure.length - 1.5, 0.0, 1.0)),
             "rest": 0.3 * float(rest @ up),

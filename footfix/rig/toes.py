@@ -42,7 +42,7 @@ def balls(sample: Sample, limbs: tuple[Limb, Limb]) -> tuple[int | None, int | N
     apart = {
         two: float(np.linalg.norm(sample.places[:, two[0]] - sample.places[:, two[1]], axis=-1).mean())
         for two in worth
-        if worth[two] >= worth[best] - 0.3 and all(level[a] == level[b] for a, b in zip(two, best, strict=True))
+        if worth[two] >= worth[best] - 0.2 and all(level[a] == level[b] for a, b in zip(two, best, strict=True))
     }
     return min(apart, key=lambda two: apart[two])
 
@@ -77,7 +77,7 @@ def _candidates(sample: Sample, limb: Limb, across: Floats) -> list[_Candidate]:
         sideways = float(np.abs(np.einsum("fi,fi->f", span, across)).mean()) / far
         depth = len(skeleton.ancestors(joint)) - len(skeleton.ancestors(limb.ankle))
         score = -abs(far / farthest - _BALL) - 3.0 * max(0.0, sideways - _ABREAST) - 0.1 * depth
-        score += 0.3 * named - 0.3 * reading.helper - 1.0 * (reading.part == "heel")
+        score += 0.5 * named - 0.5 * reading.helper - 1.0 * (reading.part == "heel")
         found.append(_Candidate(joint, score, far / limb.length, depth))
     return found
 
