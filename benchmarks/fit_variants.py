@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from fit_takes import POINTS, RATE, Take
@@ -110,7 +111,7 @@ def backwards_in_time(take: Take) -> Take:
 def on_one_foot(take: Take, random: Random) -> Take:
     """With one foot held up all the time, so that the other one hops."""
     k, count = int(random.integers(2)), len(take.pelvis)
-    held = {p: np.array(getattr(take, p)) for p in POINTS[2:]}
+    held: dict[str, Any] = {p: np.array(getattr(take, p)) for p in POINTS[2:]}
     place = np.array([random.normal(0.0, 0.1), -random.uniform(0.5, 0.8), random.normal(-0.15, 0.15)])
     place = place + 0.05 * wander(random, count, RATE, 0.5, 3)
     ankle = take.hip[:, k] + place
