@@ -52,7 +52,7 @@ def check(data: bytes, expected: Outcome) -> Document | None:
     assert isinstance(document.clip, Clip)
     assert document.frame_time > 0.0
     for note in document.notes:
-        assert note.line is not None or note.start is not None
+        assert note.line is not None
         assert not note.text.endswith(".")
     return document
 

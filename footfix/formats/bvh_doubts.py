@@ -8,7 +8,7 @@ import numpy as np
 
 from footfix.formats.bvh_motion import Headings
 from footfix.formats.bvh_numbers import number
-from footfix.formats.bvh_rows import Rows
+from footfix.formats.bvh_rows import Rows, offset_of
 from footfix.formats.bvh_text import Notes, readable
 from footfix.formats.bvh_tree import Hierarchy
 from footfix.motion.clip import Floats, Skeleton
@@ -172,7 +172,7 @@ def _motion(tree: Hierarchy, skeleton: Skeleton, rows: Rows, notes: Notes) -> No
     """What no motion does: nothing moves, or the figure is elsewhere from one frame to the next."""
     values = rows.values
     if len(values) > 1 and np.array_equal(values[0], values[-1]) and np.all(values == values[0]):
-        notes.add("frozen", "nothing moves: all frames are the same", joints=(), start=0, end=len(values))
+        notes.add("frozen", "nothing moves: all frames are the same", at=offset_of(rows, 0, 0), start=0, end=len(values))
     reach = np.zeros(len(skeleton))
     for joint, parent in enumerate(tree.parents):
         if parent >= 0:
@@ -186,16 +186,16 @@ def _motion(tree: Hierarchy, skeleton: Skeleton, rows: Rows, notes: Notes) -> No
         first = int(leaps[0]) + 1
         severity: Severity = "note" if int(leaps[-1]) < 4 else "warning"  # a rest pose often stands before the motion
         notes.add("jump", f"the figure leaps farther than its own size, first to frame {first} ({len(leaps)} times)",
-                  severity, start=first, end=int(leaps[-1]) + 2)  # fmt: skip
+                  severity, at=offset_of(rows, first, columns[0]), start=first, end=int(leaps[-1]) + 2)  # fmt: skip
 
 
 def _values(tree: Hierarchy, rows: Rows, notes: Notes) -> None:
     if rows.values.min() > -HUGE and rows.values.max() < HUGE:
         return
     for id, bad, what in (
-        ("value-nan", np.isnan(rows.values), "is not a number"),
-        ("value-infinite", np.isinf(rows.values), "is infinite"),
-        ("value-huge", np.isfinite(rows.values) & (np.abs(rows.values) >= HUGE), "is beyond any measure"),
+        ("value-nan", np.isnan(rows.values), "not a number"),
+        ("value-infinite", np.isinf(rows.values), "infinite"),
+        ("value-huge", np.isfinite(rows.values) & (np.abs(rows.values) >= HUGE), "beyond any measure"),
     ):
         if not bad.any() or (id == "value-nan" and notes.has("not-a-number")):
             continue
@@ -204,6 +204,7 @@ def _values(tree: Hierarchy, rows: Rows, notes: Notes) -> None:
         owner = tree.channels[column].joint
         owners = sorted({tree.channels[c].joint for c in columns.tolist()} - {-1})
         name = tree.names[owner] if owner >= 0 else "an End Site"
-        notes.add(id, f"{int(bad.sum())} numbers: in frame {frames[0]} a channel of '{name}' {what}", "error",
-                  start=int(frames[0]), end=int(frames[-1]) + 1,
+        more = f", and so are {int(bad.sum()) - 1} more" if bad.sum() > 1 else ""
+        notes.add(id, f"in frame {frames[0]} a value of '{name}' is {what}{more}", "error",
+                  at=offset_of(rows, int(frames[0]), column), start=int(frames[0]), end=int(frames[-1]) + 1,
                   joints=tuple(tree.names[j] for j in owners))  # fmt: skip

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from footfix.formats.bvh_numbers import token_chunks
 from footfix.motion.clip import Floats, Ints
 
 
@@ -41,3 +42,14 @@ def consecutive(rows: Rows) -> list[tuple[int, int]]:
     if rows.width is not None:
         breaks |= (rows.width[1:] < columns) | (rows.width[:-1] < columns)
     return list(pairwise([0, *(np.flatnonzero(breaks) + 1).tolist(), len(rows.first)]))
+
+
+def offset_of(rows: Rows, frame: int, column: int) -> int:
+    """Where in the text a number of a row stands; the end of the rows where a short row has none."""
+    word = frame * rows.values.shape[1] if rows.first is None else int(rows.first[frame])
+    word += column if rows.width is None else min(column, int(rows.width[frame]) - 1)
+    for starts, _ in token_chunks(rows.text, rows.start, rows.stop):
+        if word < len(starts):
+            return int(starts[word])
+        word -= len(starts)
+    return rows.stop
