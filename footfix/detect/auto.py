@@ -9,6 +9,7 @@ import numpy as np
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import STEP, EvidenceParams, evidence, resample
 from footfix.detect.fitted import NETWORK
+from footfix.detect.kneeling import KneelingParams, dragged
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, stretches
 from footfix.detect.tracks import Finding, Tracks
@@ -26,6 +27,7 @@ class AutoParams:
         certainty: log odds of a contact that is as likely as not, and what each nat of the network's own adds.
         chunk: [s] of the clip that are weighed at a time; bounds memory, changes nothing.
         evidence: how evidence is sampled.
+        kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """
 
@@ -34,6 +36,7 @@ class AutoParams:
     certainty: tuple[float, float] = (0.0, 1.0)
     chunk: float = 120.0
     evidence: EvidenceParams = field(default_factory=EvidenceParams)
+    kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
 
@@ -46,8 +49,12 @@ def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Find
     per_frame = tracks.frame_time / STEP
     columns: list[Bools] = []
     sure: list[Floats] = []
-    for answer in answers:
-        parts = masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
+    for foot, answer in zip(tracks.feet, answers, strict=True):
+        heel, toe = masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
+        parts = (
+            heel & ~dragged(tracks, foot, foot.heel, params.kneeling),
+            toe & ~dragged(tracks, foot, foot.toe, params.kneeling),
+        )
         columns += parts
         sure += [
             confidence(part, p, params)

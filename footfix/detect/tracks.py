@@ -22,6 +22,7 @@ class Foot:
     Args:
         side: "left", "right", or the leg's own name.
         hip, ankle, heel, toe: (F, 3) [m] tracks in the world, y up.
+        knee: the same, None where it is not looked at.
     """
 
     side: str
@@ -29,6 +30,7 @@ class Foot:
     ankle: Floats
     heel: Floats
     toe: Floats
+    knee: Floats | None = None
 
     @property
     def soles(self) -> tuple[Floats, Floats]:
@@ -74,7 +76,14 @@ def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None) -> Tracks:
     pose = rig.pose(clip) if pose is None else pose
     soles = {(sole.leg, sole.part): pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles}
     feet = tuple(
-        Foot(leg.side, pose.position(leg.hip), pose.position(leg.ankle), soles[k, "heel"], soles[k, "toe"])
+        Foot(
+            leg.side,
+            pose.position(leg.hip),
+            pose.position(leg.ankle),
+            heel=soles[k, "heel"],
+            toe=soles[k, "toe"],
+            knee=pose.position(leg.knee),
+        )
         for k, leg in enumerate(rig.legs)
     )
     return Tracks(pose.position(rig.pelvis), feet, rig.leg_length, clip.frame_time)
