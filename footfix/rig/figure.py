@@ -20,7 +20,7 @@ _LEAST = 1.2  # score below which a pair of limbs is no pair of legs
 _LEAST_FRONT = -1.2  # shape below which it is no pair of front legs; they hang far out from the spine
 _ALIKE = (0.75, 1.35)  # front legs against hind legs in length; a man's arms have 0.63 of his legs
 _BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
-_HIGH = 0.4  # [leg lengths] of hips and shoulders over the lowest joint, at least
+_HIGH = 0.25  # [leg lengths] of hips and shoulders over the lowest joint, at least
 _GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
 _MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; a gallop leaves half
 
