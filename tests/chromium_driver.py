@@ -39,6 +39,7 @@ class Browser:
     """A headless Chromium; its pages are closed with it."""
 
     def __init__(self, profile: Path) -> None:
+        binary = chromium()
         to_child, ours_out = os.pipe()
         ours_in, from_child = os.pipe()
         # Chromium reads from 3 and writes to 4: a Python in between puts our pipes there.
@@ -46,7 +47,7 @@ class Browser:
         launch += "; os.dup2(5, 3); os.dup2(6, 4); os.execv(sys.argv[3], sys.argv[3:])"
         command = [sys.executable, "-c", launch, str(to_child), str(from_child)]
         self.process = subprocess.Popen(
-            [*command, chromium(), *_FLAGS, f"--user-data-dir={profile}", "about:blank"],
+            [*command, binary, *_FLAGS, f"--user-data-dir={profile}", "about:blank"],
             pass_fds=(to_child, from_child),
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip

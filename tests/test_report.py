@@ -296,3 +296,31 @@ def test_every_character_of_ours_has_a_glyph() -> None:
     used = "".join(map(chr, range(33, 127))).replace("$", "").replace("`", "") + "–°→"
     assert all(glyphs.glyph(char) != glyphs.glyph("\0") for char in used)
     assert glyphs.width("mm") == pytest.approx(2 * glyphs.advance("m"))
+
+
+# ---- reports of strangers ---------------------------------------------------------------------------
+
+_JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.sampled_from(HOSTILE),
+    lambda each: st.lists(each, max_size=3) | st.dictionaries(st.text(max_size=8), each, max_size=3),
+    max_leaves=8,
+)
+_PLANT_KEYS = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "residual_mm", "outcome", "reason")
+_NOTE_KEYS = ("severity", "text", "joints", "start", "end", "line")
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.data())
+def test_a_report_of_any_shape_is_shown_as_far_as_it_goes(data: st.DataObject) -> None:
+    report = data.draw(st.fixed_dictionaries({}, optional=dict.fromkeys(report_document(4), _JSON)))
+    if data.draw(st.booleans()):
+        rows = {"plants": _PLANT_KEYS, "notes": _NOTE_KEYS}
+        report |= {
+            key: data.draw(st.lists(st.fixed_dictionaries({}, optional=dict.fromkeys(names, _JSON)), max_size=3))
+            for key, names in rows.items()
+        }
+    outline = _outline(render(PageData(report)))
+    assert "script" not in outline.tags
+    summarize(report, verbose=True)
+    picture(None, report)
+    render_index([IndexRow("x", report=report)])

@@ -240,6 +240,51 @@ def test_contacts_are_edited_and_undone_and_handed_out(page: Page, browser: Brow
     assert json.loads(download(page, browser, tmp_path)[1]) == contacts_document(FRAMES)
 
 
+_RANDOM_EDITS = """
+let seed = 7;
+const random = (below) => { seed = (seed * 1103515245 + 12345) % 2147483648; return seed % below; };
+const start = { effectors: [{ name: "a", contacts: [{ start: 10, end: 20 }, { start: 40, end: 90 }] }, { name: "b" }] };
+const contacts = new Contacts(start, 200, []);
+const broken = [];
+const states = [JSON.stringify(contacts.lanes)];
+for (let k = 0; k < 2000; k++) {
+  const lane = random(2);
+  const list = contacts.lanes[lane];
+  const before = contacts.done.length;
+  if (random(3) === 0 || !list.length) contacts.add(lane, random(260) - 30, random(260) - 30);
+  else {
+    contacts.select(lane, list[random(list.length)]);
+    const step = random(4);
+    if (step === 0) contacts.remove();
+    else if (step === 1) contacts.wish(["force", "forbid"][random(2)]);
+    else contacts.resize(random(300) - 50, random(300) - 50);
+  }
+  if (contacts.done.length > before) states.push(JSON.stringify(contacts.lanes));
+  for (const each of contacts.lanes) {
+    each.forEach((c, i) => {
+      if (!(c.start >= 0 && c.start < c.end && c.end <= 200)) broken.push([k, "range", c]);
+      if (i && each[i - 1].end > c.start) broken.push([k, "overlap", each[i - 1], c]);
+      if (c.force && c.forbid) broken.push([k, "both", c]);
+    });
+  }
+}
+const steps = states.length;
+while (contacts.done.length) {
+  if (JSON.stringify(contacts.lanes) !== states.pop()) broken.push(["undo"]);
+  contacts.undo();
+}
+({ broken: broken.slice(0, 3), steps, end: JSON.stringify(contacts.lanes) === states[0] })
+"""
+
+
+def test_contacts_stay_in_order_whatever_is_done_and_every_step_is_undone(browser: Browser, folder: Path) -> None:
+    page = browser.open(folder / "index.html")
+    found = page.run("{" + asset("contacts.js") + _RANDOM_EDITS + "}")
+    assert found["broken"] == []
+    assert found["steps"] > 500
+    assert found["end"]
+
+
 _OVERLAPS = """
 const boxes = [];
 const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);

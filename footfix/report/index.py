@@ -14,7 +14,7 @@ from footfix.report.markup import name, text
 from footfix.report.offenders import Offender, Path
 from footfix.report.page import asset, fingerprint, script
 from footfix.report.text import released
-from footfix.report.verdict import Report, Verdict, judge, number
+from footfix.report.verdict import Report, Verdict, judge, number, section
 from footfix.version import __version__
 
 MOST_OFFENDERS = 24
@@ -95,7 +95,7 @@ def _tiles(verdicts: Sequence[Verdict]) -> str:
 
 
 def _row(row: IndexRow, verdict: Verdict) -> str:
-    after: Report = row.report.get("after") or {}
+    after = section(row.report, "after")
     below, jitter = (number(after.get(key)) for key in ("penetration_mm", "jitter_100m_s3"))
     link = f'<a href="{_address(row.page)}">{name(row.source)}</a>' if row.page else name(row.source)
     remark = row.error or "; ".join(released(row.report))

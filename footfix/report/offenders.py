@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.report.motion import Motion
-from footfix.report.verdict import Report, number, worst_first
+from footfix.report.verdict import Report, entries, number, worst_first
 
 Path = tuple[tuple[float, float], ...]
 
@@ -45,8 +44,8 @@ def worst_plants(motion: Motion, report: Report, most: int = 3) -> tuple[Offende
         report: the report document.
         most: how many, at most.
     """
-    plants: Sequence[Report] = report.get("plants") or ()
-    known = [plant for plant in worst_first(plants) if plant.get("effector") in motion.sole_names]
+    plants = worst_first(entries(report, "plants"))
+    known = [plant for plant in plants if plant.get("effector") in motion.sole_names]
     return tuple(_offender(motion, plant) for plant in known[:most])
 
 

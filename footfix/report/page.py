@@ -16,7 +16,7 @@ from footfix.report import sections
 from footfix.report.chart import chart
 from footfix.report.markup import embedded_json, name, text
 from footfix.report.motion import Lines, Motion, packed
-from footfix.report.verdict import Report, judge, number, source_name
+from footfix.report.verdict import Report, entries, judge, number, source_name
 from footfix.version import __version__
 
 _SCRIPTS = (
@@ -67,7 +67,7 @@ def render(data: PageData) -> str:
     """The page, as one HTML document."""
     report, style = data.report, asset("report.css")
     verdict = judge(report)
-    plants = report.get("plants") or ()
+    plants = entries(report, "plants")
     return Template(asset("page.html")).substitute(
         style=style,
         style_hash=fingerprint(style),
@@ -81,7 +81,7 @@ def render(data: PageData) -> str:
         tiles=sections.tiles(report, verdict),
         fate=text(sections.fate(report)),
         released=sections.released_list(report),
-        notes=sections.notes_list(report.get("notes") or ()),
+        notes=sections.notes_list(entries(report, "notes")),
         viewer=_viewer(data),
         above=asset("above.html") if data.motion else "",
         plants=sections.plants_table(plants),
@@ -122,7 +122,7 @@ def _data(data: PageData) -> str:
     document = {
         "contacts": _finite(data.contacts),
         "motion": packed(data.motion, data.lines),
-        "plants": [_fate(plant) for plant in data.report.get("plants") or ()],
+        "plants": [_fate(plant) for plant in entries(data.report, "plants")],
     }
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'
     return f"{values}\n<script>{script(*_SCRIPTS)}</script>"

@@ -10,7 +10,7 @@ from footfix.measure.plants import NOTICED_MM
 from footfix.report.markup import name, text
 from footfix.report.motion import side_of
 from footfix.report.text import released
-from footfix.report.verdict import Report, Tone, Verdict, measure_rows, number, worst_first
+from footfix.report.verdict import Report, Tone, Verdict, entries, measure_rows, number, section, worst_first
 
 MOST_PLANTS = 1000  # rows of the table; a clip of an hour has tens of thousands
 
@@ -41,7 +41,7 @@ def tiles(report: Report, verdict: Verdict) -> str:
     parts += [
         tile(row.headline, row.unit, row.before, row.after, row.worse) for row in measure_rows(report) if row.headline
     ]
-    drift = number((report.get("correction") or {}).get("root_path_drift_m"))
+    drift = number(section(report, "correction").get("root_path_drift_m"))
     if drift is not None:
         parts.append(tile("Drift of the path", "cm", f"{100.0 * drift:.1f}"))
     return "".join(parts)
@@ -70,7 +70,7 @@ _FATES = (
 
 def fate(report: Report) -> str:
     """What became of the plants, in a line."""
-    counts = Counter(str(plant.get("outcome")) for plant in report.get("plants") or ())
+    counts = Counter(str(plant.get("outcome")) for plant in entries(report, "plants"))
     return ", ".join(f"{counts[key]} {words}" for key, words in _FATES if counts[key])
 
 
@@ -155,8 +155,8 @@ def _where(note: Report) -> str:
         parts.append(f"frames {text(note['start'])}–{text(note.get('end', ''))}")
     if note.get("line") is not None:
         parts.append(f"line {text(note['line'])}")
-    joints = note.get("joints") or ()
-    if joints:
+    joints = note.get("joints")
+    if joints and isinstance(joints, list | tuple):
         parts.append("joints " + ", ".join(name(joint) for joint in joints))
     return "; ".join(parts)
 
@@ -164,8 +164,8 @@ def _where(note: Report) -> str:
 def details_table(report: Report) -> str:
     """How it was done: rig, settings and times, as rows of dotted keys and values."""
     rows = []
-    for section in ("method", "output", "rig", "correction", "settings", "seconds"):
-        for key, value in _leaves(section, report.get(section)):
+    for part in ("method", "output", "rig", "correction", "settings", "seconds"):
+        for key, value in _leaves(part, report.get(part)):
             rows.append(f'<tr><th scope="row">{text(key)}</th><td>{text(value)}</td></tr>')
     return "\n".join(rows)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from footfix.report.verdict import Report, Row, judge, measure_rows, number, source_name
+from footfix.report.verdict import Report, Row, entries, judge, measure_rows, number, section, source_name
 
 _SEVERITIES = ("error", "warning")
 _FATES = {"released": "let go", "partly": "held only in part"}
@@ -34,11 +34,11 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
     elif rows:
         figures = (f"{row.headline.lower()} {row.before} -> {row.after} {_unit(row)}" for row in rows)
         lines.append("  " + ", ".join(figures))
-    drift = number((report.get("correction") or {}).get("root_path_drift_m"))
+    drift = number(section(report, "correction").get("root_path_drift_m"))
     if drift is not None and drift >= 0.0005:
         lines.append(f"  path of the root drifts by {100.0 * drift:.1f} cm")
     lines += [f"  {line}" for line in released(report)]
-    for note in report.get("notes") or ():
+    for note in entries(report, "notes"):
         severity = str(note.get("severity", "note"))
         if verbose or severity in _SEVERITIES:
             lines.append(f"  {severity}: {printable(str(note.get('text', '')))}")
@@ -50,9 +50,8 @@ def released(report: Report) -> list[str]:
 
     Reasons that differ only in their figures count as one, with the range of the figures.
     """
-    plants: Sequence[Report] = report.get("plants") or ()
     groups: dict[tuple[str, str], list[str]] = {}
-    for plant in plants:
+    for plant in entries(report, "plants"):
         outcome, reason = str(plant.get("outcome")), str(plant.get("reason") or "")
         if outcome in _FATES:
             groups.setdefault((outcome, _FIGURE.sub("#", reason)), []).append(reason)

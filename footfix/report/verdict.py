@@ -41,14 +41,26 @@ class Verdict:
 
 
 def number(value: Any) -> float | None:
-    """A number of the report, None where it has none."""
-    return float(value) if isinstance(value, int | float) and value == value else None
+    """A number of the report, None where it has none that can be shown."""
+    return float(value) if isinstance(value, int | float) and abs(value) < 1e15 else None
 
 
 def source_name(report: Report) -> str:
     """The name of the clip's file."""
     source = report.get("source")
     return str((source.get("file") if isinstance(source, Mapping) else source) or "clip")
+
+
+def entries(report: Report, key: str) -> list[Report]:
+    """The objects in a list of the report. A report may come from a stranger: what is no object is left out."""
+    found = report.get(key)
+    return [each for each in found if isinstance(each, Mapping)] if isinstance(found, list | tuple) else []
+
+
+def section(report: Report, key: str) -> Report:
+    """An object of the report; an empty one where it has none."""
+    found = report.get(key)
+    return found if isinstance(found, Mapping) else {}
 
 
 def slides(plants: Sequence[Report], when: Literal["before", "after"]) -> list[float]:
@@ -70,7 +82,7 @@ def judge(report: Report) -> Verdict:
     """The verdict on a clip, from its report document."""
     if report.get("status") == "failed":
         return Verdict("bad", "failed", "This clip could not be worked on")
-    plants: Sequence[Report] = report.get("plants") or ()
+    plants = entries(report, "plants")
     if not plants:
         return Verdict("quiet", "no plants", "No footplants were found, so there was nothing to hold in place")
     before, after = slides(plants, "before"), slides(plants, "after")
@@ -180,8 +192,7 @@ class Row:
 
 def measure_rows(report: Report) -> list[Row]:
     """The measures that the report holds, in a fixed order."""
-    before: Report = report.get("before") or {}
-    after: Report = report.get("after") or {}
+    before, after = section(report, "before"), section(report, "after")
     rows = []
     for measure in MEASURES:
         pair = number(before.get(measure.key)), number(after.get(measure.key))
