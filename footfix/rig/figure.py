@@ -20,7 +20,7 @@ _LEAST = 1.2  # score below which a pair of limbs is no pair of legs
 _LEAST_FRONT = -1.2  # shape below which it is no pair of front legs; they hang far out from the spine
 _ALIKE = (0.75, 1.35)  # front legs against hind legs in length; a man's arms have 0.63 of his legs
 _BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
-_HIGH = 0.25  # [leg lengths] of hips and shoulders over the lowest joint, at least
+_HIGH = 0.45  # [leg lengths] of hips and shoulders over the lowest joint, at least, when it stands up
 _GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
 _MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; a gallop leaves half
 
@@ -115,11 +115,11 @@ def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
 
 
 def _apart(seen: Sample, hind: Pair, front: Pair) -> bool:
-    """Whether a back lies level between two pairs of legs, well above the ground."""
+    """Whether a back lies level between two pairs of legs, well above the ground when it stands."""
     middles = [np.mean([seen.places[:, limb.hip] for limb in pair.limbs], axis=0) for pair in (hind, front)]
     level = np.linalg.norm((middles[1] - middles[0])[:, [0, 2]], axis=-1)
     high = np.minimum(*(middle[:, 1] for middle in middles)) - seen.places[..., 1].min(axis=1)
-    return bool(np.median(level) > _BACK * hind.length and np.median(high) > _HIGH * hind.length)
+    return bool(np.median(level) > _BACK * hind.length and np.quantile(high, 0.75) > _HIGH * hind.length)
 
 
 def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:
