@@ -9,7 +9,7 @@ import numpy as np
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import STEP, EvidenceParams, evidence, resample
 from footfix.detect.fitted import NETWORK
-from footfix.detect.kneeling import KneelingParams, dragged
+from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, stretches
 from footfix.detect.tracks import Finding, Tracks
@@ -52,8 +52,8 @@ def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Find
     for foot, answer in zip(tracks.feet, answers, strict=True):
         heel, toe = masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
         parts = (
-            heel & ~dragged(tracks, foot, foot.heel, params.kneeling),
-            toe & ~dragged(tracks, foot, foot.toe, params.kneeling),
+            carrying(heel, tracks, foot, foot.heel, params.kneeling),
+            carrying(toe, tracks, foot, foot.toe, params.kneeling),
         )
         columns += parts
         sure += [

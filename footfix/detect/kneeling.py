@@ -8,6 +8,7 @@ import numpy as np
 
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 
 
@@ -18,22 +19,28 @@ class KneelingParams:
     Args:
         low: [leg lengths] a knee this little over the lowest sole point is down.
         still: [leg lengths/s] a sole point slower than this rests all the same.
+        least: [s] and rests this long.
         smooth: [s] window of that speed.
     """
 
     low: float = 0.18
     still: float = 0.15
+    least: float = 0.3
     smooth: float = 0.2
 
 
-def dragged(tracks: Tracks, foot: Foot, point: Floats, params: KneelingParams) -> Bools:
-    """(F,) where a sole point moves while its leg's knee is down, so that it can't be planted."""
-    if foot.knee is None:
-        return np.zeros(len(point), dtype=np.bool_)
+def carrying(mask: Bools, tracks: Tracks, foot: Foot, point: Floats, params: KneelingParams) -> Bools:
+    """The contacts (F,) of a sole point without those in which its leg's knee is down and the point moves."""
+    if foot.knee is None or not mask.any():
+        return mask
     lowest = np.min([sole[:, 1] for each in tracks.feet for sole in each.soles], axis=0)
     down: Bools = foot.knee[:, 1] - lowest < params.low * tracks.leg_length
     if not down.any():
-        return down
+        return mask
     velocity = savgol(point, tracks.frame_time, seconds=params.smooth, degree=1, derivative=1)
     moves = np.linalg.norm(velocity, axis=1) > params.still * tracks.leg_length
-    return np.asarray(down & moves)
+    left = mask & ~(down & moves)
+    for a, b in runs(left):
+        if down[a:b].all() and (b - a) * tracks.frame_time < params.least:
+            left[a:b] = False
+    return left
