@@ -135,7 +135,7 @@ class Page:
             raise RuntimeError(answer["exceptionDetails"]["exception"].get("description", script))
         return answer["result"].get("value")
 
-    def wait(self, condition: str, timeout: float = 10.0) -> None:
+    def wait(self, condition: str, timeout: float = 30.0) -> None:
         """Waits until an expression is true."""
         deadline = time.monotonic() + timeout
         while not self.run(f"Boolean({condition})"):

@@ -149,6 +149,7 @@ def test_text_stays_text(value: str) -> None:
 _LEAVES = st.text() | st.integers() | st.booleans() | st.sampled_from(HOSTILE)
 
 
+@settings(max_examples=50, deadline=None)
 @given(st.recursive(_LEAVES, lambda each: st.lists(each) | st.dictionaries(st.text(), each)))
 def test_embedded_json_reads_back_and_ends_nothing(value: object) -> None:
     embedded = markup.embedded_json(value)
@@ -309,7 +310,7 @@ _PLANT_KEYS = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", 
 _NOTE_KEYS = ("severity", "text", "joints", "start", "end", "line")
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.data())
 def test_a_report_of_any_shape_is_shown_as_far_as_it_goes(data: st.DataObject) -> None:
     report = data.draw(st.fixed_dictionaries({}, optional=dict.fromkeys(report_document(4), _JSON)))

@@ -169,7 +169,7 @@ def test_the_timeline_tells_values_and_jumps(page: Page) -> None:
 def download(page: Page, browser: Browser, folder: Path) -> tuple[str, bytes]:
     browser.call("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)})
     page.click('[data-edit="download"]')
-    deadline = time.monotonic() + 10.0
+    deadline = time.monotonic() + 30.0
     while time.monotonic() < deadline:
         files = [path for path in folder.iterdir() if not path.name.endswith(".crdownload")]
         if files and files[0].stat().st_size:
