@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gzip
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -13,7 +13,9 @@ from conftest import SHARED
 
 from footfix.errors import InputError
 from footfix.formats.bvh import Document, decode, encode
+from footfix.formats.bvh_rows import offset_of
 from footfix.formats.repair import repair
+from footfix.motion import rotation
 from footfix.motion.clip import Clip
 
 
@@ -54,7 +56,31 @@ def check(data: bytes, expected: Outcome) -> Document | None:
     for note in document.notes:
         assert note.line is not None
         assert not note.text.endswith(".")
+    if len(document.values) and not document.unusable and not document.encoding:
+        check_change(document, data)
     return document
+
+
+def check_change(document: Document, data: bytes) -> None:
+    """What is changed in an odd file is read from it again, and nothing else is touched."""
+    skeleton, values, rows = document.skeleton, document.values, document.rows
+    joint = next((j for j in range(len(skeleton)) if skeleton.rotates[j]), None)
+    whole = np.ones(len(values), dtype=bool) if rows.width is None else rows.width >= values.shape[1]
+    if joint is None or not whole[-1]:
+        return
+    rotations = document.clip.rotations.copy(order="K")
+    rotations[-1, joint] = rotation.multiply(rotations[-1, joint], rotation.from_rotation_vector(np.full(3, 0.1)))
+    out = encode(document, replace(document.clip, rotations=rotations))
+    again = decode(out)
+    columns = [k for k, channel in enumerate(document.channels) if channel.joint == joint and channel.kind == "R"]
+    expected = values.copy()
+    expected[-1, columns] = again.values[-1, columns]
+    assert np.array_equal(again.values[whole], expected[whole])
+    off = rotation.multiply(rotation.inverse(again.clip.rotations[-1, joint]), rotations[-1, joint])
+    assert rotation.angle(off) < 1e-6
+    differs = [k for k, (a, b) in enumerate(zip(data, out, strict=False)) if a != b]
+    assert differs[0] >= offset_of(rows, len(values) - 1, 0)
+    assert data[-1:] == out[-1:]
 
 
 SHARED_FILES = {

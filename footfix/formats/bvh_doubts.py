@@ -172,7 +172,8 @@ def _motion(tree: Hierarchy, skeleton: Skeleton, rows: Rows, notes: Notes) -> No
     """What no motion does: nothing moves, or the figure is elsewhere from one frame to the next."""
     values = rows.values
     if len(values) > 1 and np.array_equal(values[0], values[-1]) and np.all(values == values[0]):
-        notes.add("frozen", "nothing moves: all frames are the same", at=offset_of(rows, 0, 0), start=0, end=len(values))
+        notes.add("frozen", "nothing moves: all frames are the same", at=offset_of(rows, 0, 0),
+                  start=0, end=len(values))  # fmt: skip
     reach = np.zeros(len(skeleton))
     for joint, parent in enumerate(tree.parents):
         if parent >= 0:
