@@ -39,7 +39,7 @@ def carrying(mask: Bools, tracks: Tracks, foot: Foot, point: Floats, params: Kne
         return mask
     velocity = savgol(point, tracks.frame_time, seconds=params.smooth, degree=1, derivative=1)
     moves = np.linalg.norm(velocity, axis=1) > params.still * tracks.leg_length
-    left = mask & ~(down & moves)
+    left: Bools = mask & ~(down & moves)
     for a, b in runs(left):
         if down[a:b].all() and (b - a) * tracks.frame_time < params.least:
             left[a:b] = False
