@@ -141,7 +141,7 @@ def _headings(document: Document) -> list[bytes]:
     times = [line.strip() for line in own if line.strip().lower().startswith(b"frame time:")]
     mended = {note.id for note in document.notes if note.id.startswith("frame-time-")} - {"frame-time-unusual"}
     if times and not mended and b"," not in times[0] and len(times[0].split()) > 2:
-        lines[2] = b" ".join(times[0].split()[:3])
+        lines[2] = b"Frame Time: " + times[0].split()[2]
     return lines
 
 
