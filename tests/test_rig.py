@@ -8,6 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 from exports import SCHEMES, renamed, with_twists, without_toes
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from rigmaker import (
     LEGS,
     called,
@@ -91,6 +93,11 @@ def test_children_and_giants(unit_m: float, leg: float) -> None:
     clip = walk(leg=leg).clip
     assert survey(scaled(clip, 1.0 / unit_m)).unit_m == pytest.approx(unit_m)
     assert find_rig(clip).leg_length == pytest.approx(leg)
+
+
+def test_a_unit_that_might_be_another_is_said() -> None:
+    found = survey(scaled(walk(leg=1.02).clip, 1.0 / 0.0254))  # a tall man in inches, or a child in centimetres
+    assert [note.id for note in found.notes] == ["unit-ambiguous"]
 
 
 def test_a_unit_of_no_name_is_scaled_by_the_leg_and_said() -> None:
@@ -334,6 +341,55 @@ def test_a_file_of_zeros_on_every_joint_shows_its_rest_pose() -> None:
     clip = walk().clip
     zeros = Clip(clip.skeleton, np.zeros((3, len(clip.skeleton), 3)), clip.rotations[:3], clip.frame_time)
     assert legs(find_rig(zeros)) == known_legs(clip)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_any_tree_of_joints_has_a_rig_or_no_legs(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    joints, frames, ends = rng.integers(1, 30), rng.integers(0, 30), rng.integers(0, 10)
+    offsets = rng.normal(size=(joints, 3)) * rng.choice([0.0, 1e-3, 1.0, 100.0], size=(joints, 1))
+    skeleton = Skeleton(
+        names=tuple(rng.choice(["a", "LeftFoot", "RightFoot", "leg_l", "Hip", ""]) for _ in range(joints)),
+        parents=np.array([-1, *(rng.integers(max(-1, joint - 6), joint) for joint in range(1, joints))]),
+        offsets=offsets,
+        end_parents=rng.integers(0, joints, ends),
+        end_offsets=rng.normal(size=(ends, 3)),
+    )
+    positions = np.tile(offsets, (frames, 1, 1))
+    positions[rng.random(positions.shape) < 0.02] = rng.choice([np.nan, np.inf, 1e30])
+    turns = rotation.normalize(rng.normal(size=(frames, joints, 4)))
+    _rig_or_no_legs(Clip(skeleton, positions, turns, float(rng.choice([1e-4, 1 / 30, 10.0]))))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["tumble", "holes", "frozen", "no turns", "leaps", "short bones"]))
+def test_damaged_motion_has_a_rig_or_no_legs(seed: int, damage: str) -> None:
+    rng, clip = np.random.default_rng(seed), walk("turn").clip
+    positions, turns = clip.positions.copy(), clip.rotations.copy()
+    if damage == "tumble":
+        turns = rotation.normalize(rng.normal(size=turns.shape))
+    elif damage == "holes":
+        turns[rng.random(turns.shape) < 0.02] = np.nan
+    elif damage == "frozen":
+        positions[:], turns[:] = positions[:1], turns[:1]
+    elif damage == "no turns":
+        turns = rotation.identity(turns.shape[:-1])
+    elif damage == "leaps":
+        positions[:, 0] += 30.0 * rng.normal(size=positions[:, 0].shape)
+    else:
+        positions[:, rng.integers(1, positions.shape[1], 3)] *= rng.choice([0.0, 1e-9, 0.5])
+    _rig_or_no_legs(Clip(clip.skeleton, positions, turns, clip.frame_time))
+
+
+def _rig_or_no_legs(clip: Clip) -> None:
+    try:
+        rigs = (survey(clip), find_rigs(clip))[1]
+    except NoLegsError:
+        return
+    for rig in rigs:
+        assert np.isfinite([rig.floor, rig.leg_length, *(x for sole in rig.soles for x in sole.offset)]).all()
+        assert len(rig.soles) == 2 * len(rig.legs)
 
 
 def test_duplicate_names_are_no_matter() -> None:

@@ -49,7 +49,7 @@ def _lead(clip: Clip, order: Ints) -> int:
     first = held if held < frames // 2 else 0  # the pose at the start may be held for a while
     turn, shift = _steps(clip, order[first : first + LONGEST + 13])
     inner = order[first + LONGEST : frames - LONGEST]
-    if len(inner) < 4:
+    if len(inner) < 4 or len(turn) <= LONGEST:
         return 0
     own_turn, own_shift = _own(clip, inner)
     ratio = _REST_JUMP if rest[0] else _JUMP
@@ -102,7 +102,7 @@ def _held(clip: Clip, order: Ints) -> int:
     longest = min(len(order) - 1, max(1, round(2.0 / clip.frame_time)))
     turns = clip.rotations[order[: longest + 1]]
     same = (np.abs(np.einsum("fji,fji->fj", turns, turns[:1])) > 1.0 - 1e-9).all(axis=1)
-    return int(np.argmin(same)) - 1 if not same.all() else 0
+    return max(0, int(np.argmin(same)) - 1) if not same.all() else 0
 
 
 def _size(clip: Clip) -> float:

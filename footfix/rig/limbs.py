@@ -84,7 +84,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
                 key=lambda pair: pair.score,
                 default=None,
             )
-            if best is not None:
+            if best is not None and math.isfinite(best.score):
                 found.append(best)
     if not found:
         return []

@@ -28,6 +28,7 @@ _UNITS = (
     ("metres, of a small figure", 1.0, 0.12, 0.35),
 )
 _TYPICAL_LEG = 0.9  # [m]
+_GROWN_UP = (0.7, 1.05)  # [m] length of most grown-ups' legs
 _CLEAR = 0.25  # evidence by which one up axis must lead
 
 
@@ -76,13 +77,24 @@ def survey(clip: Clip, params: RigParams | None = None) -> Survey:
 def _unit(leg: float) -> tuple[float, tuple[Note, ...], str]:
     for name, unit, least, most in _UNITS:
         if least <= leg * unit <= most:
-            return unit, (), f"leg length {leg:.4g} taken as {name}"
+            return unit, _other_units(leg, name), f"leg length {leg:.4g} taken as {name}"
     unit = _TYPICAL_LEG / leg
     note = Note(
         "unit-unknown",
         f"a leg of {leg:.4g} fits no usual unit; taken to be {_TYPICAL_LEG} m long; set rig.unit_m if you know better",
     )
     return unit, (note,), f"leg length {leg:.4g} scaled to {_TYPICAL_LEG} m"
+
+
+def _other_units(leg: float, chosen: str) -> tuple[Note, ...]:
+    """A note where a unit that was not chosen would make the figure a usual grown-up, and the chosen one does not."""
+    sizes = {name: leg * unit for name, unit, _, _ in _UNITS}
+    usual = [name for name, size in sizes.items() if _GROWN_UP[0] <= size <= _GROWN_UP[1]]
+    if not usual or chosen in usual:
+        return ()
+    other = f"in {usual[0]} it would be {sizes[usual[0]]:.2f} m"
+    text = f"a leg of {leg:.4g} is taken as {chosen}, {sizes[chosen]:.2f} m; {other}"
+    return (Note("unit-ambiguous", text),)
 
 
 def _up(seen: Sample, figure: Figure) -> tuple[str, tuple[Note, ...]]:
