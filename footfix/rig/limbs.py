@@ -191,8 +191,7 @@ def _slack(sample: Sample, path: tuple[int, ...], way: tuple[float, ...], a: int
     """How far a stretch of bones is from being one straight bone, as a share of its length."""
     if b == a + 1:
         return 0.0
-    apart = np.linalg.norm(sample.places[:, path[b]] - sample.places[:, path[a]], axis=-1)
-    return max(0.0, 1.0 - float(apart.mean()) / (way[b] - way[a]))
+    return max(0.0, 1.0 - sample.distance(path[a], path[b]) / (way[b] - way[a]))
 
 
 _WORTH = {  # what a part's name is worth at hip, knee and ankle
@@ -222,8 +221,7 @@ def _pair(sample: Sample, pelvis: int, a: Limb, b: Limb) -> Pair:
     unlike = 3.0 * (abs(math.log(a.thigh / b.thigh)) + abs(math.log(a.shin / b.shin)))
     sides = [next((s for s in (read(names[j]).side for j in limb.chain) if s), "") for limb in (a, b)]
     named = 0.0 if not all(sides) else 0.5 if sides[0] != sides[1] else -3.0
-    apart = np.linalg.norm(sample.places[:, a.hip] - sample.places[:, b.hip], axis=-1).mean()
-    width = float(apart) / (0.5 * (a.length + b.length))
+    width = sample.distance(a.hip, b.hip) / (0.5 * (a.length + b.length))
     odd = 1.5 if width < 0.03 else 2.0 * max(0.0, width - 0.7)
     alike = -unlike - abs(len(a.chain) - len(b.chain)) * 0.2 - odd
     own = 0.5 * (a.score + b.score)

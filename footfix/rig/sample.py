@@ -48,6 +48,19 @@ class Sample:
                 found.add(other)
         return tuple(sorted(found))
 
+    def distance(self, one: int, other: int) -> float:
+        """How far two joints usually are from each other."""
+        known = self._distances.get((one, other))
+        if known is None:
+            apart = self.places[:, one] - self.places[:, other]
+            known = float(np.sqrt(np.einsum("fi,fi->f", apart, apart)).mean())
+            self._distances[one, other] = known
+        return known
+
+    @cached_property
+    def _distances(self) -> dict[tuple[int, int], float]:
+        return {}
+
     @cached_property
     def travel(self) -> Floats:
         """(J,) how far each joint moves in its parent's frame, 0 for those that only turn."""

@@ -40,7 +40,7 @@ def balls(sample: Sample, limbs: tuple[Limb, Limb]) -> tuple[int | None, int | N
     level = {a.joint: a.depth for a in (*one, *other)}
     # Where each toe has a joint, the big toes, which are nearest to each other, stand for the balls.
     apart = {
-        two: float(np.linalg.norm(sample.places[:, two[0]] - sample.places[:, two[1]], axis=-1).mean())
+        two: sample.distance(*two)
         for two in worth
         if worth[two] >= worth[best] - 0.2 and all(level[a] == level[b] for a, b in zip(two, best, strict=True))
     }
