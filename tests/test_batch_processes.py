@@ -66,7 +66,7 @@ def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("clips") / "in"
     (folder / "sub").mkdir(parents=True)
     for k, name in enumerate(("a", "b", "c", "sub/d", "sub/e", "sub/f")):
-        walk = make(Gait(name="walk", duration=3.0, fps=60, seed=k))
+        walk = make(Gait(name="walk", duration=2.0, fps=30, seed=k))
         (folder / f"{name}.bvh").write_bytes(exports.bvh(artefacts.wander(walk.clip, 0.05, seed=k)))
     (folder / "broken.bvh").write_bytes(b"HIERARCHY\n")
     return folder
@@ -138,3 +138,21 @@ def test_an_interrupt_finishes_what_runs_and_keeps_it(
             assert name.removesuffix(".bvh") + ".report.json" in found
     assert footfix("clean", clips, "-o", out, "--resume").returncode == 3
     assert contents(out) == alone
+
+
+@POSIX
+@pytest.mark.parametrize("after", [0.3, 2.0])
+def test_a_second_interrupt_ends_it_at_once(clips: Path, tmp_path: Path, after: float) -> None:
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "footfix", "clean", str(clips), "-o", str(out), "-j2"]
+    process = subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    while not (out / ".footfix").exists() and process.poll() is None:
+        time.sleep(0.002)
+    time.sleep(after)
+    for _ in range(2):
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
+        time.sleep(0.05)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode in (130, 3) and "Traceback" not in err  # 3: it was done before
+    assert not [name for name in contents(out) if name.endswith(".tmp")]

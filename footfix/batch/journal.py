@@ -80,7 +80,7 @@ class Journal:
 
     def begin(self, clips: Iterable[str]) -> None:
         """Says, before anything of theirs is written, that these clips' outputs are ours."""
-        self._write([{"clip": clip, "state": "begun"} for clip in clips])
+        self._write([{"clip": clip, "state": "begun"} for clip in clips], safely=True)
 
     def end(self, clip: str, result: FileResult) -> None:
         """Says what became of a clip."""
@@ -107,9 +107,10 @@ class Journal:
             os.close(self._handle)
             self._handle = -1
 
-    def _write(self, entries: list[dict[str, Any]]) -> None:
+    def _write(self, entries: list[dict[str, Any]], *, safely: bool = False) -> None:
         if self._handle < 0 or not entries:
             return
         lines = "".join(json.dumps(entry) + "\n" for entry in entries)
         os.write(self._handle, lines.encode("ascii"))
-        os.fsync(self._handle)
+        if safely:  # what has ended says so itself, by its report
+            os.fsync(self._handle)

@@ -19,6 +19,9 @@ from footfix.files import STDIN, remove_leftovers
 # With fewer clips than this a worker process takes longer to start than it saves.
 _WORTH_A_PROCESS = 4
 
+# Clips that the journal names ahead: to wait for the disk before each of them would cost more than some clips do.
+_ANNOUNCED_AT_ONCE = 32
+
 
 @dataclass(frozen=True)
 class Crew:
@@ -64,9 +67,14 @@ def run(
     stop = Stop()
     _clear_leftovers(tasks)
 
+    announced = 0
+
     def starting(index: int) -> None:
-        if tasks[index].job.target is not None:
-            journal.begin([tasks[index].job.name])
+        nonlocal announced
+        while index >= announced:
+            some = tasks[announced : announced + _ANNOUNCED_AT_ONCE]
+            journal.begin([task.job.name for task in some if task.job.target is not None])
+            announced += len(some)
 
     results: dict[int, FileResult] = {}
     with _interrupts(stop, lambda: asked_to_stop(len(tasks) - len(results))):
