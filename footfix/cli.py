@@ -80,6 +80,7 @@ def cli() -> None:
 @click.option("--labels", type=click.Path(exists=True, path_type=Path),
               help="Contacts to use in place of detection: JSON, CSV or NPZ, or a folder of them.")  # fmt: skip
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")
+@click.option("--png", is_flag=True, help="Also draw a picture of the worst plants.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @click.option("--resume", is_flag=True, help="Go on with an interrupted run: leave what is done already.")
@@ -90,7 +91,7 @@ def cli() -> None:
 @shared
 def clean(
     src: tuple[str, ...], output: Path | None, in_place: bool, method: str | None, labels: Path | None,
-    report: str | None, dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many,
+    report: str | None, png: bool, dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many,
     common: Common,
 ) -> int:  # fmt: skip
     """Take the foot skate out of clips.
@@ -104,6 +105,8 @@ def clean(
         options["enforce"] = {"method": method}
     if report:
         options["report"] = {"kind": report}
+    if png:
+        options.setdefault("report", {})["png"] = True
     return cli_runs.clean(
         src, output=output, in_place=in_place, options=options, labels=labels, dry_run=dry_run, force=force,
         resume=resume, junit=junit, style=style, many=many, common=common,
@@ -187,3 +190,22 @@ def settings(src: tuple[str, ...], common: Common) -> int:
     else:
         click.echo(composed.as_yaml(chosen.stack(path)), nl=False)
     return 0
+
+
+@cli.command()
+@click.argument("reports", nargs=-1, required=True, metavar="CLIP.report.json...")
+@click.option("--source", type=click.Path(exists=True, path_type=Path),
+              help="The clip that was cleaned, or its folder, where it is not beside the report.")  # fmt: skip
+@click.option("--png", is_flag=True, help="Draw a picture of the worst plants, too.")
+@click.option("--no-html", is_flag=True, help="Draw the picture only.")
+@click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for what is drawn.")
+@click.option("--force", is_flag=True, help="Draw over what is there.")
+def report(
+    reports: tuple[str, ...], source: Path | None, png: bool, no_html: bool, output: Path | None, force: bool
+) -> int:
+    """Draw the pages of cleaned clips anew, from their report files."""
+    from footfix import cli_runs
+
+    return cli_runs.report(
+        reports, source=source, kind="none" if no_html else "html", png=png or no_html, output=output, force=force
+    )

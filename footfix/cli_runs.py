@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -17,7 +17,19 @@ from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal, Past, recall
 from footfix.batch.outputs import Job
 from footfix.batch.run import Crew, Outcome, run
-from footfix.batch.work import CONTACTS, PAGE, REPORT, FileResult, Task, check_one, clean_one, detect_one, inspect_one
+from footfix.batch.work import (
+    CONTACTS,
+    PAGE,
+    PICTURE,
+    REPORT,
+    FileResult,
+    Task,
+    beside,
+    check_one,
+    clean_one,
+    detect_one,
+    inspect_one,
+)
 from footfix.cli_options import Common, Many
 from footfix.console import Progress
 from footfix.errors import UsageError
@@ -45,9 +57,8 @@ def clean(
     kind = config.settings().report.kind
     past = recall(output) if output is not None and resume else Past()
     whole = _whole_run(output, many, kind) if output is not None and _several(src, found) else {}
-    suffixes = [CONTACTS, *([REPORT] if kind != "none" else []), *([PAGE] if kind == "html" else [])]
     jobs = outputs.plan(
-        found, output=output, in_place=in_place, suffixes=suffixes, force=force, dry_run=dry_run,
+        found, output=output, in_place=in_place, suffixes=beside(config.settings()), force=force, dry_run=dry_run,
         ours=lambda name: resume and (name == "" or name in past.begun or _reported(output, name)),
         extra=whole.values(),
     )  # fmt: skip
@@ -137,6 +148,23 @@ def inspect(src: tuple[str, ...], *, many: Many, common: Common) -> int:
             if result.report:
                 click.echo(describe(result.report, quiet=common.quiet))
     return INTERRUPTED if outcome.interrupted else code(outcome)
+
+
+def report(
+    named: tuple[str, ...], *, source: Path | None, kind: Literal["none", "html"], png: bool, output: Path | None,
+    force: bool,
+) -> int:  # fmt: skip
+    """`footfix report`."""
+    from footfix.batch.redrawing import redraw_one
+    from footfix.settings import ReportParams
+
+    params = ReportParams(kind=kind, png=png)
+    failed = False
+    for name in named:
+        result = redraw_one(Path(name), source, params, output, force=force)
+        failed |= bool(result.error)
+        say(f"footfix: {result.error}" if result.error else f"{name} -> {', '.join(result.written)}")
+    return FAILED if failed else 0
 
 
 def check(
@@ -338,13 +366,13 @@ def _told_cleaned(common: Common, few: bool) -> Callable[[FileResult, Callable[[
 def _entry(task: Task, result: FileResult) -> Entry:
     from footfix.report.summary import Entry
 
-    kinds: dict[str, str] = {CONTACTS: "contacts", REPORT: "report", PAGE: "page"}
+    kinds: dict[str, str] = {CONTACTS: "contacts", REPORT: "report", PAGE: "page", PICTURE: "picture"}
     base = task.job.within
     written: dict[str, str] = {}
     for path in map(Path, result.written):
         kind = next((kinds[suffix] for suffix in kinds if path.name.endswith(suffix)), "bvh")
         written[kind] = (path.relative_to(base) if base is not None else path).as_posix()
-    order: tuple[str, ...] = ("bvh", "contacts", "report", "page")
+    order: tuple[str, ...] = ("bvh", "contacts", "report", "page", "picture")
     outputs_of = {kind: written[kind] for kind in order if kind in written}
     return Entry(task.job.name, result.status, result.error, result.line, result.report, outputs_of)
 

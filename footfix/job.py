@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -23,6 +22,7 @@ from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
 from footfix.notes import Note
+from footfix.pages import draw
 from footfix.pipeline import Result, clean_figures
 from footfix.report import document as report_format
 from footfix.rig.find import find_rigs
@@ -148,7 +148,7 @@ def clean_file(
     status: Status = "unchanged" if written == data else "cleaned"
     report = _report(document, results, source, settings, status=status, output=output)
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
-    pages, offenders = _pages(clip, results[-1].clip, joined(rigs), report, contacts_file, settings)
+    pages, offenders = draw(clip, results[-1].clip, joined(rigs), report, contacts_file, settings.report)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 
@@ -218,31 +218,8 @@ def _too_short(
     }
     contacts = Contacts(frames, document.frame_time, ())
     contacts_file = contacts_json(replace(contacts, method=settings.detect.method), source, report["rig"], settings)
-    pages: dict[str, bytes] = {}
-    if settings.report.kind == "html":
-        from footfix.report.page import PageData, render
-
-        pages[".report.html"] = render(PageData(report, _document(contacts_file))).encode("utf-8", "replace")
+    pages, _ = draw(None, None, None, report, contacts_file, settings.report)
     return Outputs("unchanged", data, contacts_file, report, pages)
-
-
-def _document(contacts: bytes) -> Any:
-    """The contacts file as a document; a file name that is no UTF-8 keeps its bytes in it."""
-    return json.loads(contacts.decode("utf-8", "surrogateescape"))
-
-
-def _pages(
-    before: Clip, after: Clip, rig: Rig, report: Mapping[str, Any], contacts: bytes, settings: Settings
-) -> tuple[dict[str, bytes], tuple[Offender, ...]]:
-    if settings.report.kind != "html":
-        return {}, ()
-    from footfix.report.motion import film
-    from footfix.report.offenders import worst_plants
-    from footfix.report.page import PageData, render
-
-    motion = film(before, after, rig)
-    page = render(PageData(report, _document(contacts), motion)).encode("utf-8", "replace")
-    return {".report.html": page}, worst_plants(motion, report)
 
 
 def measure_file(

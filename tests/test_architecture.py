@@ -21,6 +21,7 @@ FLOORS = [
     {"settings", "configs"},
     {"pipeline", "config"},
     {"report"},
+    {"pages"},
     {"job"},
     {"batch", "api"},
     {"cli", "cli_options", "cli_runs", "console", "__main__", "__init__"},

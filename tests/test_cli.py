@@ -127,6 +127,23 @@ def test_json_is_one_document_on_stdout(run: Any, clip: Path, tmp_path: Path) ->
     assert code == 0 and json.loads(out)["rig"]["legs"][0]["ankle"] == "LeftFoot"
 
 
+def test_pages_are_drawn_again_from_what_lies_on_disk(run: Any, clip: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run("clean", clip, "-o", out, "--png")[0] == 0
+    page, picture = out / "walk.report.html", out / "walk.report.png"
+    drawn = page.read_bytes(), picture.read_bytes()
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    code, _, err = run("report", out / "walk.report.json", "--png")
+    assert code == 3 and "--source" in err  # the clip that came in lies elsewhere
+    assert run("report", out / "walk.report.json", "--png", "--source", clip)[0] == 3  # there already
+    page.unlink()
+    picture.unlink()
+    assert run("report", out / "walk.report.json", "--png", "--source", tmp_path)[0] == 0
+    assert (page.read_bytes(), picture.read_bytes()) == drawn
+    code, _, err = run("report", clip, "--source", clip)
+    assert code == 3 and "no report" in err
+
+
 def test_inspect_says_what_a_person_asks(run: Any, clip: Path) -> None:
     code, out, _ = run("inspect", clip)
     assert code == 0

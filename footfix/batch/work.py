@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from footfix.report.offenders import Offender
     from footfix.settings import Settings
 
-REPORT, PAGE, CONTACTS = ".report.json", ".report.html", ".contacts.json"
+REPORT, PAGE, PICTURE, CONTACTS = ".report.json", ".report.html", ".report.png", ".contacts.json"
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,13 @@ class FileResult:
     offenders: tuple[Offender, ...] = ()
     skipped: bool = False
     bug: bool = False
+
+
+def beside(settings: Settings) -> tuple[str, ...]:
+    """What the names of the outputs beside a corrected clip end in."""
+    kind, png = settings.report.kind, settings.report.png
+    asked = {REPORT: kind != "none", PAGE: kind == "html", PICTURE: png}
+    return (CONTACTS, *(suffix for suffix, wanted in asked.items() if wanted))
 
 
 def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
@@ -229,7 +236,7 @@ def _finished(task: Task, key: str) -> FileResult | None:
         return None
     if not isinstance(report, dict) or report.get("fingerprint") != key:
         return None
-    wanted = [job.target, job.beside(CONTACTS), *([job.beside(PAGE)] if task.settings.report.kind == "html" else [])]
+    wanted = [job.target, *(job.beside(suffix) for suffix in beside(task.settings) if suffix != REPORT)]
     if not all(Path(task.folder, path).is_file() for path in wanted):
         return None
     return FileResult(

@@ -1,0 +1,81 @@
+"""Pages drawn anew from the report, the contacts and the clips that lie on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from footfix.batch.work import CONTACTS, REPORT, FileResult
+from footfix.errors import FootfixError, InputError
+from footfix.files import read_whole, write_whole
+from footfix.settings import ReportParams, Settings
+
+
+def redraw_one(
+    path: Path, source: Path | None, params: ReportParams, output: Path | None, *, force: bool
+) -> FileResult:
+    """Draws the pages of one clip again.
+
+    Args:
+        path: its report file.
+        source: the clip that came in, or a folder it lies in; beside the report where it is not said.
+        params: which pages.
+        output: the folder that pages go to; beside the report without one.
+        force: pages that are there are replaced.
+    """
+    from footfix.pages import redraw
+
+    try:
+        most = Settings().limits.bytes
+        report = _report(read_whole(path, most), path)
+        stem = path.name.removesuffix(REPORT)
+        pages = redraw(
+            report,
+            read_whole(path.with_name(stem + CONTACTS), most),
+            _input(report, path, source, most),
+            read_whole(path.with_name(str(report.get("output") or f"{stem}.bvh")), most),
+            params,
+        )
+        folder = output or path.parent
+        targets = {folder / (stem + suffix): page for suffix, page in pages.items()}
+        for target in targets:
+            if target.exists() and not force:
+                raise InputError("is there already", file=str(target), hint="--force draws over it")
+        folder.mkdir(parents=True, exist_ok=True)
+        for target, page in targets.items():
+            write_whole(target, page)
+        return FileResult(str(path), "done", written=tuple(map(str, targets)))
+    except FootfixError as error:
+        return FileResult(str(path), "failed", error=str(error))
+    except OSError as error:
+        return FileResult(str(path), "failed", error=f"{path}: {error.strerror or error}")
+
+
+def _report(data: bytes, path: Path) -> Mapping[str, Any]:
+    try:
+        report = json.loads(data.decode("utf-8", "surrogateescape"))
+    except (ValueError, RecursionError):
+        report = None
+    if not isinstance(report, dict) or report.get("format") != "footfix-report":
+        raise InputError("this is no report of footfix", file=str(path), hint="give the file that ends in .report.json")
+    return report
+
+
+def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int) -> bytes:
+    """The clip that came in, known by its hash."""
+    entry = report.get("source") or {}
+    name, known = str(entry.get("file", "")), entry.get("sha256")
+    folder = source if source is not None and source.is_dir() else path.parent
+    candidates = [source] if source is not None and source.is_file() else [folder / Path(name).name]
+    for candidate in candidates:
+        if candidate.is_file():
+            data = read_whole(candidate, most)
+            if hashlib.sha256(data).hexdigest() == known:
+                return data
+    raise InputError(
+        f"the clip it was made from, {name}, is not {'there' if source else 'beside it'} as it was",
+        file=str(path), hint="--source says where it is",
+    )  # fmt: skip
