@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import re
 import sys
 import xml.etree.ElementTree
 from collections.abc import Callable
@@ -14,6 +15,8 @@ from typing import Any
 import artefacts
 import exports
 import pytest
+import yaml
+from conftest import ROOT
 from walker import make
 from walker_plan import Gait
 
@@ -330,3 +333,21 @@ def test_every_gate_is_a_measure() -> None:
     assert gates.parse(("slide_mm=21", "jitter_ratio=1.1")) == {"slide_mm": 21.0, "jitter_ratio": 1.1}
     with pytest.raises(UsageError, match="NAME=NUMBER"):
         gates.parse(("slide_mm",))
+
+
+# what the README shows
+
+
+def test_the_workflow_and_the_hook_of_the_readme_are_what_they_say(tree: Path, run: Any) -> None:
+    blocks = re.findall(r"```yaml\n# (\S+)\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), flags=re.DOTALL)
+    shown = {name: yaml.safe_load(text) for name, text in blocks}
+    steps = shown[".github/workflows/feet.yml"]["jobs"]["feet"]["steps"]
+    commands = [step["run"].split() for step in steps if step.get("run", "").startswith("footfix")]
+    (tree / "in").rename(tree / "clips")
+    code, out, _ = run(*commands[0][1:], "-j1")
+    assert code == 3 and "::error file=clips" in out and (tree / "feet.xml").exists()
+    hook = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))[0]
+    used = shown[".pre-commit-config.yaml"]["repos"][0]["hooks"][0]
+    assert used["id"] == hook["id"]
+    assert run(*hook["entry"].split()[1:], *used["args"], "clips/a.bvh")[0] == 1
+    assert re.search(hook["files"], "clips/a.BVH")
