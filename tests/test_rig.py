@@ -193,6 +193,16 @@ def test_feet_without_toe_joints(ends: bool) -> None:
     assert [note.id for note in rig.notes] == ([] if ends else ["feet-without-toes"])
 
 
+@pytest.mark.parametrize("name", ["{side}FootEnd", "{side}Foot_End", "{side} Foot Nub", "{side}ToeEnd_01"])
+def test_a_joint_in_place_of_an_end_site_is_no_toe(name: str) -> None:
+    clip = without_toes(walk().clip, ends=False)
+    for side in ("Left", "Right"):
+        clip = hung(clip, f"{side}Foot", [(name.format(side=side), (0.0, -0.07, 0.22))])
+    rig = find_rig(clip)
+    assert [leg.toe for leg in rig.legs] == [None, None]
+    assert rig.notes == ()
+
+
 def test_twist_bones_are_in_the_chain_but_are_no_knees() -> None:
     clip = with_twists(walk().clip)
     for other in (clip, nameless(clip)):

@@ -24,6 +24,7 @@ _PARTS = {
 _HELPER = re.compile(
     r"(^|[^a-z])ik([^a-z]|$)|pole|target|ctrl|control|helper|nub|twist|roll|mesh|goal|locator|effector|(^|_)end(site)?$|dummy|ｉｋ|捩"
 )
+_TIP = re.compile(r"(^|_)(end|endsite|site|nub|tip)(_\d+)?$")
 _LEFT = {"l", "left", "lft", "lf", "links", "izq", "izquierda", "gauche", "左"}
 _RIGHT = {"r", "right", "rgt", "rt", "rechts", "der", "derecha", "droite", "右"}
 _NAMESPACE = re.compile(r"^.*[:|]")
@@ -48,11 +49,13 @@ class Reading:
         side: "left", "right" or "".
         part: one of thigh, knee, leg, ankle, toe, heel, arm, other, or "".
         helper: it names no bone of a body but a tool: an IK target, a twist or roll bone, an end.
+        tip: it names the end of a chain, where others write an End Site.
     """
 
     side: str
     part: str
     helper: bool
+    tip: bool
 
 
 def bare(name: str) -> str:
@@ -88,4 +91,4 @@ def read(name: str) -> Reading:
         part = ""
     if part in ("thigh",) and joined in ("hip",) and not side:
         part = ""  # the centre of the pelvis
-    return Reading(side, part, helper)
+    return Reading(side, part, helper, bool(_TIP.search("_".join(rest))))

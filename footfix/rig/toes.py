@@ -71,6 +71,8 @@ def _candidates(sample: Sample, limb: Limb, across: Floats) -> list[_Candidate]:
         if far < max(_NEAREST * farthest, _LEAST * limb.length):
             continue
         reading = read(skeleton.names[joint])
+        if reading.tip:
+            continue
         named = reading.part in ("toe", "ankle")  # some call the ball the foot
         if not named and far < 3.0 * _LEAST * limb.length and _along(span, shin) > 0.9 * far:
             continue  # straight below the ankle
