@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -315,6 +316,20 @@ def test_each_figure_of_a_file_has_its_rig() -> None:
     assert [rig.root for rig in rigs] == [0, len(clip.skeleton)]
     assert legs(rigs[0]) == known_legs(clip)
     assert find_rig(both).root == 0
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_two_figures_below_one_root_have_a_rig_each(named: bool) -> None:
+    both = together(walk().clip, walk("turn").clip, (2.0, 0.0, 0.0))
+    still = np.zeros((len(both), 3))
+    one_root = _headed(both, still, moves=True)
+    parents = one_root.skeleton.parents.copy()
+    parents[1 + len(walk().clip.skeleton)] = 0
+    translates = parents <= 0
+    one_root = replace(one_root, skeleton=replace(one_root.skeleton, parents=parents, translates=translates))
+    rigs = find_rigs(one_root if named else nameless(one_root))
+    assert [rig.root for rig in rigs] == [1, 1 + len(walk().clip.skeleton)]
+    assert {leg.ankle - 1 for leg in rigs[0].legs} == {leg[3] for leg in known_legs(walk().clip)}
 
 
 @pytest.mark.parametrize("named", [True, False])

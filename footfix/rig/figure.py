@@ -30,7 +30,7 @@ class Figure:
     """The legs of one figure, before it is known which is left.
 
     Args:
-        root: the root joint that it hangs from.
+        root: the joint that it hangs from: a root, or what carries it where one root holds several figures.
         pelvis: the joint that its (hind) legs hang from.
         limbs: the legs.
         toes: the ball joint of each, None without one.
@@ -54,7 +54,7 @@ class Figure:
 
 
 def figures(seen: Sample, params: RigParams, *, y_up: bool) -> tuple[Figure, ...]:
-    """The figures of a clip that have legs: one for each root that has some.
+    """The figures of a clip that have legs: one for each root that has some, or for each body below one root.
 
     Args:
         seen: frames of the clip.
@@ -70,14 +70,31 @@ def figures(seen: Sample, params: RigParams, *, y_up: bool) -> tuple[Figure, ...
     found = []
     for root in np.flatnonzero(seen.skeleton.parents < 0).tolist():
         candidates = pairs(seen, root)
-        if candidates and candidates[0].score >= _LEAST:
-            found.append(_figure(seen, root, candidates, y_up))
+        bodies = _bodies(seen, root, candidates)
+        for body in bodies:
+            own = [pair for pair in candidates if body in seen.skeleton.ancestors(pair.pelvis)]
+            found.append(_figure(seen, body, own, y_up))
     if not found:
         raise NoLegsError(
             f"no legs found among {len(seen.skeleton)} joints",
             hint="if it has some, name their joints in the config under rig: legs:",
         )
     return tuple(found)
+
+
+def _bodies(seen: Sample, root: int, candidates: list[Pair]) -> list[int]:
+    """The joints that carry a figure each: the root, or several joints that travel side by side below it."""
+    bodies: list[int] = []
+    for pair in candidates:
+        above = seen.skeleton.ancestors(pair.pelvis)
+        carrier = next((joint for joint in above if seen.travel[joint] > 0.05 * pair.length), root)
+        apart = all(
+            carrier not in seen.skeleton.ancestors(body) and body not in seen.skeleton.ancestors(carrier)
+            for body in bodies
+        )
+        if pair.score >= _LEAST and apart:
+            bodies.append(carrier)
+    return sorted(bodies) if len(bodies) > 1 else [root] if bodies else []
 
 
 def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figure:
