@@ -52,11 +52,8 @@ def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Find
     sure: list[Floats] = []
     for foot, answer in zip(tracks.feet, answers, strict=True):
         heel, toe = masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
-        parts = (
-            carrying(heel, tracks, foot, foot.heel, params.kneeling),
-            carrying(toe, tracks, foot, foot.toe, params.kneeling),
-        )
-        columns += parts
+        columns.append(carrying(heel, tracks, foot, foot.heel, params.kneeling))
+        columns.append(carrying(toe, tracks, foot, foot.toe, params.kneeling))
         sure += _parts(answer, len(tracks), per_frame)
     notes = frame_rate(tracks, params.doubts)
     for foot, answer in zip(tracks.feet, answers, strict=True):
