@@ -22,9 +22,9 @@ class EaseParams:
 
     method: Literal["smooth", "cubic", "hermite"] = "smooth"  # least squares, Glardon eq. 9-10, Kim & Neff
     seconds: float = 0.30  # how long before a plant it begins and after it ends (Glardon's sigma)
-    settle: float = 0.02  # [s] what is quicker than this in a plant's correction is not carried beyond it
+    settle: float = 0.012  # [s] what is quicker than this in a plant's correction is not carried beyond it
     lead: float = 0.08  # [s] in which a knee that was captured overstretched comes to bend forwards
-    slack: float = 0.10  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
+    slack: float = 0.2  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
 
 
 def within_reach(contact: Bools, frame_time: float, seconds: float) -> Bools:
@@ -55,7 +55,13 @@ def presence(changed: Bools, frame_time: float, seconds: float) -> Floats:
 
 
 def displacement(
-    pinned: Bools, values: Floats, near: Bools, frame_time: float, params: EaseParams, soft: Floats | None = None
+    pinned: Bools,
+    values: Floats,
+    near: Bools,
+    frame_time: float,
+    params: EaseParams,
+    soft: Floats | None = None,
+    track: Floats | None = None,
 ) -> Floats:
     """The displacement at every frame.
 
@@ -66,6 +72,7 @@ def displacement(
         frame_time: [s].
         params: the way.
         soft: (F,) [s] where above zero, pinned values are followed only as far as they are slower than this.
+        track: (F, K) [m] what is displaced, if it is a place: Kim & Neff's spline needs to know it.
 
     Returns:
         (F, K): `values` on pinned frames that are not soft, zero outside `near`, smooth between.
@@ -79,6 +86,8 @@ def displacement(
             exact = pinned & (soft == 0.0)
             weights *= (params.settle / np.maximum(soft, params.settle)) ** 4
         eased = fit(weights, values, near, frame_time, params.settle, params.slack)
+    elif params.method == "hermite" and track is not None:
+        eased = _hermite(pinned, values, track, frame_time, params.seconds)
     else:
         eased = _cubic(pinned, values, frame_time, params.seconds)
     eased[np.abs(eased).max(axis=1) < 1e-7] = 0.0
@@ -157,3 +166,48 @@ def _cubic(pinned: Bools, values: Floats, frame_time: float, seconds: float) -> 
             t = np.arange(end, min(end + sigma, frames))
             out[t] = gamma((t - (end - 1)) / sigma)[:, None] * values[end - 1]
     return out
+
+
+def _hermite(pinned: Bools, values: Floats, track: Floats, frame_time: float, seconds: float) -> Floats:
+    """Kim & Neff's joins (K §7.1): between a plant and the free motion the track is a Hermite spline.
+
+    It takes N_b frames, the gap between free and constrained place over the way the joint goes in a frame of the
+    plant, at most the ease. Where two plants are closer than two eases their displacements are interpolated as in
+    `_cubic`, since both splines would claim the same frames.
+    """
+    out = _cubic(pinned, values, frame_time, seconds)
+    most = ease_frames(frame_time, seconds)
+    spans = runs(pinned)
+    frames = len(pinned)
+    for k, (start, end) in enumerate(spans):
+        step = np.linalg.norm(np.diff(track[start:end], axis=0), axis=1)
+        usual = float(step.mean()) if len(step) else 0.0
+        before = spans[k - 1][1] if k else -2 * most
+        after = spans[k + 1][0] if k + 1 < len(spans) else frames + 2 * most
+        for edge, outside, room in ((start, -1, start - before), (end - 1, 1, after - end)):
+            if room < 2 * most:
+                continue
+            gap = float(np.linalg.norm(values[edge]))
+            count = int(np.clip(np.ceil(gap / max(usual, 1e-12)), 2, most))
+            free = edge + outside * (count + 1)
+            span = edge + outside * np.arange(1, most + 1)
+            span = span[(span >= 0) & (span < frames)]
+            out[span] = 0.0
+            if not 0 <= free + outside < frames:
+                continue
+            t = edge + outside * np.arange(1, count + 1)
+            out[t] = _spline(track, values, free, edge, outside, count) - track[t]
+    return out
+
+
+def _spline(track: Floats, values: Floats, free: int, edge: int, outside: int, count: int) -> Floats:
+    """(count, K) the places between plant and free motion, in the order of frames away from the plant."""
+    F_u, F_c = track[free], track[edge] + values[edge]
+    T = track[free] - track[free + outside]  # as the free motion runs there, towards the plant
+    size = np.linalg.norm(F_u - F_c) / max(float(np.linalg.norm(T)), 1e-12)
+    at_free, at_plant = 0.5 * size * T, 0.1 * size * T * np.array([0.0, 1.0, 0.0])
+    i = np.arange(count)[::-1]  # K counts from the free frame to the constrained one
+    w = 1.0 - np.cos(0.5 * np.pi * (i + 0.5) / count)
+    w2, w3 = w**2, w**3
+    basis = np.stack([2 * w3 - 3 * w2 + 1, w3 - 2 * w2 + w, -2 * w3 + 3 * w2, w3 - w2], axis=1)
+    return np.asarray(basis @ np.stack([F_u, at_free, F_c, at_plant]))

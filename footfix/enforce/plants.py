@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.foot import Foot
 from footfix.motion.clip import Bools, Floats
-from footfix.motion.contacts import Contact, Contacts
+from footfix.motion.contacts import Contact, Contacts, runs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +22,10 @@ class PlantParams:
     keep_turn: float = 0.7  # [degrees]
     sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
+    shortest: float = 0.04  # [s] a detected stand shorter than this is no plant
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
+    stands: float = 0.6  # of a plant's frames: where so many stand, those at its edges that don't are not held
+    holds: float = 0.0002  # a held plant is this near to its target
     places: int = 9  # places along a stance's slide that are tried where its leg would be stretched too far
     stretch: float = 0.98  # of the leg's length: up to here a leg may be stretched beyond the source
     stretch_cost: float = 4.0  # how much a stretch beyond it counts against a way of the foot as long
@@ -133,6 +136,9 @@ def _still(
     if contact.wish == "force" or end - start < 3:
         return start, end
     places = track[start:end]
+    stands = _longest(np.linalg.norm(places - np.median(places, axis=0), axis=1) < params.keep_slide * leg_length)
+    if stands.stop - stands.start >= params.stands * len(places):  # all but held: what does not stand is no plant
+        return start + stands.start, start + stands.stop
     speed = np.linalg.norm(np.diff(places, axis=0), axis=1) / (frame_time * leg_length)
     far = np.linalg.norm(places - np.median(places, axis=0), axis=1) > params.edge_distance * leg_length
     usual = params.edge_factor * float(np.median(speed))
@@ -147,8 +153,32 @@ def _still(
     return start + head, end - tail
 
 
+def _longest(mask: Bools) -> slice:
+    """The longest stretch in which a mask is True."""
+    spans = runs(mask)
+    start, end = max(spans, key=lambda span: span[1] - span[0], default=(0, 0))
+    return slice(start, end)
+
+
+def exact(stance: Stance, residual: Floats, leg_length: float, params: PlantParams) -> Stance:
+    """The stance with each plant's frames narrowed to those in which it truly holds, if these are most of them.
+
+    `residual` (F, E) [m] says how far each sole point is from its target.
+    """
+    plants = []
+    for plant in stance.plants:
+        off = residual[plant.frames, plant.effector]
+        holds = _longest(off <= params.holds * leg_length)
+        most = holds.stop - holds.start >= max(params.stands * (plant.contact.end - plant.contact.start), 2)
+        if plant.reason or plant.contact.wish == "force" or off.max() <= params.holds * leg_length or not most:
+            plants.append(plant)
+        else:
+            plants.append(replace(plant, start=plant.start + holds.start, end=plant.start + holds.stop))
+    return replace(stance, plants=tuple(plants))
+
+
 def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> Stance:
-    """The stance with its level, its plants' targets, and whether it stands well enough already."""
+    """The stance with its level and its plants' targets."""
     level = _level(stance, foot, floor, leg_length, params)
     flat = stance.on("heel", len(foot)) & stance.on("toe", len(foot))
     pivots = _pivots(foot, flat, params)
@@ -158,15 +188,20 @@ def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: P
     stance = replace(stance, plants=tuple(plants), level=level, pivots=pivots)
     if all(plant.contact.position is None for plant in plants):
         stance = _within_reach(stance, foot, leg_length, params)
-    if _stands_well(stance, foot, flat, leg_length, params):
-        return replace(stance, plants=tuple(replace(plant, kept=True) for plant in plants))
     return stance
 
 
-def judged(stance: Stance, foot: Foot, leg_length: float, params: PlantParams) -> Stance:
-    """The stance given up as a whole where a plant of it would have to move too far."""
+def judged(stance: Stance, foot: Foot, frame_time: float, leg_length: float, params: PlantParams) -> Stance:
+    """The stance kept where it stands well enough, given up where a plant of it would have to move too far."""
+    flat = stance.on("heel", len(foot)) & stance.on("toe", len(foot))
+    if _stands_well(stance, foot, flat, leg_length, params):
+        return replace(stance, plants=tuple(replace(plant, kept=True) for plant in stance.plants))
     if any(plant.contact.wish == "force" for plant in stance.plants):
         return stance
+    seconds = (stance.frames.stop - stance.frames.start) * frame_time
+    if seconds < params.shortest:
+        reason = f"too short to be a plant: {seconds:.3f} s"
+        return replace(stance, plants=tuple(replace(each, reason=reason) for each in stance.plants))
     for plant in stance.plants:
         if stance.pivots and plant.part != stance.pivots:
             continue

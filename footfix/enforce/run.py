@@ -15,9 +15,10 @@ from footfix.enforce.foot import Foot, feet, posed
 from footfix.enforce.footplant import Footplant, Outcome
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.legs import JudgeParams, LegParams, enforced
-from footfix.enforce.plants import Plant, PlantParams, Stance, aimed, judged, stances
+from footfix.enforce.plants import Plant, PlantParams, Stance, aimed, exact, judged, stances
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
+from footfix.enforce.style import StyleParams, styled
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
@@ -42,6 +43,7 @@ class EnforceParams:
     reach: ReachParams = field(default_factory=ReachParams)
     judge: JudgeParams = field(default_factory=JudgeParams)
     root: RootParams = field(default_factory=RootParams)
+    style: StyleParams = field(default_factory=StyleParams)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,16 +84,18 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
     if contacts.method in GIVEN:
         judge = replace(params.judge, speed=params.judge.given * params.judge.speed, peel_most=0.0)
-        params = replace(params, plants=replace(params.plants, edge_speed=np.inf), judge=judge)
+        params = replace(params, plants=replace(params.plants, edge_speed=np.inf, shortest=0.0), judge=judge)
     pose = posed(clip, rig)
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
     offset, notes = _ground(clip, rig, legs, found, params)
     legs = tuple(ground.carried(foot, offset) for foot in legs)
+    names = {e: sole.name for e, sole in enumerate(rig.soles)}
     stands = []
     for stance in found:
         stance = aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants)
-        stands.append(judged(stance, legs[stance.leg], rig.leg_length, params.plants))
+        stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
+        stands.append(judged(stance, legs[stance.leg], clip.frame_time, rig.leg_length, params.plants))
     held = [stance for stance in stands if not all(plant.reason for plant in stance.plants)]
     if params.method == "root":
         shift = _root_shift(rig, pose, legs, held, clip.frame_time, params)
@@ -111,6 +115,9 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         if rise and clip.skeleton.translates[rig.root]:
             correction = replace(correction, root_shift=correction.root_shift + [0.0, rise, 0.0])
     residual = _residual(rig, stands, points)
+    if contacts.method not in GIVEN and params.method != "root":
+        stands = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
+        residual = _residual(rig, stands, points)
     plants = _footplants(rig, stands, residual, soft, offset)
     return Enforcement(plants, replace(correction, residual=residual), notes, _held(contacts, rig, stands))
 

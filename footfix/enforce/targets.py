@@ -85,7 +85,7 @@ def goals(
     shift = (1.0 - roll) * from_heel + roll * from_ball - foot.ankle
     shift[kept] = 0.0
     on_ball = roll[:, 0] > 0.5
-    shift = displacement(planted, shift, near, frame_time, params, soft)
+    shift = displacement(planted, shift, near, frame_time, params, soft, foot.ankle)
     return Goals(planted, near, flat, on_ball, _levels(stands, frames), turn, shift)
 
 
