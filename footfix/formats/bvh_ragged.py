@@ -14,6 +14,7 @@ from footfix.formats.bvh_text import Cursor, Notes, readable
 from footfix.motion.clip import Bools, Floats, Ints
 
 _NEXT_PART = re.compile(rb"^[ \t]*(?:MOTION|HIERARCHY)\b", re.IGNORECASE | re.MULTILINE)
+_WORDS = 100_000  # taken apart together
 _COMMENT = re.compile(rb"^[ \t]*(?:#|//|;)[^\r\n]*", re.MULTILINE)
 
 
@@ -23,7 +24,7 @@ def read_ragged(cursor: Cursor, layouts: list[int], declared: int | None) -> Row
     if padding:
         cursor.notes.add("padding", f"the file ends in {padding} NUL bytes", "warning", at=len(text) - padding)
     starts, ends = tokens(text, start, stop)
-    values, strange = _numbers(text, starts, ends, start, stop)
+    values, strange = _numbers(text, starts, ends)
     line = _lines(text, starts, start, stop)
     keep = _keep_rows(cursor, starts, ends, line, strange)
     stop = start if not len(starts) else stop
@@ -49,13 +50,17 @@ def read_ragged(cursor: Cursor, layouts: list[int], declared: int | None) -> Row
 def _blank_out(cursor: Cursor) -> tuple[bytes, int, int, bool]:
     """The text with comments, second parts and separating commas blanked; where it ends; is the comma decimal."""
     text, start = cursor.text, cursor.pos
-    second = _NEXT_PART.search(text, start)
     stop = len(text)
+
+    def holds(*letters: bytes) -> bool:  # a search for single letters is many times faster than one by pattern
+        return any(text.find(letter, start, stop) >= 0 for letter in letters)
+
+    second = _NEXT_PART.search(text, start) if holds(b"o", b"O", b"h", b"H") else None
     if second:
         stop = second.start()
         cursor.notes.add("motion-repeated", "a second part follows the motion; only the first is read", "warning",
                          at=stop)  # fmt: skip
-    comment = _COMMENT.search(text, start, stop)
+    comment = _COMMENT.search(text, start, stop) if holds(b"#", b"//", b";") else None
     if comment:
         if not cursor.notes.has("comment"):
             cursor.notes.add("comment", "comments are no part of BVH; passed over", at=comment.start())
@@ -73,23 +78,24 @@ def _blank_out(cursor: Cursor) -> tuple[bytes, int, int, bool]:
     return text, start, stop, comma
 
 
-def _numbers(text: bytes, starts: Ints, ends: Ints, start: int, stop: int) -> tuple[Floats, Bools]:
+def _numbers(text: bytes, starts: Ints, ends: Ints) -> tuple[Floats, Bools]:
     """The value of each word, NaN where it is none, and which words are no numbers at all."""
-    strange = np.zeros(len(starts), dtype=np.bool_)
-    split = words(text, start, stop)
-    odd = foreign(text, starts, start, stop)
-    for k in odd.tolist():
-        split[k] = b"nan" if (value := number(split[k])) is None else repr(value).encode()
-        strange[k] = value is None
-    try:
-        return np.array(split, dtype=np.float64), strange
-    except ValueError:
-        values = np.empty(len(split))
-        for k, word in enumerate(split):
-            value = number(word)
-            strange[k] |= value is None
-            values[k] = np.nan if value is None else value
-        return values, strange
+    values, strange = np.empty(len(starts)), np.zeros(len(starts), dtype=np.bool_)
+    for begin in range(0, len(starts), _WORDS):  # words as objects take many times the memory of their text
+        part = slice(begin, begin + _WORDS)
+        start, stop = int(starts[part][0]), int(ends[part][-1])
+        split = words(text, start, stop)
+        for k in foreign(text, starts[part], start, stop).tolist():
+            value = number(split[k])
+            split[k] = b"nan" if value is None else repr(value).encode()
+            strange[begin + k] = value is None
+        try:
+            values[part] = np.array(split, dtype=np.float64)
+        except ValueError:
+            read = [number(word) for word in split]
+            strange[part] |= [value is None for value in read]
+            values[part] = [np.nan if value is None else value for value in read]
+    return values, strange
 
 
 def _lines(text: bytes, starts: Ints, start: int, stop: int) -> Ints:
