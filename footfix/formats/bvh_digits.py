@@ -9,8 +9,10 @@ from footfix.motion.clip import Bools, Floats
 
 Bytes = NDArray[np.uint8]
 Words = NDArray[np.uint32]  # four letters each
+Numbers = NDArray[np.uint32] | NDArray[np.uint64]
+Digits = tuple[Numbers, list[Numbers], Bools]
 
-_MOST_PLACES = 9  # beyond that a double has no digits to spare, and numbers are formatted one by one
+_NINE = 9  # decimals that fit into 32 bits
 
 
 def _table(front: str, leading: bool = False, digits: int = 3) -> Words:
@@ -58,33 +60,16 @@ def fixed(values: Floats, places: int) -> Bytes:
     Returns:
         (N, width) letters; NUL where there is none, so that deleting NUL joins them to words.
     """
-    if not 0 < places <= _MOST_PLACES:
+    if not 0 < places <= 2 * _NINE:
         return _one_by_one(values, places)
     with np.errstate(over="ignore", invalid="ignore"):
-        return _by_tables(values, places)
-
-
-def _by_tables(values: Floats, places: int) -> Bytes:
-    scaled = values * 10.0**places
-    nearest = np.rint(scaled)
-    # The product is off by at most 2^-53 of itself: below 2^42 that is 2^-11, so only what lies closer to a
-    # tie than 2^-10 can round otherwise than its exact decimal expansion.
-    size = np.abs(scaled)
-    hard: Bools = (np.abs(scaled - nearest) > 0.5 - 2.0**-10) | (size >= 2.0**42)
-    largest = float(size.max(initial=0.0))
-    if largest >= 2.0**42:
-        nearest = np.where(hard, 0.0, nearest)
-    whole, part = _split(np.abs(nearest), 10**places, np.uint32 if largest < 2.0**31 else np.uint64)
+        whole, parts, hard = _short(values, places) if places <= _NINE else _long(values, places)
     groups = max(1, (len(str(int(whole.max(initial=0)))) + 2) // 3)
     out = np.empty((len(values), groups + (places + 2) // 3), dtype=np.uint32)
-    state = (nearest < 0.0).astype(np.uint32) * 1000
-    for k in range(groups):
-        power = 1000 ** (groups - 1 - k)
-        three = (whole // whole.dtype.type(power) % whole.dtype.type(1000)).astype(np.uint32)
-        out[:, k] = (_BEFORE if power > 1 else _UNITS)[three + state]
-        if power > 1:
-            state[three > 0] = 2000
-    _fraction(out[:, groups:], part, places)
+    some = np.any([whole, *parts], axis=0)
+    _whole(out[:, :groups], whole, (values < 0.0) & some)
+    for k, part in enumerate(parts):
+        _fraction(out[:, groups + 3 * k : groups + 3 * k + 3], part, min(_NINE, places - _NINE * k), point=k == 0)
     letters = out.view(np.uint8)
     if hard.any():
         by_hand = _one_by_one(values[hard], places)
@@ -95,20 +80,65 @@ def _by_tables(values: Floats, places: int) -> Bytes:
     return letters
 
 
-def _split(size: Floats, unit: int, dtype: type[np.unsignedinteger]) -> tuple[NDArray, NDArray]:  # type: ignore[type-arg]
-    number = size.astype(dtype)
-    whole = number // dtype(unit)
-    return whole, number - whole * dtype(unit)
+def _short(values: Floats, places: int) -> Digits:
+    """Up to nine decimals: the digits before the point, those after it, and which numbers need more care."""
+    scaled = np.abs(values) * 10.0**places
+    nearest = np.rint(scaled)
+    # The product is off by at most 2^-53 of itself: below 2^42 that is 2^-11, so only what lies closer to a
+    # tie than 2^-10 can round otherwise than its exact decimal expansion.
+    hard: Bools = (np.abs(scaled - nearest) > 0.5 - 2.0**-10) | (scaled >= 2.0**42)
+    largest = float(scaled.max(initial=0.0))
+    if largest >= 2.0**42:
+        nearest[hard] = 0.0
+    # 32 bits divide much faster
+    number: Numbers = nearest.astype(np.uint32) if largest < 2.0**31 else nearest.astype(np.uint64)
+    whole = number // number.dtype.type(10**places)
+    return whole, [number - whole * number.dtype.type(10**places)], hard
 
 
-def _fraction(out: Words, part: NDArray, places: int) -> None:  # type: ignore[type-arg]
-    """Writes the point and the digits after it."""
+def _long(values: Floats, places: int) -> Digits:
+    """Ten to eighteen decimals: the same, the digits after the point as nine and the rest."""
+    size = np.abs(values)
+    hard: Bools = size >= 2.0**52
+    size = np.where(hard, 0.0, size)
+    whole = np.floor(size)
+    part = size - whole
+    # 10^9 has 21 bits beside a power of two, so its products with 32 and 21 bits of the fraction are exact.
+    front = np.floor(part * 2.0**32) / 2.0**32
+    first = front * 1e9
+    rest = first % 1.0 + (part - front) * 1e9
+    first = np.floor(first) + np.floor(rest)
+    second = rest % 1.0 * 10.0 ** (places - _NINE)
+    nearest = np.rint(second)
+    hard |= np.abs(second - nearest) > 0.5 - 2.0**-20
+    over = nearest >= 10.0 ** (places - _NINE)
+    nearest[over] = 0.0
+    first += over
+    over = first >= 1e9
+    first[over] = 0.0
+    whole += over
+    return whole.astype(np.uint64), [first.astype(np.uint32), nearest.astype(np.uint32)], hard
+
+
+def _whole(out: Words, whole: Numbers, negative: Bools) -> None:
+    """Writes the sign and the digits before the point."""
+    groups = out.shape[1]
+    state = negative.astype(np.uint32) * 1000
+    for k in range(groups):
+        power = 1000 ** (groups - 1 - k)
+        three = (whole // whole.dtype.type(power) % whole.dtype.type(1000)).astype(np.uint32)
+        out[:, k] = (_BEFORE if power > 1 else _UNITS)[three + state]
+        if power > 1:
+            state[three > 0] = 2000
+
+
+def _fraction(out: Words, part: Numbers, places: int, *, point: bool) -> None:
+    """Writes up to nine digits after the point, and the point before them if it is to be."""
     count = out.shape[1]
     part = (part * part.dtype.type(10 ** (3 * count - places))).astype(np.uint32)  # below 10^9
     for k in range(count - 1, -1, -1):
         part, three = part // np.uint32(1000), part % np.uint32(1000)
-        digits = min(3, places - 3 * k)
-        out[:, k] = (_AFTER if k else _POINT)[digits][three]
+        out[:, k] = (_POINT if point and k == 0 else _AFTER)[min(3, places - 3 * k)][three]
 
 
 def _one_by_one(values: Floats, places: int) -> Bytes:
