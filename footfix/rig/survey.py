@@ -107,7 +107,12 @@ def _up(seen: Sample, figure: Figure) -> tuple[str, tuple[Note, ...]]:
 
 
 def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
-    """What speaks for each axis being up: axis -> kind of evidence -> its weight."""
+    """What speaks for each axis being up: axis -> kind of evidence -> its weight.
+
+    Somebody upright leans 1.5 towards one axis and next to nothing towards the others, which settles it. For those
+    who lie, crawl or turn cartwheels the rest has to outweigh a lean the wrong way: the lowest joint keeps to one
+    height, that height is the zero of the file, much of the body is down there, and nobody travels upwards far.
+    """
     ankles = np.mean([seen.places[:, limb.ankle] for limb in figure.limbs], axis=0)
     hips = np.mean([seen.places[:, limb.hip] for limb in figure.limbs], axis=0)
     lean = ((hips - ankles) / figure.length + 0.5 * _unit_vectors(_trunk(seen, figure) - hips)).mean(axis=0)
@@ -118,10 +123,12 @@ def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
         heights = seen.places @ up
         ground = _ground(heights, figure.length)
         thick = float(np.quantile(np.ptp(heights, axis=1), 0.9)) > 0.08 * figure.length  # else a flat figure
+        steady = _steady(heights, figure.length)
+        at_zero = float(np.exp(-(((ground / figure.length - 0.03) / 0.08) ** 2)))
         evidence[axis] = {
             "lean": float(lean @ up),
-            "steady": 0.6 * thick * _steady(heights, figure.length),
-            "zero": 0.45 * thick * float(np.exp(-(((ground / figure.length - 0.03) / 0.08) ** 2))),
+            "steady": 0.6 * thick * steady,
+            "zero": (0.2 + 0.6 * steady) * thick * at_zero,
             "lying": 0.6 * thick * _lying(heights, ground, figure.length),
             "travel": -0.5 * float(np.clip(np.ptp(hips @ up) / figure.length - 1.5, 0.0, 1.0)),
             "rest": 0.3 * float(rest @ up),
