@@ -112,6 +112,19 @@ def test_what_would_read_the_same_stays() -> None:
     assert encode(document, replace(clip, rotations=rotations)) == plain()
 
 
+@pytest.mark.parametrize(("point", "between"), [(",", " "), (".", ", "), (".", "\t")])
+def test_commas_and_blanks_stay_as_they_are(point: str, between: str) -> None:
+    rows = PLAIN[PLAIN.index("0.00 9.00") :]
+    data = (PLAIN[: -len(rows)] + rows.replace(".", point).replace(" ", between)).encode()
+    document = decode(data)
+    positions = document.clip.positions.copy(order="K")
+    positions[1, 0, :2] += 0.5
+    positions[2, 0, 2] += 0.5  # in another row another number: what stands between them is kept
+    out = encode(document, replace(document.clip, positions=positions)).decode()
+    changed = rows.replace("0.10 9.01", "0.600000 9.510000").replace("9.02 2.00", "9.02 2.500000")
+    assert out == PLAIN[: -len(rows)] + changed.replace(".", point).replace(" ", between)
+
+
 def test_euler_angles_stay_on_the_branch_of_the_frame() -> None:
     document = decode(plain())
     turn = rotation.from_rotation_vector(np.array([0.0, np.radians(30.0), 0.0]))

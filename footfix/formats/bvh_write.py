@@ -100,7 +100,7 @@ def _splice_block(
     new, bounds = list[list[bytes]](), list[Ints]()
     for group in np.split(np.arange(len(columns)), np.flatnonzero(~joined) + 1):
         which = slice(int(columns[group[0]]), int(columns[group[-1]]) + 1)
-        run = _run_text(rows, starts[:, which], ends[:, which], mask[:, group], values[:, group], places)
+        run = _run_text(text, rows.comma, starts[:, which], ends[:, which], mask[:, group], values[:, group], places)
         new.append(run)
         bounds += [starts[:, which.start], ends[:, which.stop - 1]]
     # kept text, new numbers, kept text, new numbers, ... row by row
@@ -111,13 +111,13 @@ def _splice_block(
 
 
 def _run_text(
-    rows: Rows, starts: Ints, ends: Ints, mask: Bools, values: Floats, places: int
+    text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, values: Floats, places: int
 ) -> list[bytes]:
     """The text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
     count, n = starts.shape
-    raw = np.frombuffer(rows.text, np.uint8)
+    raw = np.frombuffer(text, np.uint8)
     formatted = fixed(values[mask], places)
-    if rows.comma:
+    if comma:
         formatted[formatted == ord(".")] = ord(",")
     gaps = starts[:, 1:] - ends[:, :-1]
     sizes, gap = ends - starts, int(gaps.max(initial=0))
