@@ -77,6 +77,16 @@ def test_heel_flat_and_toe_are_intervals_of_heel_and_toe() -> None:
     assert np.flatnonzero(toe).tolist() == list(range(5, 12))
 
 
+def test_a_part_that_does_not_rise_between_two_contacts_of_a_plant_never_left() -> None:
+    part = np.array([0, 1, 1, 0, 0, 1, 0, 0, 1, 0], dtype=np.bool_)
+    planted = np.array([1, 1, 1, 1, 1, 1, 1, 1, 1, 1], dtype=np.bool_)
+    height = np.array([9, 0, 0, 0.5, 0.5, 0, 0, 2, 0, 0], dtype=np.float64)
+    assert np.flatnonzero(path.resting(part, planted, height, 1.0)).tolist() == [1, 2, 3, 4, 5, 8]
+    apart = planted.copy()
+    apart[3] = False  # two plants
+    assert np.array_equal(path.resting(part, apart, height, 1.0), part)
+
+
 def test_the_network_is_what_its_numbers_say() -> None:
     random = np.random.default_rng(0)
     seen = random.normal(size=(50, len(COLUMNS)))

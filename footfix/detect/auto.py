@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
-from footfix.detect.evidence import STEP, EvidenceParams, evidence, resample
+from footfix.detect.evidence import COLUMNS, OWN, STEP, EvidenceParams, evidence, resample
 from footfix.detect.fitted import NETWORK
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
-from footfix.detect.path import masks, stretches
+from footfix.detect.path import masks, resting, stretches
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
 
@@ -23,6 +23,9 @@ class AutoParams:
     Args:
         switch: nats that a landing or a leaving costs; dearer means fewer and longer contacts.
         roll: nats that a change between heel, flat and toe costs.
+        rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
+        highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
+        steep: [leg lengths] about it, for each nat.
         chunk: [s] of the clip that are weighed at a time; bounds memory, changes nothing.
         evidence: how evidence is sampled.
         kneeling: when feet are dragged.
@@ -31,12 +34,16 @@ class AutoParams:
 
     switch: float = 3.0
     roll: float = 2.0
+    rise: float = 0.01
+    highest: float = 0.065
+    steep: float = 0.005
     chunk: float = 120.0
     evidence: EvidenceParams = field(default_factory=EvidenceParams)
     kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
 
+PARTS, WAYS = ("heel", "toe"), ("ahead", "behind")
 _MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
 
 
@@ -52,8 +59,9 @@ def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Find
     sure: list[Floats] = []
     for foot, answer in zip(tracks.feet, answers, strict=True):
         heel, toe = masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
-        columns.append(carrying(heel, tracks, foot, foot.heel, params.kneeling))
-        columns.append(carrying(toe, tracks, foot, foot.toe, params.kneeling))
+        for part, point in ((heel, foot.heel), (toe, foot.toe)):
+            down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)
+            columns.append(carrying(down, tracks, foot, point, params.kneeling))
         sure += _parts(answer, len(tracks), per_frame)
     notes = frame_rate(tracks, params.doubts)
     for foot, answer in zip(tracks.feet, answers, strict=True):
@@ -74,8 +82,23 @@ def logits(tracks: Tracks, params: AutoParams, network: Network) -> tuple[Floats
     for first in range(0, steps, chunk):
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
         for k, curves in enumerate(evidence(sampled, params.evidence, slice(low, high))):
-            answers[k].append(network.logits(curves)[first - low : first - low + chunk])
+            answer = grounded(network.logits(curves), curves, params)
+            answers[k].append(answer[first - low : first - low + chunk])
     return tuple(np.concatenate(answer) for answer in answers)
+
+
+def grounded(answer: Floats, curves: Floats, params: AutoParams) -> Floats:
+    """The log probabilities (n, 4), unless a foot is higher over the floor ahead and behind than any that stands.
+
+    A foot that hops straight up moves little but upwards, as one does that is carried up with its floor.
+    """
+    over = curves[:, [COLUMNS.index(f"{part} over floor {way}") for part in PARTS for way in WAYS]]
+    height = OWN["heel over floor ahead"] * np.sinh(over.min(axis=1))  # (n,) [leg lengths] of the lowest point
+    planted = np.logaddexp.reduce(answer[:, HEEL:], axis=1)
+    odds = np.minimum(planted - answer[:, SWING], (params.highest - height) / params.steep)
+    out = answer - planted[:, None] - np.logaddexp(0.0, -odds)[:, None]
+    out[:, SWING] = -np.logaddexp(0.0, odds)
+    return np.asarray(out)
 
 
 def _parts(answer: Floats, frames: int, per_frame: float) -> tuple[Floats, Floats]:

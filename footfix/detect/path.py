@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.contacts import runs
 
 
 class Stretch(NamedTuple):
@@ -124,3 +125,20 @@ def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, B
         heel[a:b] |= state in (HEEL, FLAT)
         toe[a:b] |= state in (FLAT, TOE)
     return heel, toe
+
+
+def resting(part: Bools, planted: Bools, height: Floats, rise: float) -> Bools:
+    """A part of a foot (F,), down all along where it seems to leave and come back but does not rise.
+
+    Args:
+        part: (F,) heel, or toe, in contact.
+        planted: (F,) the foot is in contact.
+        height: (F,) of the part.
+        rise: in the same unit; less than this over where it left and came back is no rise.
+    """
+    out = part.copy()
+    for a, b in runs(planted & ~part):
+        if a > 0 and b < len(part) and part[a - 1] and part[b]:
+            highest = max(float(height[a - 1]), float(height[b])) + rise
+            out[a:b] = bool(np.all(height[a:b] < highest))
+    return out
