@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -112,9 +113,11 @@ def test_soles() -> None:
 
 
 def test_floor_root_unit_and_up() -> None:
-    rig = find_rig(walk(), RigParams(floor=0.25, root="Spine"))
+    movable = np.isin(walk().skeleton.names, ["Hips", "Spine"])
+    clip = replace(walk(), skeleton=replace(walk().skeleton, translates=movable))
+    rig = find_rig(clip, RigParams(floor=0.25, root="Spine"))
     assert rig.floor == 0.25
-    assert walk().skeleton.names[rig.root] == "Spine"
+    assert clip.skeleton.names[rig.root] == "Spine"
     assert (rig.origins["floor"], rig.origins["root"]) == ("config", "config")
     found = survey(scaled(walk(), 4.0), RigParams(unit_m=0.25, up="-z"))
     assert (found.unit_m, found.up, found.notes) == (0.25, "-z", ())
@@ -135,6 +138,7 @@ WRONG = {
     "no thigh and shin found above Hips": RigParams(legs={"x": LegParams(ankle="Hips")}),
     "side must be left or right": RigParams(legs={"x": LegParams(ankle="LeftFoot", side="port")}),
     "rig.root: no joint is called": RigParams(root="Pelvis"),
+    "Spine has no position channels to move it by; Hips": RigParams(root="Spine"),
     "rig.soles.left_hoof is no sole point": RigParams(soles={"left_hoof": SoleParams()}),
     "rig.soles.left_toe.joint: no joint": RigParams(soles={"left_toe": SoleParams(joint="Nowhere")}),
 }

@@ -65,7 +65,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
     level, others = _floor(seen, points, figure.length)
     if params.floor is not None:
         level, others = params.floor, ()
-    root = _carrier(seen, figure) if params.root is None else joint(seen.skeleton, params.root, "rig.root")
+    root = _carrier(seen, figure) if params.root is None else _given_root(seen, params.root)
     origins = {
         "root": "geometry" if params.root is None else "config",
         "legs": figure.origin,
@@ -210,6 +210,16 @@ def _floor(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float
         lowest.append(heights[rows, which])
         velocities.append(seen.velocities[:, [point.joint for point in own]][rows, which])
     return soles.floor(np.stack(lowest, axis=1), np.stack(velocities, axis=1), leg)
+
+
+def _given_root(seen: Sample, name: str) -> int:
+    root = joint(seen.skeleton, name, "rig.root")
+    if not seen.skeleton.translates[root]:
+        able = [own for own, moves in zip(seen.skeleton.names, seen.skeleton.translates, strict=True) if moves]
+        raise UsageError(
+            f"rig.root: {name} has no position channels to move it by; {', '.join(able[:5]) or 'none'} can be"
+        )
+    return root
 
 
 def _carrier(seen: Sample, figure: Figure) -> int:
