@@ -98,7 +98,7 @@ def clean(
 
     SRC is a BVH file, a folder, or - for standard input.
     """
-    from footfix import cli_runs
+    from footfix import cli_clean
 
     options: dict[str, Any] = {}
     if method:
@@ -107,7 +107,7 @@ def clean(
         options["report"] = {"kind": report}
     if png:
         options.setdefault("report", {})["png"] = True
-    return cli_runs.clean(
+    return cli_clean.clean(
         src, output=output, in_place=in_place, options=options, labels=labels, dry_run=dry_run, force=force,
         resume=resume, junit=junit, style=style, many=many, common=common,
     )  # fmt: skip
@@ -180,13 +180,13 @@ def inspect(src: tuple[str, ...], many: Many, common: Common) -> int:
 @shared
 def settings(src: tuple[str, ...], common: Common) -> int:
     """Print the settings that hold, each with its origin, as YAML that --config takes."""
-    from footfix import cli_runs
+    from footfix import cli_common
     from footfix import settings as composed
 
-    chosen = cli_runs.config_near(src or (".",), common, {})
+    chosen = cli_common.config_near(src or (".",), common, {})
     path = Path(src[0]) if src else None
     if common.as_json:
-        cli_runs.print_json(composed.plain(chosen.settings(path)))
+        cli_common.print_json(composed.plain(chosen.settings(path)))
     else:
         click.echo(composed.as_yaml(chosen.stack(path)), nl=False)
     return 0

@@ -24,7 +24,7 @@ FLOORS = [
     {"pages"},
     {"job"},
     {"batch", "api"},
-    {"cli", "cli_options", "cli_runs", "console", "__main__", "__init__"},
+    {"cli", "cli_options", "cli_common", "cli_clean", "cli_runs", "console", "__main__", "__init__"},
 ]
 NUMERIC = {"motion", "rig", "detect", "enforce", "measure"}
 DOORS_ONLY = {"click", "yaml", "json", "pathlib", "logging"}

@@ -30,7 +30,9 @@ from footfix.errors import UsageError
 from footfix.report.annotations import annotation
 from footfix.report.junit import Case, junit
 
-SUFFIXES = (".contacts.json",)
+
+def suffixes(source: object) -> tuple[str, ...]:
+    return (".contacts.json",)
 
 
 @pytest.fixture(scope="module")
@@ -129,11 +131,11 @@ def test_shards_are_disjoint_and_whole(tmp_path: Path) -> None:
 def test_two_inputs_for_one_output_are_refused(tmp_path: Path) -> None:
     one, two = put(tmp_path / "1" / "a.bvh"), put(tmp_path / "2" / "a.bvh")
     with pytest.raises(UsageError, match="both write"):
-        plan(sources([str(one), str(two)]), output=tmp_path / "out", in_place=False, suffixes=SUFFIXES, force=False)
+        plan(sources([str(one), str(two)]), output=tmp_path / "out", in_place=False, suffixes=suffixes, force=False)
     same = sources([str(put(tmp_path / "3" / "a.bvh").parent)]) + sources([str(put(tmp_path / "3" / "a.BVH"))])
     if len({os.path.realpath(each.path) for each in same}) == 2:
         with pytest.raises(UsageError, match="both write"):
-            plan(same, output=None, in_place=False, suffixes=SUFFIXES, force=False)
+            plan(same, output=None, in_place=False, suffixes=suffixes, force=False)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="making links takes a right there")
@@ -143,7 +145,7 @@ def test_outputs_never_leave_their_folder_by_a_link(tmp_path: Path) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "out" / "sub").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(UsageError, match="outside"):
-        plan(sources([str(tmp_path / "in")]), output=tmp_path / "out", in_place=False, suffixes=SUFFIXES, force=True)
+        plan(sources([str(tmp_path / "in")]), output=tmp_path / "out", in_place=False, suffixes=suffixes, force=True)
     assert not list((tmp_path / "elsewhere").iterdir())
 
 

@@ -50,7 +50,7 @@ def tasks(tmp_path: Path) -> list[Task]:
         Task(job, Settings(report=ReportParams(kind="json")), folder=str(tmp_path))
         for job in plan(
             sources([str(tmp_path / "in")]), output=tmp_path / "out", in_place=False,
-            suffixes=(".contacts.json", ".report.json"), force=True,
+            suffixes=lambda source: (".contacts.json", ".report.json"), force=True,
         )
     ]  # fmt: skip
 

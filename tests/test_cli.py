@@ -205,7 +205,7 @@ def test_a_bug_of_ours_says_so(run: Any, clip: Path, monkeypatch: pytest.MonkeyP
     def broken(*_: object) -> None:
         raise ZeroDivisionError("never")
 
-    monkeypatch.setattr("footfix.cli_runs.config_near", broken)
+    monkeypatch.setattr("footfix.cli_common.config_near", broken)
     code, _, err = run("clean", clip)
     assert code == 4 and "bug" in err and "Traceback" not in err
     assert issubclass(FootfixError, Exception)

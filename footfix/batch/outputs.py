@@ -38,8 +38,8 @@ class Job:
 
 
 def plan(
-    found: Sequence[Source], *, output: Path | None, in_place: bool, suffixes: Sequence[str], force: bool,
-    ours: Callable[[str], bool] = lambda name: False, extra: Iterable[Path] = (), dry_run: bool = False,
+    found: Sequence[Source], *, output: Path | None, in_place: bool, suffixes: Callable[[Source], Sequence[str]],
+    force: bool, ours: Callable[[str], bool] = lambda name: False, extra: Iterable[Path] = (), dry_run: bool = False,
 ) -> tuple[Job, ...]:  # fmt: skip
     """The jobs of a run, checked before any work.
 
@@ -47,7 +47,7 @@ def plan(
         found: the inputs.
         output: the folder that outputs go to; beside each input without one.
         in_place: the corrected file takes the input's place.
-        suffixes: of the outputs beside the corrected file.
+        suffixes: of an input's outputs beside the corrected file.
         force: outputs that exist may be overwritten.
         ours: whether the outputs of a clip, by its name, are those of a run that is being resumed.
         extra: outputs of the whole run.
@@ -60,9 +60,9 @@ def plan(
     jobs = tuple(_job(source, output, in_place) for source in found)
     named = {os.path.realpath(source.path): source.path for source in found if source.path != STDIN}
     owners: dict[str, str] = {}
-    for job in jobs:
+    for source, job in zip(found, jobs, strict=True):
         free = force or dry_run or ours(job.name)
-        for each in _outputs(job, suffixes):
+        for each in _outputs(job, suffixes(source)):
             key = os.path.normcase(os.path.realpath(each))
             if key in owners:
                 raise UsageError(
