@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Stance
+from footfix.enforce.plants import Stance, centre
 from footfix.motion.clip import Floats
 
 
@@ -50,7 +50,7 @@ def belt(
     if len(velocities) < 4:
         return np.zeros(3)
     v, weights = np.array(velocities), np.array(seconds)
-    common = np.array([_weighted_median(v[:, axis], weights) for axis in range(3)])
+    common = centre(v, weights)
     speed = float(np.linalg.norm(common))
     spread = _weighted_median(np.linalg.norm(v - common, axis=1), weights)
     hips = np.mean([foot.hip for foot in legs], axis=0)

@@ -24,7 +24,7 @@ _BENDS = 0.05  # a joint whose bones' angle changes by more than this over the c
 class SolverParams:
     """How the solver steps."""
 
-    iterations: int = 40  # at most
+    iterations: int = 60  # at most
     tolerance: float = 1e-5  # leg lengths: a goal nearer than this is met
     damping: float = 0.02  # leg lengths: what is out of reach is approached no more nervously than this
     step: float = 0.3  # [rad] that a joint turns in one iteration at most

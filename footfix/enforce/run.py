@@ -233,10 +233,10 @@ def _footplants(
 def _outcome(stance: Stance, plant: Plant, far: float, soft: bool, leg_length: float) -> tuple[Outcome, str]:
     if plant.reason:
         return "released", plant.reason
-    if plant.kept:
-        return "kept", ""
     if stance.pivots and plant.part != stance.pivots:
         return "released", f"the foot turns on the floor, about its {'ball' if stance.pivots == 'toe' else 'heel'}"
+    if plant.kept:
+        return "kept", ""
     if far <= 0.002 * leg_length:
         return "pinned", ""
     why = "holding it fast would jerk the leg" if soft else "the leg does not reach it"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Plant, Stance
+from footfix.enforce.plants import Plant, Stance, centre
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 
@@ -58,7 +58,7 @@ def _stands(plant: Plant, stance: Stance, foot: Foot) -> tuple[Floats, Floats]:
     if heels:
         heel = max(heels, key=lambda other: min(plant.end, other.end) - max(plant.start, other.start)).target
     else:
-        heel = np.median(foot.heel[plant.frames], axis=0)
+        heel = centre(foot.heel[plant.frames])
         heel = heel * [1.0, 0.0, 1.0] + [0.0, plant.target[1], 0.0]
-    along = np.median((foot.ball - foot.heel)[plant.frames], axis=0) * [1.0, 0.0, 1.0]
+    along = (foot.ball - foot.heel)[plant.frames].sum(axis=0) * [1.0, 0.0, 1.0]
     return heel, along / max(float(np.linalg.norm(along)), 1e-300)

@@ -1,0 +1,284 @@
+"""Laws of enforcement, on walkers whose contacts are exactly known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import artefacts
+import numpy as np
+import pytest
+from footfix.enforce.ease import EaseParams
+from footfix.enforce.run import EnforceParams, enforce
+from footfix.enforce.style import StyleParams
+from footfix.measure.clip import peak_acceleration
+from footfix.motion import rotation
+from footfix.motion.clip import Clip
+from footfix.motion.contacts import Contact, Contacts
+from walks import cleaned, extension, heights, rig_of, slides, walk
+
+GAITS = ("walk", "run", "turn", "backwards")
+ARTEFACTS = {
+    "drift": lambda clip: artefacts.drift(clip, 0.05),
+    "wander": lambda clip: artefacts.wander(clip, 0.05, slowest=1.0),
+    "smaller": lambda clip: artefacts.scale_root(clip, 0.9, height=False),
+    "larger": lambda clip: artefacts.scale_root(clip, 1.1, height=False),
+    "sunk": lambda clip: artefacts.sink(clip, 0.03),
+    "floating": lambda clip: artefacts.sink(clip, -0.03),
+    "shaken": lambda clip: artefacts.shake(clip, 0.5, slowest=0.3),
+}
+
+
+def changed_joints(before: Clip, after: Clip) -> set[int]:
+    return set(np.flatnonzero(np.any(before.rotations != after.rotations, axis=(0, 2))).tolist())
+
+
+@pytest.mark.parametrize("gait", GAITS)
+@pytest.mark.parametrize("artefact", ARTEFACTS)
+def test_plants_hold_and_nothing_else_shows(gait: str, artefact: str) -> None:
+    made = walk(gait)
+    rig = rig_of(made)
+    clip = ARTEFACTS[artefact](made.clip)
+    after, _ = cleaned(clip, rig, made.contacts)
+    slid = slides(after, rig, made.contacts)
+    assert np.percentile(slid["toe"], 95) <= 1.0
+    assert np.percentile(slid["heel"], 95) <= 2.0
+    assert max(slid["toe"] + slid["heel"]) <= 6.0
+    assert np.percentile(np.abs(heights(after, rig, made.contacts)), 95) <= 4.0
+    assert heights(after, rig, made.contacts).min() >= -5.0
+    assert extension(after, rig) <= max(0.9995, extension(clip, rig))
+    clean = peak_acceleration(rig, rig.pose(made.clip), clip.frame_time)
+    assert peak_acceleration(rig, rig.pose(after), clip.frame_time) <= 2.0 * clean
+
+
+@pytest.mark.parametrize("gait", GAITS)
+def test_what_stands_well_is_left_alone(gait: str) -> None:
+    made = walk(gait)
+    found = enforce(made.clip, rig_of(made), made.contacts, EnforceParams())
+    assert not found.correction.root_shift.any()
+    assert {plant.outcome for plant in found.plants} == {"kept"}
+    for column, joint in enumerate(found.correction.joints):
+        assert np.array_equal(found.correction.rotations[:, column], made.clip.rotations[:, joint])
+
+
+@pytest.mark.parametrize("artefact", ["wander", "larger", "shaken", "sunk"])
+@pytest.mark.parametrize("method", ["ik", "both", "root"])
+def test_cleaning_a_cleaned_clip_changes_nothing(artefact: str, method: str) -> None:
+    if method == "root" and artefact == "shaken":
+        pytest.skip("the root alone cannot still feet that shake")
+    made = walk()
+    rig = rig_of(made)
+    params = EnforceParams(method=method)  # type: ignore[arg-type]
+    once, _ = cleaned(ARTEFACTS[artefact](made.clip), rig, made.contacts, params)
+    twice, _ = cleaned(once, rig, made.contacts, params)
+    for a, b in zip(rig.tracks(rig.pose(once)), rig.tracks(rig.pose(twice)), strict=True):
+        assert np.abs(a - b).max() <= 0.002
+
+
+def test_only_legs_and_the_roots_place_change() -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = artefacts.scale_root(made.clip, 1.1, height=False)
+    after, _ = cleaned(clip, rig, made.contacts)
+    assert changed_joints(clip, after) == {joint for leg in rig.legs for joint in leg.chain}
+    assert np.array_equal(after.positions[:, 1:], clip.positions[:, 1:])
+    root_only, _ = cleaned(clip, rig, made.contacts, EnforceParams(method="root"))
+    assert not changed_joints(clip, root_only)
+
+
+@pytest.mark.parametrize("ease", ["smooth", "cubic", "hermite"])
+def test_outside_plants_and_eases_the_output_is_the_input(ease: str) -> None:
+    made = walk("stand", duration=4.0)
+    rig = rig_of(made)
+    effectors = tuple(replace(e, contacts=(Contact(100, 140),)) for e in made.contacts.effectors)
+    contacts = replace(made.contacts, effectors=effectors)
+    clip = artefacts.drift(made.clip, 0.20)
+    params = EnforceParams(ease=EaseParams(method=ease, seconds=0.3))  # type: ignore[arg-type]
+    after, found = cleaned(clip, rig, contacts, params)
+    assert any(plant.outcome == "pinned" for plant in found.plants)
+    far = np.ones(len(clip), dtype=bool)
+    far[100 - 18 : 140 + 18] = False
+    still = ~np.any(found.correction.root_shift != 0.0, axis=1) & far
+    assert still.sum() > 100
+    assert np.array_equal(after.rotations[still], clip.rotations[still])
+    assert not np.array_equal(after.rotations[~far], clip.rotations[~far])
+
+
+def test_turned_shifted_and_mirrored_clips_give_the_turned_and_mirrored_result() -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = artefacts.wander(made.clip, 0.05, slowest=1.0)
+    plain, _ = cleaned(clip, rig, made.contacts)
+    turned, _ = cleaned(artefacts.turned(clip, 1.2, (3.0, -2.0)), rig, made.contacts)
+    expected = artefacts.turned(plain, 1.2, (3.0, -2.0))
+    assert np.allclose(turned.positions[:, 0], expected.positions[:, 0], atol=1e-6)
+    for leg in rig.legs:
+        for joint in leg.chain:
+            off = rotation.multiply(turned.rotations[:, joint], rotation.inverse(expected.rotations[:, joint]))
+            assert rotation.angle(off).max() < 1e-5
+    swapped = tuple(made.contacts.effectors[e] for e in (2, 3, 0, 1))
+    names = [replace(e, name=o.name) for e, o in zip(swapped, made.contacts.effectors, strict=True)]
+    soles = tuple(replace(s, offset=(-s.offset[0], *s.offset[1:])) for s in rig.soles)
+    mirror, _ = cleaned(
+        artefacts.mirrored(clip), replace(rig, soles=soles), replace(made.contacts, effectors=tuple(names))
+    )
+    expected = artefacts.mirrored(plain)
+    assert np.allclose(mirror.positions[:, 0], expected.positions[:, 0], atol=1e-6)
+
+
+def test_a_giant_is_cleaned_like_a_child() -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = artefacts.wander(made.clip, 0.05, slowest=1.0)
+    plain, _ = cleaned(clip, rig, made.contacts)
+    soles = tuple(replace(s, offset=tuple(2.5 * v for v in s.offset)) for s in rig.soles)
+    giant_rig = replace(rig, soles=soles, leg_length=2.5 * rig.leg_length, floor=2.5 * rig.floor)
+    giant, _ = cleaned(artefacts.scaled(clip, 2.5), giant_rig, made.contacts)
+    for leg in rig.legs:
+        for joint in leg.chain:
+            off = rotation.multiply(giant.rotations[:, joint], rotation.inverse(plain.rotations[:, joint]))
+            assert rotation.angle(off).max() < 1e-4
+
+
+@pytest.mark.parametrize("fps", [30.0, 120.0])
+def test_other_frame_rates_hold_as_well(fps: float) -> None:
+    made = walk("walk", fps)
+    rig = rig_of(made)
+    after, _ = cleaned(artefacts.scale_root(made.clip, 1.1, height=False), rig, made.contacts)
+    slid = slides(after, rig, made.contacts)
+    assert max(slid["toe"] + slid["heel"]) <= 2.0
+
+
+def test_no_strength_no_change_and_half_strength_half_way() -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = artefacts.wander(made.clip, 0.05, slowest=1.0)
+    none, _ = cleaned(clip, rig, made.contacts, EnforceParams(strength=0.0))
+    assert np.array_equal(none.rotations, clip.rotations) and np.array_equal(none.positions, clip.positions)
+    before = slides(clip, rig, made.contacts)["toe"]
+    half = slides(cleaned(clip, rig, made.contacts, EnforceParams(strength=0.5))[0], rig, made.contacts)["toe"]
+    assert np.allclose(half, 0.5 * np.array(before), atol=1.0)
+
+
+def test_forbidden_contacts_are_none_and_places_asked_for_are_taken() -> None:
+    made = walk()
+    rig = rig_of(made)
+    toe = made.contacts.effectors[1]
+    where = made.tracks[1][toe.contacts[1].start]
+    asked = (float(where[0]) + 0.02, 0.0, float(where[2]))
+    first, second, *others = toe.contacts
+    changed = (replace(first, wish="forbid"), replace(second, position=asked, wish="force"), *others)
+    contacts = with_toes(made.contacts, changed)
+    after, found = cleaned(made.clip, rig, contacts)
+    assert not [p for p in found.plants if p.effector == "left_toe" and p.start == first.start]
+    track = rig.tracks(rig.pose(after))[1][second.start : second.end]
+    assert np.abs(track - asked).max() < 0.001
+
+
+def with_toes(contacts: Contacts, changed: tuple[Contact, ...]) -> Contacts:
+    effectors = list(contacts.effectors)
+    effectors[1] = replace(effectors[1], contacts=changed)
+    return replace(contacts, effectors=tuple(effectors))
+
+
+def test_a_treadmill_is_no_skate() -> None:
+    made = walk("treadmill")
+    rig = rig_of(made)
+    after, found = cleaned(made.clip, rig, made.contacts)
+    assert [note.id for note in found.notes] == ["in-place"]
+    assert np.array_equal(after.rotations, made.clip.rotations)
+    shaken, _ = cleaned(artefacts.wander(made.clip, 0.03, slowest=1.0), rig, made.contacts)
+    ride = np.arange(len(shaken))[:, None] * shaken.frame_time * np.array(made.belt)
+    for track, effector in zip(rig.tracks(rig.pose(shaken)), made.contacts.effectors, strict=True):
+        for contact in effector.contacts:
+            on_belt = (track - ride)[contact.start : contact.end]
+            speeds = np.linalg.norm(np.diff(on_belt, axis=0), axis=1) / shaken.frame_time
+            assert speeds.max(initial=0.0) < 0.05
+
+
+def test_stairs_keep_their_levels() -> None:
+    made = walk("stairs", duration=4.0)
+    rig = rig_of(made)
+    _, found = cleaned(artefacts.wander(made.clip, 0.04, slowest=1.0), rig, made.contacts)
+    for plant, effector in ((p, made.contacts.names.index(p.effector)) for p in found.plants):
+        assert abs(plant.target[1] - made.tracks[effector][plant.start, 1]) < 0.003
+
+
+def test_a_long_slide_is_meant_and_said() -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    clip = artefacts.drift(made.clip, 1.2)
+    after, found = cleaned(clip, rig, made.contacts)
+    assert {plant.outcome for plant in found.plants} == {"released"}
+    assert all("meant" in plant.reason for plant in found.plants)
+    assert np.array_equal(after.rotations, clip.rotations)
+
+
+def test_a_foot_that_turns_on_its_ball_keeps_turning() -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    angle = np.radians(60.0) * np.linspace(0.0, 1.0, len(made.clip))
+    clip = spun(made.clip, rig.tracks(rig.pose(made.clip))[1][0], angle)
+    contacts = replace(made.contacts, effectors=tuple(
+        e if e.side == "left" else replace(e, contacts=()) for e in made.contacts.effectors
+    ))  # fmt: skip
+    after, found = cleaned(clip, rig, contacts)
+    outcomes = {plant.effector: plant.outcome for plant in found.plants}
+    assert outcomes["left_heel"] == "released"
+    assert "ball" in next(plant.reason for plant in found.plants if plant.effector == "left_heel")
+    heel, ball = rig.tracks(rig.pose(after))[:2]
+    turned = np.unwrap(np.arctan2(*(ball - heel)[:, [0, 2]].T))
+    assert np.isclose(turned[-1] - turned[0], angle[-1], atol=np.radians(3.0))
+    assert np.ptp(ball, axis=0).max() < 0.002
+
+
+def spun(clip: Clip, about: np.ndarray, angle: np.ndarray) -> Clip:
+    """The whole figure turned about a vertical line through a place, farther from frame to frame."""
+    turn = rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), angle)
+    positions, rotations = clip.positions.copy(), clip.rotations.copy()
+    positions[:, 0] = about + rotation.rotate(turn, positions[:, 0] - about)
+    rotations[:, 0] = rotation.multiply(turn, rotations[:, 0])
+    return replace(clip, positions=positions, rotations=rotations)
+
+
+def test_toes_turn_out_as_asked() -> None:
+    made = walk()
+    rig = rig_of(made)
+    after, _ = cleaned(made.clip, rig, made.contacts, EnforceParams(style=StyleParams(toe_out={"left": 15.0})))
+    flat = made.contacts.mask()[:, :2].all(axis=1)
+    before, now = (
+        np.unwrap(np.arctan2(*(tracks[1] - tracks[0])[flat][:, [0, 2]].T))
+        for tracks in (rig.tracks(rig.pose(made.clip)), rig.tracks(rig.pose(after)))
+    )
+    assert np.allclose(np.degrees(now - before), 15.0, atol=0.5)
+    assert changed_joints(made.clip, after) <= {*rig.legs[0].chain, *rig.legs[1].chain}
+
+
+def test_frames_of_a_t_pose_stay_as_they_are() -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = artefacts.t_pose_first(artefacts.wander(made.clip, 0.05, slowest=1.0), 2)
+    mask = np.concatenate([np.zeros((2, 4), dtype=bool), made.contacts.mask()])
+    contacts = replace(made.contacts, frames=len(clip)).with_mask(mask)
+    after, found = cleaned(clip, rig, contacts)
+    assert np.array_equal(after.rotations[:2], clip.rotations[:2])
+    assert np.array_equal(after.positions[:2], clip.positions[:2])
+    assert max(slides(after, rig, contacts)["toe"]) < 1.0
+    assert found.contacts.frames == len(clip)
+
+
+def test_a_clip_without_contacts_needs_nothing() -> None:
+    made = walk()
+    rig = rig_of(made)
+    found = enforce(made.clip, rig, rig.no_contacts(made.clip), EnforceParams())
+    assert found.plants == () and not found.correction.root_shift.any()
+
+
+@pytest.mark.parametrize("method", ["ik", "root", "both"])
+@pytest.mark.parametrize("frames", [1, 2, 3])
+def test_a_handful_of_frames_is_no_trouble(method: str, frames: int) -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = made.clip.frames(slice(0, frames))
+    whole = replace(made.contacts, frames=frames).with_mask(np.ones((frames, 4), dtype=bool))
+    after, _ = cleaned(clip, rig, whole, EnforceParams(method=method))  # type: ignore[arg-type]
+    assert np.isfinite(after.positions).all() and np.isfinite(after.rotations).all()
