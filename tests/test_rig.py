@@ -282,6 +282,14 @@ def test_the_root_is_what_carries_the_figure() -> None:
     assert find_rig(_headed(clip, clip.positions[:, 0], moves=True)).root == 0  # only the upper one does
 
 
+def test_a_figure_that_cannot_be_moved_says_so() -> None:
+    clip = walk().clip
+    fixed = replace(clip, skeleton=replace(clip.skeleton, translates=np.zeros(len(clip.skeleton), bool)))
+    rig = find_rig(fixed)
+    assert rig.root == 0
+    assert "root-fixed" in [note.id for note in rig.notes]
+
+
 @pytest.mark.parametrize("named", [True, False])
 def test_ik_bones_beside_the_pelvis(named: bool) -> None:
     clip = walk().clip

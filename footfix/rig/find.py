@@ -84,7 +84,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
         soles=points,
         leg_length=figure.length,
         floor=level,
-        notes=_notes(legs, feet, level, others, given),
+        notes=_notes(legs, feet, level, others, given) + _fixed(seen, root),
         origins=origins,
     )
 
@@ -210,6 +210,14 @@ def _floor(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float
         lowest.append(heights[rows, which])
         velocities.append(seen.velocities[:, [point.joint for point in own]][rows, which])
     return soles.floor(np.stack(lowest, axis=1), np.stack(velocities, axis=1), leg)
+
+
+def _fixed(seen: Sample, root: int) -> tuple[Note, ...]:
+    if seen.skeleton.translates[root]:
+        return ()
+    name = seen.skeleton.names[root]
+    text = f"{name} has no position channels and nothing above it has, so the figure can't be moved as a whole"
+    return (Note("root-fixed", text, joints=(name,)),)
 
 
 def _given_root(seen: Sample, name: str) -> int:
