@@ -25,6 +25,7 @@ class DoubtParams:
         quick, slow: how many times longer than usual for their length steps may last, at the least and at most.
         shortest, longest: [s] cycles between these are plausible whatever the length of the steps.
         cycles: fewer than this many say nothing.
+        uneven: nor do cycles that usually differ by more than this share of their length.
         unsure: [s] a stretch that could be contact or not is told from this length on.
         most: stretches told of one foot.
     """
@@ -34,6 +35,7 @@ class DoubtParams:
     shortest: float = 0.4
     longest: float = 3.0
     cycles: int = 3
+    uneven: float = 0.12
     unsure: float = 0.3
     most: int = 2
 
@@ -59,7 +61,10 @@ def _slowness(tracks: Tracks, left: Foot, right: Foot, params: DoubtParams) -> f
     cycles = find_cycles(tracks, left, right, wide)
     if len(cycles) < params.cycles:
         return None
-    period = float(np.median([cycle.end - cycle.start for cycle in cycles])) * tracks.frame_time
+    periods = np.array([cycle.end - cycle.start for cycle in cycles]) * tracks.frame_time
+    period = float(np.median(periods))
+    if np.median(np.abs(periods - period)) > params.uneven * period:
+        return None  # no gait at all, or a very noisy one
     step = _LEG * float(np.median([cycle.step for cycle in cycles]))
     ratio = 0.5 * period * step / _WALK_RATIO
     hasty = ratio < params.quick and period < params.shortest
