@@ -7,6 +7,8 @@ from dataclasses import replace
 import artefacts
 import numpy as np
 import pytest
+from walks import cleaned, extension, heights, rig_of, slides, walk
+
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.run import EnforceParams, enforce
 from footfix.enforce.style import StyleParams
@@ -14,7 +16,6 @@ from footfix.measure.clip import peak_acceleration
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contact, Contacts
-from walks import cleaned, extension, heights, rig_of, slides, walk
 
 GAITS = ("walk", "run", "turn", "backwards")
 ARTEFACTS = {

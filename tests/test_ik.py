@@ -7,6 +7,8 @@ from dataclasses import replace
 import artefacts
 import numpy as np
 import pytest
+from walks import cleaned, rig_of, slides, walk
+
 from footfix.enforce import ik
 from footfix.enforce.foot import feet, posed
 from footfix.enforce.priorities import Chain, leg_chain, solve
@@ -15,7 +17,6 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
-from walks import cleaned, rig_of, slides, walk
 
 E = tuple(np.eye(3))
 
@@ -72,7 +73,7 @@ def test_a_knee_through_straight_does_not_flip() -> None:
     bend = np.radians(np.linspace(-4.0, 4.0, frames))  # overstretched to bent
     side = np.tile([1.0, 0.0, 0.0], (frames, 1))
     made = walk()
-    pose, foot, _ = pushed(rig_of(made), made.clip, 0.0, 0)
+    _pose, foot, _ = pushed(rig_of(made), made.clip, 0.0, 0)
     hip = np.tile([0.0, 1.0, 0.0], (frames, 1))
     thigh = np.tile([0.0, -0.45, 0.0], (frames, 1))
     shank = rotation.rotate(rotation.from_axis_angle(side, bend), np.tile([0.0, -0.43, 0.0], (frames, 1)))
@@ -146,7 +147,7 @@ def test_the_ankle_comes_first_when_the_toe_cannot() -> None:
 
 def test_out_of_reach_the_solver_stays_calm() -> None:
     chain = plain_chain(3, 0.4)
-    first, second = ends(chain)
+    _first, _second = ends(chain)
     found = solve(chain, np.array([[0.0, -1.5, 0.0]]), np.array([[0.0, -1.6, 0.1]]), 1.0)
     assert np.isfinite(found.locals_).all()
     assert np.linalg.norm(found.first) > 0.97

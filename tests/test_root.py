@@ -5,9 +5,10 @@ from __future__ import annotations
 import artefacts
 import numpy as np
 import pytest
+from walks import cleaned, rig_of, slides, walk
+
 from footfix.enforce.root import RootParams, correction, cubic_roots
 from footfix.enforce.run import EnforceParams
-from walks import cleaned, rig_of, slides, walk
 
 
 def test_cubic_roots_are_numpys() -> None:
@@ -21,7 +22,8 @@ def test_cubic_roots_are_numpys() -> None:
 
 def test_cubic_roots_of_squares_lines_and_threefold_roots() -> None:
     found = cubic_roots(np.array([
-        [0.0, 1.0, -3.0, 2.0], [0.0, 0.0, 2.0, -1.0], [1.0, -3.0, 3.0, -1.0], [0.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0],
+        [0.0, 1.0, -3.0, 2.0], [0.0, 0.0, 2.0, -1.0], [1.0, -3.0, 3.0, -1.0], [0.0, 0.0, 0.0, 1.0],
+        [0.0, 1.0, 0.0, 1.0],
     ]))  # fmt: skip
     assert np.allclose(np.sort(found[0, :2]), [1.0, 2.0])
     assert np.isclose(found[1, 0], 0.5)

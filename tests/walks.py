@@ -5,14 +5,14 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from walker import Walk, make
+from walker_plan import Gait
 
 from footfix.enforce.correction import apply
 from footfix.enforce.run import Enforcement, EnforceParams, enforce
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Leg, Rig, SolePoint
-from walker import Walk, make
-from walker_plan import Gait
 
 
 @cache
