@@ -8,12 +8,13 @@ from itertools import chain, pairwise
 import numpy as np
 
 from footfix.formats.bvh_channels import Change
-from footfix.formats.bvh_digits import fixed
+from footfix.formats.bvh_digits import Bytes, fixed
 from footfix.formats.bvh_numbers import decimals, token_chunks, tokens
 from footfix.formats.bvh_rows import Rows, consecutive
 from footfix.motion.clip import Bools, Floats, Ints
 
 LEAST_DECIMALS = 6  # of a number that changes: a micrometre in a file in metres
+_LONGEST = 64  # [bytes] of a number that goes into a table of letters
 _WIDEST_GAP = 16  # [bytes] between numbers that are written together
 
 RowBlock = tuple[int, Ints, Ints]  # first frame; where each number starts and ends, (rows, C)
@@ -95,6 +96,9 @@ def _splice_block(
         return b"", done
     if len(used) < len(starts):
         starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
+    if (ends - starts).max() > _LONGEST or text.find(b"\0", int(starts[0, 0]), int(ends[-1, -1])) >= 0:
+        words = (starts[:, columns][mask], ends[:, columns][mask])
+        return _one_by_one(text, rows.comma, *words, fixed(values[mask], places), done)
     gaps = (starts[:, 1:] - ends[:, :-1]).max(axis=0)
     joined = (np.diff(columns) == 1) & (gaps[columns[:-1]] <= _WIDEST_GAP)
     new, bounds = list[list[bytes]](), list[Ints]()
@@ -108,6 +112,16 @@ def _splice_block(
     kept = [text[a:b] for a, b in zip(cuts[0:-1:2], cuts[1::2], strict=True)]
     row_by_row = chain.from_iterable(zip(*new, strict=True))
     return b"".join(chain.from_iterable(zip(kept, row_by_row, strict=True))), cuts[-1]
+
+
+def _one_by_one(text: bytes, comma: bool, starts: Ints, ends: Ints, new: Bytes, done: int) -> tuple[bytes, int]:
+    """The same, number by number: for what does not fit into tables of letters."""
+    pieces = list[bytes]()
+    for start, end, letters in zip(starts.tolist(), ends.tolist(), new, strict=True):
+        word = letters.tobytes().translate(None, b"\0")
+        pieces += [text[done:start], word.replace(b".", b",") if comma else word]
+        done = end
+    return b"".join(pieces), done
 
 
 def _run_text(

@@ -20,6 +20,7 @@ from footfix.motion.contacts import runs
 from footfix.notes import Note
 
 _AXES = "XYZ"
+_LONGEST = 64  # [bytes] of a number that is left as it is written
 _DECIMALS = 9  # of a number that was written with an exponent, or had to be filled in
 
 # What each note of the reader is mended by: the hierarchy anew, the rows anew, or the lines of the headings.
@@ -203,7 +204,7 @@ def _rows(document: Document, values: Floats, filled: Bools, newline: bytes) -> 
             starts = ends = np.zeros((1, len(columns)), dtype=np.intp)
         else:
             starts, ends = starts[:, columns], ends[:, columns]
-            anew = filled[span][:, columns] | _strange(text, starts, ends)
+            anew = filled[span][:, columns] | _strange(text, starts, ends) | (ends - starts > _LONGEST)
         yield _lines(text, starts, ends, anew, values[span][:, columns], newline)
 
 
