@@ -215,3 +215,17 @@ def test_the_package_is_the_function_of_the_api() -> None:
     # by now the package has been imported, which puts it in the function's place
     clip = walk().clip
     assert np.array_equal(footfix.detect(clip, find_rig(clip)).mask(), found())
+
+
+def test_one_leg_or_four_are_contacts_too() -> None:
+    clip = walk().clip
+    rig = find_rig(clip)
+    one = replace(rig, legs=rig.legs[:1], soles=rig.soles[:2])
+    known = replace(walk().contacts, effectors=walk().contacts.effectors[:2])
+    assert np.mean(scores(detect(clip, one).mask(), known)) > 0.8
+    # fore and hind legs that do the same, in an order that pairs no neighbours
+    legs = tuple(replace(rig.legs[k], name=name) for k, name in ((0, "a"), (1, "b"), (1, "c"), (0, "d")))
+    soles = tuple(replace(rig.soles[2 * (k in (1, 2)) + part], leg=k) for k in range(4) for part in (0, 1))
+    mask = detect(clip, replace(rig, legs=legs, soles=soles)).mask()
+    assert np.array_equal(mask[:, :2], mask[:, 6:])
+    assert np.array_equal(mask[:, 2:4], mask[:, 4:6])

@@ -65,11 +65,13 @@ class Sampled:
 
     Args:
         tracks: sampled every `STEP`.
+        mates: for each foot the other one of its pair; itself where there is none.
         axes: for each foot unit vectors (n, 2) in the ground plane, forward and outward.
         jitter: noise of the clip, in thousandths of a leg.
     """
 
     tracks: Tracks
+    mates: tuple[int, ...]
     axes: tuple[tuple[Floats, Floats], ...]
     jitter: float
 
@@ -85,19 +87,26 @@ def evidence(sampled: Sampled, params: EvidenceParams, part: slice = slice(None)
     lowest = [np.minimum(foot.heel[:, 1], foot.toe[:, 1]) for foot in feet]
     own = []
     for k, foot in enumerate(feet):
-        pair = np.minimum(lowest[k], lowest[other(k, len(lowest))])
+        pair = np.minimum(lowest[k], lowest[sampled.mates[k]])
         forward, outward = sampled.axes[k]
         own.append(_own(foot, pelvis, (forward[part], outward[part]), pair, params))
     asked = [list(OWN).index(name) for name in OTHER]
-    return tuple(np.concatenate([own[k], own[other(k, len(own))][asked], body]).T for k in range(len(own)))
+    return tuple(
+        np.concatenate([own[k], own[mate][asked], body]).T for k, mate in enumerate(sampled.mates)
+    )
 
 
 COLUMNS = tuple(OWN) + tuple(f"other {name}" for name in OTHER) + tuple(BODY)
 
 
-def other(leg: int, legs: int) -> int:
-    """The other leg of the pair (left and right of a biped, of the fore legs, of the hind legs)."""
-    return min(leg ^ 1, legs - 1)
+def mates(feet: tuple[Foot, ...]) -> tuple[int, ...]:
+    """For each foot the one whose hip is nearest: left and right of a biped, of the fore legs, of the hind legs."""
+    hips = [foot.hip.mean(axis=0) for foot in feet]
+    nearest = []
+    for k, hip in enumerate(hips):
+        others = [j for j in range(len(hips)) if j != k]
+        nearest.append(min(others, key=lambda j: float(np.linalg.norm(hips[j] - hip)), default=k))
+    return tuple(nearest)
 
 
 def resample(tracks: Tracks, params: EvidenceParams) -> Sampled:
@@ -113,8 +122,9 @@ def resample(tracks: Tracks, params: EvidenceParams) -> Sampled:
         for foot in tracks.feet
     )
     sampled = Tracks(sample(tracks.pelvis), feet, 1.0, STEP)
-    axes = tuple(_axes(sampled, k) for k in range(len(feet)))
-    return Sampled(sampled, axes, _jitter(tracks))
+    pairs = mates(feet)
+    axes = tuple(_axes(feet[k], feet[mate]) for k, mate in enumerate(pairs))
+    return Sampled(sampled, pairs, axes, _jitter(tracks))
 
 
 def catmull_rom(x: Floats, step: float) -> Floats:
@@ -148,17 +158,15 @@ def _jitter(tracks: Tracks) -> float:
     return 1e3 * noise / tracks.leg_length
 
 
-def _axes(sampled: Tracks, leg: int) -> tuple[Floats, Floats]:
-    """Unit vectors (n, 2) in the ground plane: where the hips face, and outward on this leg's side."""
-    legs = sampled.feet
-    mate = other(leg, len(legs))
-    outward = (legs[leg].hip - legs[mate].hip)[:, ::2]
-    if leg == mate:
-        outward = (legs[leg].toe - legs[leg].heel)[:, ::2] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+def _axes(foot: Foot, mate: Foot) -> tuple[Floats, Floats]:
+    """Unit vectors (n, 2) in the ground plane: where the hips face, and outward on this foot's side."""
+    outward = (foot.hip - mate.hip)[:, ::2]
+    if foot is mate:
+        outward = (foot.toe - foot.heel)[:, ::2] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     outward = savgol(outward, STEP, seconds=0.25, degree=1)
     outward = outward / np.maximum(np.hypot(*outward.T)[:, None], 1e-9)
     forward = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
-    facing = (legs[leg].toe - legs[leg].heel)[:, ::2]
+    facing = (foot.toe - foot.heel)[:, ::2]
     return forward * np.where(np.sum(np.sum(forward * facing, axis=1)) < 0.0, -1.0, 1.0), outward
 
 
