@@ -88,7 +88,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
                 found.append(best)
     if not found:
         return []
-    longest = max(pair.length for pair in found if pair.score > max(p.score for p in found) - 8.0)
+    longest = max(pair.length for pair in found if pair.score >= max(p.score for p in found) - 8.0)
     fork = _fork(sample, root)
     away = {pair.pelvis: _way(sample, fork, size, pair.pelvis) for pair in found}
     judged = [
@@ -221,6 +221,7 @@ def _pair(sample: Sample, pelvis: int, a: Limb, b: Limb) -> Pair:
     unlike = 3.0 * (abs(math.log(a.thigh / b.thigh)) + abs(math.log(a.shin / b.shin)))
     sides = [next((s for s in (read(names[j]).side for j in limb.chain) if s), "") for limb in (a, b)]
     named = 0.0 if not all(sides) else 0.5 if sides[0] != sides[1] else -3.0
+    named -= 0.5 * abs(a.named - b.named)  # a leg and a spine make no pair
     width = sample.distance(a.hip, b.hip) / (0.5 * (a.length + b.length))
     odd = 1.5 if width < 0.03 else 2.0 * max(0.0, width - 0.7)
     alike = -unlike - abs(len(a.chain) - len(b.chain)) * 0.2 - odd
