@@ -52,4 +52,4 @@ def test_the_skating_walk_skates() -> None:
     contacts = samples()["walk_skate"].contacts["right_toe"].contacts
     track = forward(clip).position(clip.skeleton.names.index("RightToeBase"))
     slides = [float(np.linalg.norm(np.ptp(track[each.start : each.end, [0, 2]], axis=0))) for each in contacts]
-    assert max(slides) > 0.021
+    assert max(slides) > 0.042  # twice what viewers notice
