@@ -88,7 +88,8 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
                 found.append(best)
     if not found:
         return []
-    longest = max(pair.length for pair in found if pair.score >= max(p.score for p in found) - 8.0)
+    best_score = max(pair.score for pair in found)
+    longest = max(pair.length for pair in found if pair.score >= best_score - 8.0)
     fork = _fork(sample, root)
     away = {pair.pelvis: _way(sample, fork, size, pair.pelvis) for pair in found}
     judged = [
