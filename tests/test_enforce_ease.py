@@ -101,5 +101,6 @@ def test_half_the_frame_rate_is_the_same_curve() -> None:
     fine, coarse = pinned_at(400, (160, 240)), pinned_at(200, (80, 120))
     a = displacement(fine, np.full((400, 1), 0.04), within_reach(fine, DT, 0.4), DT, EaseParams(seconds=0.4))
     near = within_reach(coarse, 2 * DT, 0.4)
+    near = within_reach(coarse, 2 * DT, 0.4)
     b = displacement(coarse, np.full((200, 1), 0.04), near, 2 * DT, EaseParams(seconds=0.4))
     assert np.abs(a[::2] - b).max() < 0.002

@@ -9,13 +9,14 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground, root
+from footfix.enforce.aims import aimed, judged, level_of
 from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, feet, posed
 from footfix.enforce.footplant import Footplant, Outcome
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.legs import JudgeParams, LegParams, enforced
-from footfix.enforce.plants import Plant, PlantParams, Stance, aimed, exact, judged, stances
+from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
 from footfix.enforce.style import StyleParams, styled
@@ -157,8 +158,11 @@ def _ground(
         speed = float(np.linalg.norm(velocity))
         text = f"the figure stays in place: planted feet are taken along at {speed:.2f} m/s, as on a belt"
         notes.append(Note("in-place", text))
-    aims = [aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants) for stance in stands]
-    rise = ground.lift(aims, legs, rig.leg_length, params.ground)
+    levelled = [
+        replace(stance, level=level_of(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants))
+        for stance in stands
+    ]
+    rise = ground.lift(levelled, legs, rig.leg_length, params.ground)
     if rise and params.method != "root" and clip.skeleton.translates[rig.root]:
         offset = offset + [0.0, rise, 0.0]
         text = f"the whole figure is {'raised' if rise > 0 else 'lowered'} by {1000.0 * abs(rise):.0f} mm to its floor"

@@ -1,0 +1,153 @@
+"""Where plants are to stand: heel and ball of one foot as one rigid, level sole on the plant's own floor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from footfix.enforce.foot import Foot
+from footfix.enforce.plants import Plant, PlantParams, Stance, centre
+from footfix.motion.clip import Bools, Floats
+
+
+def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> Stance:
+    """The stance with its level and its plants' targets."""
+    level = level_of(stance, foot, floor, leg_length, params)
+    flat = stance.flat()
+    pivots = _pivots(stance, foot, flat, params)
+    plants = [replace(plant, target=_place(plant, stance, foot, flat, level)) for plant in stance.plants]
+    if not pivots:
+        plants = _rigid(plants, foot)
+    stance = replace(stance, plants=tuple(plants), level=level, pivots=pivots)
+    if all(plant.contact.position is None for plant in plants):
+        stance = _within_reach(stance, foot, leg_length, params)
+    return stance
+
+
+def judged(stance: Stance, foot: Foot, frame_time: float, leg_length: float, params: PlantParams) -> Stance:
+    """The stance kept where it stands well enough, given up where a plant of it would have to move too far."""
+    if _stands_well(stance, foot, stance.flat(), leg_length, params):
+        return replace(stance, plants=tuple(replace(plant, kept=True) for plant in stance.plants))
+    if any(plant.contact.wish == "force" for plant in stance.plants):
+        return stance
+    seconds = (stance.frames.stop - stance.frames.start) * frame_time
+    if seconds < params.shortest:
+        reason = f"too short to be a plant: {seconds:.3f} s"
+        return replace(stance, plants=tuple(replace(each, reason=reason) for each in stance.plants))
+    for plant in stance.plants:
+        if stance.pivots and plant.part != stance.pivots:
+            continue
+        far = float(np.linalg.norm(foot.point(plant.part)[plant.frames] - plant.target, axis=1).max())
+        if far > params.max_shift * leg_length:
+            reason = f"slides so far that it seems meant: {far:.2f} m from where it would stand"
+            return replace(stance, plants=tuple(replace(each, reason=reason) for each in stance.plants))
+    return stance
+
+
+def level_of(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> float:
+    """The floor under this stance: the one asked for, the rig's, or its own where that is a step away."""
+    asked = [plant.contact.position[1] for plant in stance.plants if plant.contact.position is not None]
+    if asked:
+        return float(np.median(asked))
+    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants])
+    own = float(np.median(heights))
+    return floor if abs(own - floor) <= params.snap * leg_length else own
+
+
+def _place(plant: Plant, stance: Stance, foot: Foot, flat: Bools, level: float) -> Floats:
+    """Where one end stands when it stands alone: asked for, or the middle of where it was, on the floor."""
+    if plant.contact.position is not None:
+        return np.array([plant.contact.position[0], level, plant.contact.position[2]])
+    track = foot.point(plant.part)[plant.frames]
+    first = stance.frames.start
+    on_sole = flat[plant.start - first : plant.end - first]
+    whole = track[on_sole] if np.any(on_sole) else track
+    x, z = centre(whole[:, [0, 2]])
+    return np.array([x, level, z])
+
+
+def _rigid(plants: list[Plant], foot: Foot) -> list[Plant]:
+    """Heel and ball as far apart as the foot is long: the longest plant stands, the others give way to it."""
+    order = sorted(range(len(plants)), key=lambda k: plants[k].start - plants[k].end)
+    placed: list[int] = []
+    for k in order:
+        plant = plants[k]
+        common = [
+            (min(plant.end, plants[j].end) - max(plant.start, plants[j].start), j)
+            for j in placed
+            if plants[j].part != plant.part
+        ]
+        shared, j = max(common, default=(0, -1))
+        asked = plant.contact.position is not None and plants[j].contact.position is not None
+        if shared > 0 and not asked:
+            other = plants[j]
+            both = slice(max(plant.start, other.start), min(plant.end, other.end))
+            span = foot.point(plant.part)[both] - foot.point(other.part)[both]
+            length = float(np.median(np.linalg.norm(span, axis=1)))
+            heading = span[:, [0, 2]].sum(axis=0)
+            heading /= max(float(np.linalg.norm(heading)), 1e-300)
+            target = other.target + length * np.array([heading[0], 0.0, heading[1]])
+            plants[k] = replace(plant, target=target)
+        placed.append(k)
+    return plants
+
+
+def _within_reach(stance: Stance, foot: Foot, leg_length: float, params: PlantParams) -> Stance:
+    """The stance moved over the floor, along its own slide, to where its leg is stretched least beyond the source.
+
+    Of the places that the foot slides through, the one in the middle asks the shortest way of the foot; but a leg
+    that is straight when it lands can't reach ahead.
+    """
+    frames = stance.frames
+    off = np.zeros((frames.stop - frames.start, 3))
+    ends = np.zeros(len(off))
+    for plant in stance.plants:
+        own = slice(plant.start - frames.start, plant.end - frames.start)
+        off[own] += plant.target - foot.point(plant.part)[plant.frames]
+        ends[own] += 1.0
+    off /= np.maximum(ends, 1.0)[:, None]
+    line = foot.ankle[frames] - foot.hip[frames]
+    captured = np.linalg.norm(line, axis=1)
+    thigh, shank = foot.knee[frames] - foot.hip[frames], foot.ankle[frames] - foot.knee[frames]
+    length = np.linalg.norm(thigh, axis=1) + np.linalg.norm(shank, axis=1)
+    free = np.maximum(captured, params.stretch * length)
+    if np.max(np.linalg.norm(line + off, axis=1) - free) < 0.001 * leg_length:
+        return stance
+    picks = np.unique(np.linspace(0, len(off) - 1, params.places).round().astype(np.intp))
+    moves = np.concatenate([np.zeros((1, 3)), -off[picks] * [1.0, 0.0, 1.0]])
+    wanted = off + moves[:, None]  # (places, n, 3)
+    beyond = np.maximum(np.linalg.norm(line + wanted, axis=2) - free, 0.0).max(axis=1)
+    cost = params.stretch_cost * beyond + np.linalg.norm(wanted, axis=2).max(axis=1)
+    move = moves[int(np.argmin(cost))]
+    return replace(stance, plants=tuple(replace(plant, target=plant.target + move) for plant in stance.plants))
+
+
+def heading(foot: Foot, frames: slice) -> Floats:
+    """(n,) [rad] where the foot points on the floor, from heel to ball, continuous over the frames."""
+    along = foot.ball[frames] - foot.heel[frames]
+    return np.unwrap(np.arctan2(along[:, 0], along[:, 2]))
+
+
+def _pivots(stance: Stance, foot: Foot, flat: Bools, params: PlantParams) -> str:
+    """Which end a flat foot turns about, if it turns."""
+    if np.count_nonzero(flat) < 2:
+        return ""
+    if np.ptp(heading(foot, stance.frames)[flat]) < np.radians(params.pivot):
+        return ""
+    places = [foot.point(part)[stance.frames][flat][:, [0, 2]] for part in ("heel", "toe")]
+    travel = [float(np.linalg.norm(each - each.mean(axis=0), axis=1).max()) for each in places]
+    return "heel" if travel[0] < travel[1] else "toe"
+
+
+def _stands_well(stance: Stance, foot: Foot, flat: Bools, leg_length: float, params: PlantParams) -> bool:
+    for plant in stance.plants:
+        off = foot.point(plant.part)[plant.frames] - plant.target
+        moves = stance.pivots not in ("", plant.part)
+        if not moves and np.hypot(off[:, 0], off[:, 2]).max() > params.keep_slide * leg_length:
+            return False
+        if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
+            return False
+    return bool(
+        not np.any(flat) or stance.pivots or np.ptp(heading(foot, stance.frames)[flat]) <= np.radians(params.keep_turn)
+    )
