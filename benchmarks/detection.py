@@ -1,11 +1,13 @@
 """How well contacts are found: all detectors and the common baselines, against contacts that are known.
 
     python benchmarks/detection.py [TRUTH] [--confidence]
+    python benchmarks/detection.py --walkers
 
 TRUTH is a folder of clips with a `NAME.truth.json` each, from force plates; these know feet, not heels and toes,
 and only some frames. Without it the walkers in sample_data are judged, whose heels and toes are all known.
 Printed are frame F1 per kind of motion, the errors of strikes and offs in ms (median / 90th percentile of what
 was found within 0.15 s, grade A plates), and with --confidence whether contacts are as often right as they say.
+With --walkers the default detector is judged on walkers of every gait, as made and with what captures suffer.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -22,6 +25,12 @@ from typing import Any
 
 import numpy as np
 from baselines import BASELINES
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "sample_data"))
+
+import artefacts
+import walker
+import walker_plan
 
 from footfix.detect.run import METHODS, DetectParams, Method, find
 from footfix.detect.tracks import Finding, Tracks, tracks_of
@@ -188,12 +197,47 @@ def against_samples() -> Iterator[str]:
         yield f"{name:16}" + "".join(cells)
 
 
+def _all_of_it(clip: Clip) -> Clip:
+    return artefacts.shake(artefacts.drift(artefacts.scale_root(clip, 0.85), 0.05), 0.4)
+
+
+FAULTS: dict[str, Callable[[Clip], Clip]] = {
+    "as made": lambda clip: clip,
+    "root x 0.85": lambda clip: artefacts.scale_root(clip, 0.85),
+    "root x 1.15": lambda clip: artefacts.scale_root(clip, 1.15),
+    "5 cm drift": lambda clip: artefacts.drift(clip, 0.05),
+    "0.4 deg noise": lambda clip: artefacts.shake(clip, 0.4),
+    "all of it": _all_of_it,
+}
+
+
+def against_walkers() -> Iterator[str]:
+    """One line for each gait: mean F1 of heels and toes, within 30 ms, by fault."""
+    yield f"{'':16}" + "".join(f"{fault:>15}" for fault in FAULTS)
+    for gait in sorted(walker_plan.STYLES):
+        cells = []
+        for change in FAULTS.values():
+            parts = []
+            for fps in (30.0, 60.0, 120.0):
+                walk = walker.make(walker_plan.Gait(name=gait, fps=fps, seed=1))  # type: ignore[arg-type]
+                clip, true = change(walk.clip), walk.contacts.mask()
+                mask = find(tracks_of(clip, find_rig(clip)), DetectParams()).mask
+                slack = round(0.03 * fps)
+                parts += [agreement.frames(mask[:, k], true[:, k], tolerance=slack).f1 for k in range(4)]
+            cells.append(f"{np.mean(parts):>15.3f}")
+        yield f"{gait:16}" + "".join(cells)
+
+
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("truth", nargs="?", type=Path, help="folder of clips with plates")
     parser.add_argument("--confidence", action="store_true", help="are contacts right as often as they say")
+    parser.add_argument("--walkers", action="store_true", help="walkers of every gait, with faults")
     asked = parser.parse_args()
+    if asked.walkers:
+        print("\n".join(against_walkers()))
+        return
     if asked.truth is None:
         print("mean F1 of heels and toes, within 30 ms of the walkers' known contacts")
         print("\n".join(against_samples()))
