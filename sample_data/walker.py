@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from walker_body import Body, Posture, X, Y, Z, hips_in_world, pose
 from walker_feet import Footstep, FootTrack, track
-from walker_plan import GRID, Gait, Plan, plan, smooth
+from walker_gaits import GRID, Gait, Plan, smooth
+from walker_plan import plan
 
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
