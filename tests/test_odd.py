@@ -300,6 +300,8 @@ OWN_FILES = {
     "Frame Time of nothing": (plain((" 0.0333333", "")), read(4, "frame-time-unreadable")),
     "Frame Time of inf": (plain(("0.0333333", "inf")), read(4, "frame-time-unreadable")),
     "Frame Time of 1e-9": (plain(("0.0333333", "1e-9")), read(4, "frame-time-unreadable")),
+    "Frame Time of 1/30": (plain(("0.0333333", "1/30")), read(4, "heading-spelling")),
+    "Frame Time of 1/0": (plain(("0.0333333", "1/0")), read(4, "frame-time-unreadable", "heading-spelling")),
     "Frame Time of 0.5": (plain(("0.0333333", "0.5")), read(4, "frame-time-unusual")),
     # rows
     "no rows": (HEAD.encode(), read(0, "no-frames", "frames-mismatch")),

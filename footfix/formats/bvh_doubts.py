@@ -29,7 +29,7 @@ def frame_time(headings: Headings, notes: Notes) -> float:
         notes.add("frame-time-missing", "there is no Frame Time; 30 frames per second assumed", "warning",
                   at=headings.at)  # fmt: skip
         return USUAL_FRAME_TIME
-    value = number(word)
+    value = _quotient(word)
     if value is None or not np.isfinite(value) or value == 0.0 or abs(value) > 1e6:
         notes.add("frame-time-unreadable", f"Frame Time '{readable(word)}' makes no sense; 30 frames per second "
                   "assumed", "warning", at=at)  # fmt: skip
@@ -47,6 +47,13 @@ def frame_time(headings: Headings, notes: Notes) -> float:
         what = f"Frame Time {value:g} s is {1 / value:.4g} frames per second"
         notes.add("frame-time-unusual", what, "warning", at=at)
     return value
+
+
+def _quotient(word: bytes) -> float | None:
+    """A number, or one over another (`1/30`)."""
+    upper, _, lower = word.partition(b"/")
+    value, divisor = number(upper), number(lower) if lower else 1.0
+    return None if value is None or not divisor else value / divisor
 
 
 def _not_seconds(value: float, at: int, notes: Notes) -> float:

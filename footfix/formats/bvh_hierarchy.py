@@ -64,18 +64,23 @@ def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
             _close(cursor, tree, stack)
         elif key == b"HIERARCHY" and not stack:
             continue
-        elif not stack:
-            raise _unknown(cursor, word)
-        elif _END.fullmatch(word):
-            _open_end_site(cursor, tree, stack)
-        elif key == b"OFFSET":
-            _offset(cursor, tree, stack)
-        elif key == b"CHANNELS":
-            _channels(cursor, tree, stack[-1])
         else:
-            raise _unknown(cursor, word)
+            _property(cursor, tree, stack, word)
     _finish(cursor, tree, stack, notes)
     return tree
+
+
+def _property(cursor: Cursor, tree: Hierarchy, stack: list[_Open], word: bytes) -> None:
+    """What a block says of itself."""
+    key = word.upper()
+    if stack and _END.fullmatch(word):
+        _open_end_site(cursor, tree, stack)
+    elif stack and key == b"OFFSET":
+        _offset(cursor, tree, stack)
+    elif stack and key == b"CHANNELS":
+        _channels(cursor, tree, stack[-1])
+    else:
+        raise _unknown(cursor, word)
 
 
 def _spelling(cursor: Cursor, word: bytes, usual: tuple[bytes, ...]) -> None:

@@ -17,6 +17,7 @@ _HEADING = re.compile(
     rb"[ \t]*(?:(?P<time>frame[ \t_]*time)|frames?(?:[ \t_]*count)?)\b[ \t]*[:=]?[ \t]*(?P<value>[^\s:=]*)",
     re.IGNORECASE,
 )
+_NEXT_ON_LINE = re.compile(rb"[ \t]*(\S{0,400})")
 _USUAL_HEADING = re.compile(rb"\s*(?:Frames:|Frame Time:)[ \t]+\S+")
 
 
@@ -43,16 +44,17 @@ def read_headings(cursor: Cursor) -> Headings:
         odd.clear()
     while cursor.peek() and (found := _HEADING.match(cursor.text, cursor.start)):
         value = found["value"]
-        if value and (b"," in value or not _USUAL_HEADING.fullmatch(found[0])):
+        if value and (b"," in value or b"/" in value or not _USUAL_HEADING.fullmatch(found[0])):
             odd.append(cursor.start)
         if found["time"]:
             headings.time, headings.time_at = value, found.start("value")
         else:
             headings.frames, headings.frames_at = value, found.start("value")
         cursor.pos = found.end()
-        after = cursor.line().split()
-        if after and (number(after[0]) is not None or after[0][:5].lower() == b"frame"):
-            cursor.pos = found.end()  # the next heading, or the rows, go on in the same line
+        after = _NEXT_ON_LINE.match(cursor.text, cursor.pos)
+        word = after[1] if after else b""
+        if number(word) is None and word[:5].lower() != b"frame":
+            cursor.line()  # else the next heading, or the rows, go on in the same line
     if odd:
         notes.add("heading-spelling", "a heading is spelled in a way that strict readers don't know", at=odd[0])
     return headings

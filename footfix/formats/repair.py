@@ -14,6 +14,7 @@ from footfix.formats.bvh import Document
 from footfix.formats.bvh_compose import hierarchy_lines, motion_lines
 from footfix.formats.bvh_digits import fixed
 from footfix.formats.bvh_doubts import HUGE
+from footfix.formats.bvh_numbers import number
 from footfix.formats.bvh_write import row_blocks
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.contacts import runs
@@ -141,8 +142,9 @@ def _headings(document: Document) -> list[bytes]:
     own = document.text[document.motion_at : document.rows.start].splitlines()
     times = [line.strip() for line in own if line.strip().lower().startswith(b"frame time:")]
     mended = {note.id for note in document.notes if note.id.startswith("frame-time-")} - {"frame-time-unusual"}
-    if times and not mended and b"," not in times[0] and len(times[0].split()) > 2:
-        lines[2] = b"Frame Time: " + times[0].split()[2]
+    word = times[0].split()[2:3] if times and not mended else []
+    if word and number(word[0]) is not None and b"," not in word[0]:
+        lines[2] = b"Frame Time: " + word[0]
     return lines
 
 
