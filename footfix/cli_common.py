@@ -134,11 +134,13 @@ def run_tasks(
     journal: Journal, told: Callable[[FileResult, Say], None],
 ) -> Outcome:  # fmt: skip
     """Runs the tasks, with a bar or lines of progress; failures are told at once."""
+    from footfix.report.text import printable
+
     progress = Progress(len(tasks), shown=not common.quiet and not common.as_json)
 
     def ended(result: FileResult) -> None:
         if result.error:
-            progress.say(f"footfix: {result.error}")
+            progress.say(f"footfix: {printable(result.error)}")
             if style == "github":
                 from footfix.report.annotations import annotation
 

@@ -108,12 +108,22 @@ def test_lists_keep_paths_from_here_and_only_names_from_elsewhere(tree: Path, wa
     elsewhere = put(tree.parent / f"{tree.name}-else" / "far.bvh", walk)
     text = f"# a comment\n\nin/a.bvh\r\nin/deep/../deep/c.bvh\n{elsewhere}\n../{elsewhere.parent.name}/far.bvh\n"
     (tree / "list").write_text(text, newline="")
-    assert names(sources([], lists=["list"])) == ["in/a.bvh", "in/deep/c.bvh", "far.bvh", "far.bvh"]
+    assert names(sources([], lists=["list"])) == ["in/a.bvh", "in/deep/c.bvh", "far.bvh"]  # named twice, done once
     (tree / "list0").write_bytes(b"in/a.bvh\0in/b.BVH\0")
     assert names(sources([], lists=["list0"])) == ["in/a.bvh", "in/b.BVH"]
     (tree / "bad").write_text("in/a.bvh\nin/none.bvh\n")
     with pytest.raises(UsageError, match=r"bad:2: in/none\.bvh"):
         sources([], lists=["bad"])
+
+
+def test_a_clip_named_in_many_ways_is_one_input(tree: Path, run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = sources(["in", "./in/a.bvh", str(tree / "in" / "a.bvh")])
+    assert names(found) == ["a.bvh", "b.BVH", "broken.bvh", "deep/c.bvh"]
+    listing = put(tree / "list", b"in/a.bvh\n./in/deep/c.bvh\n")
+    with listing.open("rb") as file:
+        monkeypatch.setattr(sys, "stdin", type("Stream", (), {"buffer": file})())
+        assert run("clean", "--from-file", "-", "-o", "out", "--report", "none")[0] == 0
+    assert {name for name in contents(tree / "out") if name.endswith(".bvh")} == {"in/a.bvh", "in/deep/c.bvh"}
 
 
 def test_shards_are_disjoint_and_whole(tmp_path: Path) -> None:

@@ -55,24 +55,28 @@ def sources(
         UsageError: one is not there, or nothing is left.
     """
     wanted = _chooser(include, exclude)
-    found: dict[str, Source] = {}
+    found: dict[str, Source] = {}  # by absolute path: a clip that is named twice is one input
+
+    def add(path: str, below: Path) -> None:
+        found.setdefault(path if path == STDIN else os.path.normpath(Path.cwd() / path), Source(path, below))
+
     for name in named:
         path = Path(name)
         if name == STDIN:
-            found.setdefault(name, Source(name, Path("stdin.bvh")))
+            add(name, Path("stdin.bvh"))
         elif path.is_dir():
             below = [each for each in _walk(path, leave_out, own_outputs) if wanted(each.relative_to(path))]
             if not below:
                 chosen = " that --include and --exclude leave" if include or exclude else ""
                 raise UsageError(f"{name}: no BVH files in this folder{chosen}")
             for each in below:
-                found.setdefault(str(each), Source(str(each), each.relative_to(path)))
+                add(str(each), each.relative_to(path))
         elif path.exists():
-            found.setdefault(name, Source(name, Path(path.name)))
+            add(name, Path(path.name))
         else:
             raise UsageError(f"{name}: no such file or folder")
-    for source in (each for name in lists for each in _listed(name)):
-        found.setdefault(source.path, source)
+    for path_listed, below_here in (each for name in lists for each in _listed(name)):
+        add(path_listed, below_here)
     if not found:
         raise UsageError("nothing to do: name a BVH file, a folder, or - for standard input")
     return tuple(found.values())
@@ -111,7 +115,7 @@ def _walk(folder: Path, leave_out: Path | None, own_outputs: bool) -> Iterator[P
                 yield Path(root) / name
 
 
-def _listed(name: str) -> Iterator[Source]:
+def _listed(name: str) -> Iterator[tuple[str, Path]]:
     """The inputs that a list names: one a line, or between NUL bytes; blank lines and # comments are none."""
     data = read_whole(name, _MOST_LIST_BYTES)
     lines = data.split(b"\0") if b"\0" in data else data.removeprefix(b"\xef\xbb\xbf").splitlines()
@@ -125,7 +129,7 @@ def _listed(name: str) -> Iterator[Source]:
             continue
         if not Path(entry).is_file():
             raise UsageError(f"{name}:{number}: {entry}: no such file")
-        yield Source(entry, _within_here(entry))
+        yield entry, _within_here(entry)
 
 
 def _within_here(entry: str) -> Path:
