@@ -92,7 +92,7 @@ def test_a_run_is_told_from_a_walk(name: str, run: bool) -> None:
 @pytest.mark.parametrize("name", ["walk", "run", "turn"])
 def test_the_adaptive_threshold_finds_a_gait(name: str) -> None:
     walk, tracks = walked(name)
-    assert feet_f1(adaptive(tracks, AdaptiveParams()), walk) >= 0.85
+    assert feet_f1(adaptive(tracks, AdaptiveParams(), ThresholdParams()), walk) >= 0.85
 
 
 def test_a_plant_of_a_cycle_never_splits() -> None:
@@ -102,20 +102,20 @@ def test_a_plant_of_a_cycle_never_splits() -> None:
     noisy = Tracks(tracks.pelvis, (left, tracks.feet[1]), tracks.leg_length, tracks.frame_time)
     cycles = find_cycles(noisy, *noisy.feet, CycleParams())
     inside = slice(round(cycles[0].start), round(cycles[-1].end))
-    strikes = runs(adaptive(noisy, AdaptiveParams()).mask[inside, 0])
+    strikes = runs(adaptive(noisy, AdaptiveParams(), ThresholdParams()).mask[inside, 0])
     assert len(strikes) <= len(cycles) + 1
 
 
 def test_it_says_where_there_is_no_cycle_and_another_detector_answers_there() -> None:
     _, tracks = walked("stand")
-    finding = adaptive(tracks, AdaptiveParams())
+    finding = adaptive(tracks, AdaptiveParams(), ThresholdParams())
     assert [(note.id, note.start, note.end) for note in finding.notes] == [("no-cycle", 0, len(tracks))]
     assert np.array_equal(finding.mask, threshold(tracks, ThresholdParams()).mask)
 
 
 def test_walking_throughout_it_speaks_of_both_ends_only() -> None:
     _, tracks = walked()
-    notes = adaptive(tracks, AdaptiveParams()).notes
+    notes = adaptive(tracks, AdaptiveParams(), ThresholdParams()).notes
     assert {note.id for note in notes} <= {"no-cycle"}
     assert all(note.start == 0 or note.end == len(tracks) for note in notes)
 
@@ -167,7 +167,7 @@ def test_size_does_not_matter_to_any_of_them(name: str, size: float) -> None:
     like = Tracks(tracks.pelvis * size, feet, tracks.leg_length * size, tracks.frame_time * size**0.5)
     pairs = (
         (threshold(like, ThresholdParams()), threshold(tracks, ThresholdParams())),
-        (adaptive(like, AdaptiveParams()), adaptive(tracks, AdaptiveParams())),
+        (adaptive(like, AdaptiveParams(), ThresholdParams()), adaptive(tracks, AdaptiveParams(), ThresholdParams())),
         (lyard(like, LyardParams()), lyard(tracks, LyardParams())),
     )
     for one, other in pairs:  # windows are in seconds, so not to the frame

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from footfix.detect import path
-from footfix.detect.evidence import COLUMNS, STEP, EvidenceParams, catmull_rom, evidence, floors, resample
+from footfix.detect.evidence import COLUMNS, STEP, catmull_rom, evidence, floors, resample
 from footfix.detect.fitted import NETWORK
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.detect.tracks import Foot, Tracks
@@ -134,9 +134,8 @@ def test_evidence_has_no_scale_place_or_heading() -> None:
         Foot(f.side, changed(f.hip), changed(f.ankle), changed(f.heel), changed(f.toe)) for f in tracks.feet
     )
     other = Tracks(changed(tracks.pelvis), feet, 3.0 * tracks.leg_length, tracks.frame_time)
-    params = EvidenceParams()
     for one, two in zip(
-        evidence(resample(tracks, params), params), evidence(resample(other, params), params), strict=True
+        evidence(resample(tracks)), evidence(resample(other)), strict=True
     ):
         assert one.shape == (len(one), len(COLUMNS))
         assert two == pytest.approx(one, abs=1e-6)

@@ -29,18 +29,19 @@ class AdaptiveParams:
         delta: between the lowest place (0) and the mean of the window's ends (1) (G eq. 8).
         smooth: [s] window over the heights.
         cycles: what counts as a cycle.
-        elsewhere: the detector that answers where there is no cycle (Kim & Neff's).
     """
 
     delta: float = 0.4
     smooth: float = 0.05
     cycles: CycleParams = field(default_factory=CycleParams)
-    elsewhere: ThresholdParams = field(default_factory=ThresholdParams)
 
 
-def adaptive(tracks: Tracks, params: AdaptiveParams) -> Finding:
-    """Contacts by height within windows of the gait cycle (G §4.2), by another detector where there is none."""
-    mask = threshold(tracks, params.elsewhere).mask.copy()
+def adaptive(tracks: Tracks, params: AdaptiveParams, elsewhere: ThresholdParams) -> Finding:
+    """Contacts by height within windows of the gait cycle (G §4.2).
+
+    Where there is no cycle, which a note says, Kim & Neff's detector answers with the parameters `elsewhere`.
+    """
+    mask = threshold(tracks, elsewhere).mask.copy()
     cyclic = np.zeros(len(tracks), dtype=np.bool_)
     for left in range(0, len(tracks.feet) - 1, 2):
         cycles = find_cycles(tracks, tracks.feet[left], tracks.feet[left + 1], params.cycles)

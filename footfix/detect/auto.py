@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
-from footfix.detect.evidence import COLUMNS, OWN, STEP, EvidenceParams, evidence, resample
+from footfix.detect.evidence import COLUMNS, OWN, STEP, evidence, resample
 from footfix.detect.fitted import NETWORK
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
@@ -18,7 +18,7 @@ from footfix.motion.clip import Bools, Floats
 
 @dataclass(frozen=True, kw_only=True)
 class AutoParams:
-    """What the path through a clip costs, and how the evidence is sampled.
+    """What the path through a clip costs, and what no foot does.
 
     Args:
         switch: nats that a landing or a leaving costs; dearer means fewer and longer contacts.
@@ -26,8 +26,6 @@ class AutoParams:
         rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
         highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
         steep: [leg lengths] about it, for each nat.
-        chunk: [s] of the clip that are weighed at a time; bounds memory, changes nothing.
-        evidence: how evidence is sampled.
         kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """
@@ -37,13 +35,12 @@ class AutoParams:
     rise: float = 0.01
     highest: float = 0.065
     steep: float = 0.005
-    chunk: float = 120.0
-    evidence: EvidenceParams = field(default_factory=EvidenceParams)
     kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
 
 PARTS, WAYS = ("heel", "toe"), ("ahead", "behind")
+CHUNK = 12_000  # grid steps that are weighed at a time, which bounds memory
 _MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
 
 
@@ -74,14 +71,14 @@ def _planted(answer: Floats) -> Floats:
     return np.asarray(-np.expm1(answer[:, SWING]))
 
 
-def logits(tracks: Tracks, params: AutoParams, network: Network) -> tuple[Floats, ...]:
+def logits(tracks: Tracks, params: AutoParams, network: Network, chunk: int = CHUNK) -> tuple[Floats, ...]:
     """For each foot the log probabilities (n, 4) of its states on the grid."""
-    sampled = resample(tracks, params.evidence)
-    steps, chunk = len(sampled.tracks), max(round(params.chunk / STEP), 1)
+    sampled = resample(tracks)
+    steps = len(sampled.tracks)
     answers: list[list[Floats]] = [[] for _ in tracks.feet]
     for first in range(0, steps, chunk):
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
-        for k, curves in enumerate(evidence(sampled, params.evidence, slice(low, high))):
+        for k, curves in enumerate(evidence(sampled, slice(low, high))):
             answer = grounded(network.logits(curves), curves, params)
             answers[k].append(answer[first - low : first - low + chunk])
     return tuple(np.concatenate(answer) for answer in answers)

@@ -39,24 +39,13 @@ OTHER = (
 BODY: dict[str, float] = {"pelvis rise": 0.3, "pelvis lift": 5.0, "jitter": 2.0}
 
 
-@dataclass(frozen=True, kw_only=True)
-class EvidenceParams:
-    """How evidence is sampled.
-
-    Args:
-        smooth: [s] window of the smoothing before a clip is sampled down to the grid.
-        speed, lift: [s] windows of the first and second derivative.
-        floor: [s] how far ahead and behind the floor under a foot is looked for.
-        own: [s] the same for each point by itself, which forgives a sole point that was guessed too high.
-        both: [s] the same for the lower foot of a pair.
-    """
-
-    smooth: float = 0.03
-    speed: float = 0.05
-    lift: float = 0.09
-    floor: float = 0.5
-    own: float = 1.0
-    both: float = 0.8
+# Windows [s]. The network is fitted to these: they are no settings.
+SMOOTH = 0.03  # smoothing before a clip is sampled down to the grid
+SPEED, LIFT = 0.05, 0.09  # first and second derivative
+FLOOR = 0.5  # how far ahead and behind the floor under a foot is looked for
+OWN_FLOOR = 1.0  # the same for each point by itself, which forgives a sole point that was guessed too high
+BOTH = 0.8  # the same for the lower foot of a pair
+FACING = 0.25  # where the hips face
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +65,7 @@ class Sampled:
     jitter: float
 
 
-def evidence(sampled: Sampled, params: EvidenceParams, part: slice = slice(None)) -> tuple[Floats, ...]:
+def evidence(sampled: Sampled, part: slice = slice(None)) -> tuple[Floats, ...]:
     """For each foot its curves (n, len(COLUMNS)), in a part of the grid (as if the clip ended there)."""
     feet = tuple(
         Foot(foot.side, foot.hip[part], foot.ankle[part], foot.heel[part], foot.toe[part])
@@ -89,7 +78,7 @@ def evidence(sampled: Sampled, params: EvidenceParams, part: slice = slice(None)
     for k, foot in enumerate(feet):
         pair = np.minimum(lowest[k], lowest[sampled.mates[k]])
         forward, outward = sampled.axes[k]
-        own.append(_own(foot, pelvis, (forward[part], outward[part]), pair, params))
+        own.append(_own(foot, pelvis, (forward[part], outward[part]), pair))
     asked = [list(OWN).index(name) for name in OTHER]
     return tuple(
         np.concatenate([own[k], own[mate][asked], body]).T for k, mate in enumerate(sampled.mates)
@@ -109,12 +98,12 @@ def mates(feet: tuple[Foot, ...]) -> tuple[int, ...]:
     return tuple(nearest)
 
 
-def resample(tracks: Tracks, params: EvidenceParams) -> Sampled:
+def resample(tracks: Tracks) -> Sampled:
     """A clip's tracks in leg lengths, sampled every `STEP` seconds from its first frame on."""
 
     def sample(x: Floats) -> Floats:
-        if params.smooth > 2.5 * tracks.frame_time:
-            x = savgol(x, tracks.frame_time, seconds=params.smooth, degree=2)
+        if 2.5 * tracks.frame_time < SMOOTH:
+            x = savgol(x, tracks.frame_time, seconds=SMOOTH, degree=2)
         return catmull_rom(x, STEP / tracks.frame_time) / tracks.leg_length
 
     feet = tuple(
@@ -163,7 +152,7 @@ def _axes(foot: Foot, mate: Foot) -> tuple[Floats, Floats]:
     outward = (foot.hip - mate.hip)[:, ::2]
     if foot is mate:
         outward = (foot.toe - foot.heel)[:, ::2] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
-    outward = savgol(outward, STEP, seconds=0.25, degree=1)
+    outward = savgol(outward, STEP, seconds=FACING, degree=1)
     outward = outward / np.maximum(np.hypot(*outward.T)[:, None], 1e-9)
     forward = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
     facing = (foot.toe - foot.heel)[:, ::2]
@@ -171,29 +160,29 @@ def _axes(foot: Foot, mate: Foot) -> tuple[Floats, Floats]:
 
 
 def _own(
-    foot: Foot, pelvis: Floats, axes: tuple[Floats, Floats], pair: Floats, params: EvidenceParams
+    foot: Foot, pelvis: Floats, axes: tuple[Floats, Floats], pair: Floats
 ) -> Floats:
     """(len(OWN), n) what is said of one foot, squashed."""
     heel, toe = foot.heel, foot.toe
     lowest = np.minimum(heel[:, 1], toe[:, 1])
-    ahead, behind = floors(lowest, params.floor)
-    both = np.minimum(*floors(pair, params.both))
+    ahead, behind = floors(lowest, FLOOR)
+    both = np.minimum(*floors(pair, BOTH))
     heel_velocity, toe_velocity = (
-        savgol(p, STEP, seconds=params.speed, degree=2, derivative=1) for p in (heel, toe)
+        savgol(p, STEP, seconds=SPEED, degree=2, derivative=1) for p in (heel, toe)
     )
     heel_lift, toe_lift = (
-        savgol(p[:, 1], STEP, seconds=params.lift, degree=2, derivative=2) for p in (heel, toe)
+        savgol(p[:, 1], STEP, seconds=LIFT, degree=2, derivative=2) for p in (heel, toe)
     )
     from_pelvis = (foot.ankle - pelvis)[:, ::2]
     forward, outward = (np.sum(from_pelvis * axis, axis=1) for axis in axes)
-    past = savgol(np.stack([forward, outward], axis=1), STEP, seconds=params.speed, degree=2, derivative=1)
-    push = savgol(forward, STEP, seconds=params.lift, degree=2, derivative=2)
+    past = savgol(np.stack([forward, outward], axis=1), STEP, seconds=SPEED, degree=2, derivative=1)
+    push = savgol(forward, STEP, seconds=LIFT, degree=2, derivative=2)
     reach = np.linalg.norm(foot.ankle - foot.hip, axis=1)
-    reach_speed = savgol(reach, STEP, seconds=params.speed, degree=2, derivative=1)
+    reach_speed = savgol(reach, STEP, seconds=SPEED, degree=2, derivative=1)
     curves = [
         heel[:, 1] - ahead, heel[:, 1] - behind, toe[:, 1] - ahead, toe[:, 1] - behind,
-        heel[:, 1] - np.maximum(*floors(heel[:, 1], params.own)),
-        toe[:, 1] - np.maximum(*floors(toe[:, 1], params.own)),
+        heel[:, 1] - np.maximum(*floors(heel[:, 1], OWN_FLOOR)),
+        toe[:, 1] - np.maximum(*floors(toe[:, 1], OWN_FLOOR)),
         heel_velocity[:, 1], toe_velocity[:, 1], heel_lift, toe_lift,
         np.hypot(heel_velocity[:, 0], heel_velocity[:, 2]), np.hypot(toe_velocity[:, 0], toe_velocity[:, 2]),
         forward, outward, past[:, 0], past[:, 1], push, 1.0 - reach, reach_speed, lowest - both,

@@ -78,7 +78,7 @@ def find(tracks: Tracks, params: DetectParams) -> Finding:
     if params.method == "threshold":
         return threshold(tracks, params.threshold)
     if params.method == "adaptive":
-        return adaptive(tracks, params.adaptive)
+        return adaptive(tracks, params.adaptive, params.threshold)
     if params.method == "lyard":
         return lyard(tracks, params.lyard)
     return auto(tracks, params.auto)
