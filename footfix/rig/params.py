@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +55,7 @@ class RigParams:
     """
 
     unit_m: float | None = None  # metres per unit of the file; none: from the length of the legs
-    up: str | None = None  # up axis of the file: y, z, x, -y, -z, -x; none: from the motion
+    up: Literal["y", "z", "x", "-y", "-z", "-x"] | None = None  # up axis of the file; none: from the motion
     floor: float | None = None  # [m] height of the floor; none: where the soles rest most
     root: str | None = None  # joint that carries the travel; none: found
     legs: Mapping[str, LegParams] = field(default_factory=dict)  # leg name -> joints; none: found
