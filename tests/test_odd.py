@@ -256,8 +256,11 @@ OWN_FILES = {
         refused("5:12: CHANNELS needs a count, not 'Xposition'")),
     "CHANNELS too many": (plain(("CHANNELS 6", "CHANNELS 9")), read(4, "channel-count")),
     "CHANNELS too few": (plain(("CHANNELS 6", "CHANNELS 3")), read(4, "channel-count")),
+    "CHANNELS said and rows agree, not the names": (
+        plain(("CHANNELS 3 Zrotation Xrotation", "CHANNELS 3 Zrotation")),
+        refused("9:3: CHANNELS says 3, 2 names follow")),
     "CHANNELS and rows disagree": (plain(("Zposition Zrotation", "Zrotation")),
-        refused("24:1: rows have 12 numbers, but the hierarchy has 11 channels")),
+        refused("5:2: CHANNELS says 6, 5 names follow")),
     "unknown channel": (plain(("Zposition", "Wposition")), refused("5:33: 'Wposition' is no channel")),
     "channel twice": (plain(("Zposition", "Yposition")),
         refused("5:33: Yposition is named twice for one joint")),

@@ -17,7 +17,7 @@ from footfix.formats import bvh_channels
 from footfix.formats.bvh_compose import compose
 from footfix.formats.bvh_doubts import frame_time, look_over
 from footfix.formats.bvh_hierarchy import read_hierarchy
-from footfix.formats.bvh_motion import read_headings, read_rows
+from footfix.formats.bvh_motion import Headings, read_headings, read_rows
 from footfix.formats.bvh_numbers import number
 from footfix.formats.bvh_rows import Rows
 from footfix.formats.bvh_text import Cursor, Limits, Notes, refuse_strangers, unmask
@@ -170,11 +170,7 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
     cursor = Cursor(text, notes)
     tree = read_hierarchy(cursor, limits)
     headings = read_headings(cursor)
-    declared = number(headings.frames or b"")
-    rows, columns = read_rows(
-        cursor, _layouts(tree), int(declared) if declared is not None and declared.is_integer() else None, limits.frames
-    )
-    _settle(cursor, tree, columns, len(rows.values))
+    rows = _fit(cursor, tree, headings, limits)
     seconds = frame_time(headings, notes)
     skeleton = tree.skeleton()
     base = bvh_channels.position_base(skeleton, tree.channels, rows.values)
@@ -193,20 +189,36 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
     )
 
 
-def _layouts(tree: Hierarchy) -> list[int]:
-    """How many numbers a row may have: with the channels of End Sites, or without."""
+def _fit(cursor: Cursor, tree: Hierarchy, headings: Headings, limits: Limits) -> Rows:
+    """Reads the rows, and settles by them what the channels are.
+
+    A row may have the channels of End Sites, or do without. Where the count after CHANNELS is not that of the
+    names, rows of as many numbers as there are names settle it; else it is what's wrong with the file.
+    """
     columns = len(tree.channels)
-    return [columns, columns - len(tree.end_channels)] if tree.end_channels else [columns]
-
-
-def _settle(cursor: Cursor, tree: Hierarchy, columns: int, frames: int) -> None:
-    """Decides with the rows seen what the channels are."""
-    if columns != len(tree.channels):
+    layouts = [columns, columns - len(tree.end_channels)] if tree.end_channels else [columns]
+    declared = number(headings.frames or b"")
+    count = int(declared) if declared is not None and declared.is_integer() else None
+    try:
+        rows = read_rows(cursor, layouts, count, limits.frames)
+    except InputError:
+        if tree.miscounts:
+            raise _miscount(cursor, tree) from None
+        raise
+    if rows.values.shape[1] != columns:
         dead = set(tree.end_channels)
         tree.channels = [channel for k, channel in enumerate(tree.channels) if k not in dead]
-    for at, said, named in tree.miscounts[:1]:
-        what = f"CHANNELS says {said}, {named} names follow"
-        if not frames:
-            raise cursor.fail(what, at=at, hint="make the count agree with the names")
+    if tree.miscounts:
+        error = _miscount(cursor, tree)
+        if not len(rows.values):
+            raise error
         more = f", and so {len(tree.miscounts) - 1} more times" if len(tree.miscounts) > 1 else ""
-        cursor.notes.add("channel-count", f"{what}{more}; the rows agree with the names", "warning", at=at)
+        what = f"{error.what}{more}; the rows agree with the names"
+        cursor.notes.add("channel-count", what, "warning", at=tree.miscounts[0][0])
+    return rows
+
+
+def _miscount(cursor: Cursor, tree: Hierarchy) -> InputError:
+    at, said, named = tree.miscounts[0]
+    what = f"CHANNELS says {said}, {named} names follow"
+    return cursor.fail(what, at=at, hint="make the count agree with the names")

@@ -60,7 +60,7 @@ def read_headings(cursor: Cursor) -> Headings:
     return headings
 
 
-def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_frames: int) -> tuple[Rows, int]:
+def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_frames: int) -> Rows:
     """Reads the rows.
 
     Args:
@@ -70,7 +70,7 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
         max_frames: more rows than this are refused.
 
     Returns:
-        The rows, and how many columns they have: one of the layouts.
+        The rows, with as many columns as one of the layouts has.
 
     Raises:
         InputError: the rows don't fit the channels.
@@ -84,7 +84,7 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
     if len(rows.values) > max_frames:
         what = f"{len(rows.values)} frames, more than {max_frames}"
         raise cursor.fail(what, at=start, hint="limits.frames allows more")
-    return rows, rows.values.shape[1]
+    return rows
 
 
 def _read_regular(text: bytes, start: int, layouts: list[int]) -> Rows | None:
