@@ -199,6 +199,16 @@ def test_a_frame_rate_that_no_walk_has_is_told(factor: float, told: bool) -> Non
     assert ("frame-rate-implausible" in {note.id for note in notes}) == told
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("frame_time", [33.3, 1e-7])
+def test_a_frame_time_that_is_a_slip_is_told_and_costs_nothing(method: Method, frame_time: float) -> None:
+    clip = walk("walk", 30.0).clip
+    contacts = contacts_of(replace(clip, frame_time=frame_time), method)
+    assert "frame-rate-implausible" in {note.id for note in contacts.notes}
+    assert np.array_equal(contacts.mask(), contacts_of(clip, method).mask())
+    assert contacts.frame_time == frame_time
+
+
 def test_chunks_change_nothing() -> None:
     clip = walk("turn").clip
     tracks = tracks_of(clip, find_rig(clip))

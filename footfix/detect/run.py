@@ -21,6 +21,9 @@ from footfix.rig.rig import Rig
 Method = Literal["auto", "threshold", "adaptive", "lyard"]
 METHODS: tuple[Method, ...] = get_args(Method)
 
+# Outside these a frame time is a slip (milliseconds for seconds), and would ask for absurd amounts of work.
+_SLOWEST, _QUICKEST, _ASSUMED = 2.0, 2000.0, 30.0  # [fps]
+
 
 @dataclass(frozen=True, kw_only=True)
 class DetectParams:
@@ -75,6 +78,13 @@ def find(tracks: Tracks, params: DetectParams) -> Finding:
     """The same on tracks alone."""
     if len(tracks) < 2:
         return Finding(np.zeros((len(tracks), 2 * len(tracks.feet)), dtype=np.bool_))
+    if not _SLOWEST <= 1.0 / tracks.frame_time <= _QUICKEST:
+        text = (
+            f"no motion is captured at {1.0 / tracks.frame_time:.4g} fps; contacts were looked for "
+            f"as if it were {_ASSUMED:.0f} fps"
+        )
+        finding = find(replace(tracks, frame_time=1.0 / _ASSUMED), params)
+        return finding._replace(notes=(*finding.notes, Note("frame-rate-implausible", text, "warning")))
     if params.method == "threshold":
         return threshold(tracks, params.threshold)
     if params.method == "adaptive":

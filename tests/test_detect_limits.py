@@ -1,0 +1,76 @@
+"""Where a detector must hold back: kneeling, feet high over their floor, and stretches that could be either."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from footfix.detect.auto import AutoParams, grounded
+from footfix.detect.doubts import DoubtParams, unsure
+from footfix.detect.evidence import COLUMNS, OWN
+from footfix.detect.kneeling import KneelingParams, carrying
+from footfix.detect.network import HEEL, SWING
+from footfix.detect.tracks import Foot, Tracks
+from footfix.motion.clip import Floats
+
+
+def _kneeler(knee_height: float, speed: float) -> tuple[Tracks, Foot]:
+    """Two seconds at 50 fps; the toe goes along the floor at some speed [m/s]."""
+    times = np.arange(100)[:, None] * 0.02
+
+    def track(y: float, v: float = 0.0) -> Floats:
+        return np.array([0.0, y, 0.0]) + times * [0.0, 0.0, v]
+
+    foot = Foot("left", track(0.5), track(0.1), track(0.1), track(0.0, speed), knee=track(knee_height))
+    return Tracks(track(0.55), (foot,), 0.9, 0.02), foot
+
+
+@pytest.mark.parametrize(
+    ("knee", "speed", "kept"), [(0.05, 0.5, False), (0.05, 0.0, True), (0.5, 0.5, True), (0.5, 0.0, True)]
+)
+def test_a_foot_that_is_dragged_behind_its_knee_carries_nothing(knee: float, speed: float, kept: bool) -> None:
+    tracks, foot = _kneeler(knee, speed)
+    mask = np.ones(100, dtype=np.bool_)
+    assert carrying(mask, tracks, foot, foot.toe, KneelingParams()).all() == kept
+    if not kept:
+        assert not carrying(mask, tracks, foot, foot.toe, KneelingParams()).any()
+
+
+def test_a_short_rest_while_kneeling_is_no_contact() -> None:
+    tracks, foot = _kneeler(0.05, 0.0)
+    for frames, kept in ((10, False), (20, True)):  # 0.2 s and 0.4 s
+        mask = np.zeros(100, dtype=np.bool_)
+        mask[40 : 40 + frames] = True
+        assert carrying(mask, tracks, foot, foot.toe, KneelingParams()).any() == kept
+
+
+@pytest.mark.parametrize("others", [0.0, 0.3])
+def test_no_foot_stands_high_over_the_floor_ahead_and_behind(others: float) -> None:
+    heights = np.array([0.0, 0.05, 0.065, 0.1, 0.3])
+    curves = np.zeros((len(heights), len(COLUMNS)))
+    for name in ("heel over floor ahead", "heel over floor behind"):
+        curves[:, COLUMNS.index(name)] = np.arcsinh(heights / OWN[name])
+    for name in ("toe over floor ahead", "toe over floor behind"):
+        curves[:, COLUMNS.index(name)] = np.arcsinh((heights + others) / OWN[name])
+    sure = np.log(np.tile([0.001, 0.333, 0.333, 0.333], (len(heights), 1)))
+    said = np.exp(grounded(sure, curves, AutoParams()))
+    assert said.sum(axis=1) == pytest.approx(1.0)
+    planted = said[:, HEEL:].sum(axis=1)
+    assert planted[0] == pytest.approx(0.999, abs=1e-3)
+    assert planted[2] == pytest.approx(0.5)
+    assert np.all(np.diff(planted) <= 0.0)
+    assert planted[3] < 0.01
+    # one step up ahead is enough for a foot to stand there
+    curves[:, COLUMNS.index("heel over floor ahead")] = 0.0
+    assert np.exp(grounded(sure, curves, AutoParams()))[:, SWING] == pytest.approx(0.001, abs=1e-3)
+
+
+def test_long_stretches_that_could_be_either_are_told_the_longest_first_of_all() -> None:
+    tracks, _ = _kneeler(0.5, 0.0)
+    planted = np.full(100, 0.99)
+    planted[10:20] = 0.5  # 0.2 s: too short to tell
+    planted[30:50] = 0.5
+    planted[60:90] = 0.6
+    notes = unsure(planted, tracks, "left", DoubtParams(most=1))
+    assert [(note.id, note.start, note.end) for note in notes] == [("contact-doubtful", 60, 90)]
+    assert [note.start for note in unsure(planted, tracks, "left", DoubtParams(most=5))] == [30, 60]
