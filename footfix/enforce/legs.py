@@ -25,6 +25,8 @@ from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
+JERK = "holding it would jerk the leg"  # the reason of plants that are let go
+
 
 @dataclass(frozen=True, kw_only=True)
 class JudgeParams:
@@ -173,7 +175,7 @@ def _let_go(
         if plant.contact.wish == "force" or moving or not np.any(soft[plant.frames]) or far < judge.let_go * leg_length:
             plants.append(plant)
         else:
-            reason = f"holding it would jerk the leg: it would still slide by {1000.0 * far:.0f} mm"
+            reason = f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"
             plants.append(replace(plant, reason=reason))
     if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
         return stance
