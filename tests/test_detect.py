@@ -203,9 +203,10 @@ def test_a_frame_rate_that_no_walk_has_is_told(factor: float, told: bool) -> Non
 @pytest.mark.parametrize("frame_time", [33.3, 1e-7])
 def test_a_frame_time_that_is_a_slip_is_told_and_costs_nothing(method: Method, frame_time: float) -> None:
     clip = walk("walk", 30.0).clip
-    contacts = contacts_of(replace(clip, frame_time=frame_time), method)
+    rig, params = find_rig(clip), DetectParams(method=method)
+    contacts = detect(replace(clip, frame_time=frame_time), rig, params)
     assert "frame-rate-implausible" in {note.id for note in contacts.notes}
-    assert np.array_equal(contacts.mask(), contacts_of(clip, method).mask())
+    assert np.array_equal(contacts.mask(), detect(clip, rig, params).mask())
     assert contacts.frame_time == frame_time
 
 
