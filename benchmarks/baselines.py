@@ -81,11 +81,12 @@ def fva(tracks: Tracks) -> Bools:
 
 def _fva(foot: Foot, frame_time: float) -> tuple[Ints, Ints]:
     height = 0.5 * (foot.heel[:, 1] + foot.toe[:, 1])
-    velocity = savgol(height, frame_time, seconds=0.07, degree=2, derivative=1)
-    low = height < height.min() + 0.35 * np.ptp(height)
-    span = 0.25 * np.ptp(velocity)
+    velocity = savgol(height, frame_time, seconds=0.1, degree=2, derivative=1)
+    lowest, highest = np.quantile(height, [0.02, 0.99])
+    low = height < lowest + 0.35 * (highest - lowest)
+    span = 0.1 * np.ptp(velocity)
     falls, rises = _extremes(velocity, span, highs=False), _extremes(velocity, span, highs=True)
-    return falls[low[falls]], rises
+    return falls[low[falls]], rises[velocity[rises] > 0.3 * velocity.max()]
 
 
 def _extremes(curve: Floats, least: float, *, highs: bool) -> Ints:
