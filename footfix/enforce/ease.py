@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from footfix.motion import banded
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 
@@ -114,8 +115,6 @@ def fit(
     Returns:
         (F, K).
     """
-    from scipy.linalg import solveh_banded  # 0.3 s to import
-
     frames = len(weights)
     accel = (settle / frame_time) ** 4
     veloc = accel * (frame_time / slack) ** 2
@@ -137,7 +136,7 @@ def fit(
     bands[1, :-1][away[:-1] | away[1:]] = 0.0
     bands[2, :-2][away[:-2] | away[2:]] = 0.0
     right = np.where(near[:, None], weights[:, None] * values, 0.0)
-    return np.asarray(solveh_banded(bands, right, lower=True, check_finite=False))
+    return banded.solve(bands, right)
 
 
 def gamma(u: Floats) -> Floats:
