@@ -29,7 +29,7 @@ distributed = pytest.importorskip("distributed")
 def cluster() -> Iterator[Any]:
     import dask
 
-    dask.config.set({"distributed.scheduler.allowed-failures": 3})
+    dask.config.set({"distributed.scheduler.allowed-failures": 1})
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
     ) as cluster:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from footfix.batch.processes import Stop, Work
+from footfix.batch.processes import Results, Stop, Work
 from footfix.batch.work import FileResult, Task
 from footfix.errors import UsageError
 
@@ -18,7 +18,7 @@ _AHEAD = 4  # tasks a thread of the cluster has in hand or waiting, so that a st
 
 def on_cluster(
     work: Work, tasks: Sequence[Task], *, address: str, stop: Stop, starting: Callable[[int], None]
-) -> Iterator[tuple[int, FileResult]]:
+) -> Results:
     """Does the tasks on the cluster at an address, and gives each result as it comes.
 
     Raises:
@@ -45,7 +45,7 @@ def _connect(address: str) -> Any:
 
 def _feed(
     client: Any, work: Work, tasks: Sequence[Task], stop: Stop, starting: Callable[[int], None]
-) -> Iterator[tuple[int, FileResult]]:
+) -> Results:
     threads = max(sum(client.nthreads().values()), 1)
     suspects: list[int] = []
     for index, future in _ended(client, work, tasks, range(len(tasks)), _AHEAD * threads, stop, starting):

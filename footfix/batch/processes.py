@@ -10,7 +10,7 @@ import multiprocessing
 import signal
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -23,6 +23,7 @@ from footfix.errors import FootfixError
 from footfix.files import remove_leftovers
 
 Work = Callable[[Task], FileResult]
+Results = Generator[tuple[int, FileResult], None, None]  # index and result, as they come
 
 _LOOK = 0.25  # [s] how often is looked whether to stop, where nothing happens
 _MOST_STILLBORN = 3  # workers that die before they have begun: then it is not for a clip's sake
@@ -50,7 +51,7 @@ class _Worker:
 
 def here(
     work: Work, tasks: Sequence[Task], *, stop: Stop, starting: Callable[[int], None]
-) -> Iterator[tuple[int, FileResult]]:
+) -> Results:
     """Does the tasks one after the other in this process."""
     for index, task in enumerate(tasks):
         if stop.soon:
@@ -62,7 +63,7 @@ def here(
 def on_processes(
     work: Work, tasks: Sequence[Task], *, workers: int, timeout: float | None, stop: Stop,
     starting: Callable[[int], None],
-) -> Iterator[tuple[int, FileResult]]:  # fmt: skip
+) -> Results:  # fmt: skip
     """Does the tasks on several processes, and gives each result as it comes.
 
     Args:

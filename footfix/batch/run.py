@@ -6,13 +6,13 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from footfix.batch.journal import Journal
-from footfix.batch.processes import Stop, Work, here, on_processes
+from footfix.batch.processes import Results, Stop, Work, here, on_processes
 from footfix.batch.work import FileResult, Task
 from footfix.files import STDIN, remove_leftovers
 
@@ -77,8 +77,12 @@ def run(
             announced += len(some)
 
     results: dict[int, FileResult] = {}
-    with _interrupts(stop, lambda: asked_to_stop(len(tasks) - len(results))):
-        for index, result in _done(work, tasks, crew, stop, starting):
+    with (
+        _interrupts(stop, lambda: asked_to_stop(len(tasks) - len(results))),
+        # closed at once where an interrupt comes in between: processes are killed and what they left is cleared
+        closing(_done(work, tasks, crew, stop, starting)) as ended,
+    ):
+        for index, result in ended:
             results[index] = result
             journal.end(tasks[index].job.name, result)
             told(result)
@@ -87,7 +91,7 @@ def run(
 
 def _done(
     work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: Callable[[int], None]
-) -> Iterator[tuple[int, FileResult]]:
+) -> Results:
     # standard input is this process's own
     own = [index for index, task in enumerate(tasks) if task.job.source == STDIN]
     others = [index for index, task in enumerate(tasks) if task.job.source != STDIN]
@@ -101,8 +105,8 @@ def _done(
 
     if not chosen:
         return
-    ended: Iterator[tuple[int, FileResult]]
-    workers = crew.workers or (os.cpu_count() or 1 if len(chosen) >= _WORTH_A_PROCESS else 1)
+    ended: Results
+    workers = crew.workers or (_processors() if len(chosen) >= _WORTH_A_PROCESS else 1)
     if crew.dask:
         from footfix.batch.cluster import on_cluster
 
@@ -111,8 +115,16 @@ def _done(
         ended = on_processes(work, chosen, workers=workers, timeout=crew.timeout, stop=stop, starting=begin)
     else:
         ended = here(work, chosen, stop=stop, starting=begin)
-    for k, result in ended:
-        yield others[k], result
+    with closing(ended):
+        for k, result in ended:
+            yield others[k], result
+
+
+def _processors() -> int:
+    """The processors that are ours to use: a job of a cluster's queue has fewer than the machine."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _clear_leftovers(tasks: Sequence[Task]) -> None:
