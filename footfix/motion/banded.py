@@ -32,58 +32,64 @@ def solve(bands: Floats, right: Floats) -> Floats:
     wide[1, frames - 1 :] = 0.0
     wide[2, max(frames - 2, 0) :] = 0.0
     main, one, two = wide
-    diagonal = np.empty((blocks, 2, 2))
-    diagonal[:, 0, 0], diagonal[:, 1, 1] = main[0::2], main[1::2]
-    diagonal[:, 0, 1] = diagonal[:, 1, 0] = one[0::2]
-    below = np.zeros((blocks, 2, 2))  # what ties each block to the one before it
-    below[1:, 0, 0], below[1:, 0, 1], below[1:, 1, 1] = two[0:-2:2], one[1:-2:2], two[1:-2:2]
+    diagonal = np.empty((2, 2, blocks))
+    diagonal[0, 0], diagonal[1, 1] = main[0::2], main[1::2]
+    diagonal[0, 1] = diagonal[1, 0] = one[0::2]
+    below = np.zeros((2, 2, blocks))  # what ties each block to the one before it
+    below[0, 0, 1:], below[0, 1, 1:], below[1, 1, 1:] = two[0:-2:2], one[1:-2:2], two[1:-2:2]
     padded = np.zeros((2 * blocks, right.shape[1]))
     padded[:frames] = right
-    return _reduced(diagonal, below, padded.reshape(blocks, 2, -1)).reshape(2 * blocks, -1)[:frames]
+    solution = _reduced(diagonal, below, np.ascontiguousarray(padded.reshape(blocks, 2, -1).transpose(1, 2, 0)))
+    return solution.transpose(2, 0, 1).reshape(2 * blocks, -1)[:frames]
+
+
+def _times(a: Floats, b: Floats) -> Floats:
+    """Products of matrices (2, 2, B) and (2, K, B), block by block; blocks last, so that each line runs over all."""
+    return np.asarray(a[:, 0, None] * b[0] + a[:, 1, None] * b[1])
 
 
 def _reduced(diagonal: Floats, below: Floats, right: Floats) -> Floats:
-    """The solution (B, 2, K) of a block tridiagonal system of B blocks; `below[k]` ties k to k - 1."""
-    blocks = len(diagonal)
+    """The solution (2, K, B) of a block tridiagonal system of B blocks; `below` k ties block k to k - 1."""
+    blocks = diagonal.shape[-1]
     if blocks <= _DENSE:
         return _dense(diagonal, below, right)
-    # x of odd block k is P_k (b_k - L_k x_(k-1) - L_(k+1)^T x_(k+1)), P the inverse of its diagonal
+    # x of an odd block k is P_k (b_k - L_k x_(k-1) - L_(k+1)^T x_(k+1)), P_k the inverse of its diagonal
     above = np.zeros_like(below)  # what ties each block to the one after it
-    above[:-1] = below[1:].transpose(0, 2, 1)
-    inverse = _inverse(diagonal[1::2])
-    to_left, to_right, own = inverse @ below[1::2], inverse @ above[1::2], inverse @ right[1::2]
-    odd, even = len(inverse), blocks - len(inverse)
-    kept_diagonal, kept_right = diagonal[0::2].copy(), right[0::2].copy()
-    kept_below = np.zeros((even, 2, 2))
-    after, before = above[0::2][:odd], below[0::2][1:]  # from an even block to the odd one after, and before it
-    kept_diagonal[:odd] -= after @ to_left
-    kept_right[:odd] -= after @ own
-    kept_diagonal[1:] -= before @ to_right[: even - 1]
-    kept_right[1:] -= before @ own[: even - 1]
-    kept_below[1:] = -before @ to_left[: even - 1]
+    above[..., :-1] = below[..., 1:].transpose(1, 0, 2)
+    inverse = _inverse(diagonal[..., 1::2])
+    odd = inverse.shape[-1]
+    even = blocks - odd
+    to_left, to_right, own = (_times(inverse, each[..., 1::2]) for each in (below, above, right))
+    kept_diagonal, kept_right = diagonal[..., 0::2].copy(), right[..., 0::2].copy()
+    kept_below = np.zeros((2, 2, even))
+    after, before = above[..., 0::2][..., :odd], below[..., 0::2][..., 1:]  # from an even block to its odd neighbours
+    kept_diagonal[..., :odd] -= _times(after, to_left)
+    kept_right[..., :odd] -= _times(after, own)
+    kept_diagonal[..., 1:] -= _times(before, to_right[..., : even - 1])
+    kept_right[..., 1:] -= _times(before, own[..., : even - 1])
+    kept_below[..., 1:] = -_times(before, to_left[..., : even - 1])
+    solved = _reduced(kept_diagonal, kept_below, kept_right)
     out = np.empty_like(right)
-    out[0::2] = solved = _reduced(kept_diagonal, kept_below, kept_right)
-    out[1::2] = own - to_left @ solved[:odd]
-    out[1::2][: even - 1] -= to_right[: even - 1] @ solved[1:]
+    out[..., 0::2] = solved
+    out[..., 1::2] = own - _times(to_left, solved[..., :odd])
+    out[..., 1::2][..., : even - 1] -= _times(to_right[..., : even - 1], solved[..., 1:])
     return out
 
 
 def _inverse(matrices: Floats) -> Floats:
-    """The inverses of symmetric matrices (B, 2, 2)."""
-    a, b, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
-    out = np.empty_like(matrices)
+    """The inverses of symmetric matrices (2, 2, B)."""
+    (a, b), (_, d) = matrices
     determinant = a * d - b * b
-    out[:, 0, 0], out[:, 1, 1] = d / determinant, a / determinant
-    out[:, 0, 1] = out[:, 1, 0] = -b / determinant
-    return out
+    return np.asarray(np.stack([np.stack([d, -b]), np.stack([-b, a])]) / determinant)
 
 
 def _dense(diagonal: Floats, below: Floats, right: Floats) -> Floats:
-    blocks = len(diagonal)
+    blocks = diagonal.shape[-1]
     matrix = np.zeros((blocks, 2, blocks, 2))
     k = np.arange(blocks)
-    matrix[k, :, k, :] = diagonal
-    matrix[k[1:], :, k[:-1], :] = below[1:]
-    matrix[k[:-1], :, k[1:], :] = below[1:].transpose(0, 2, 1)
-    solution = np.linalg.solve(matrix.reshape(2 * blocks, 2 * blocks), right.reshape(2 * blocks, -1))
-    return np.asarray(solution.reshape(right.shape))
+    matrix[k, :, k, :] = diagonal.transpose(2, 0, 1)
+    matrix[k[1:], :, k[:-1], :] = below[..., 1:].transpose(2, 0, 1)
+    matrix[k[:-1], :, k[1:], :] = below[..., 1:].transpose(2, 1, 0)
+    flat = right.transpose(2, 0, 1).reshape(2 * blocks, -1)
+    solution = np.linalg.solve(matrix.reshape(2 * blocks, 2 * blocks), flat)
+    return np.asarray(solution.reshape(blocks, 2, -1).transpose(1, 2, 0))
