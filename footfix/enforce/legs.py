@@ -32,13 +32,13 @@ JERK = "holding it would jerk the leg"  # the reason of plants that are let go
 class JudgeParams:
     """What holding a foot may do to the joints of its leg."""
 
-    speed: float = 200.0  # [deg/s] by which a joint may turn faster than captured before a plant gives way
-    given: float = 3.0  # times as fast where the contacts were given, not detected
+    speed: float = 150.0  # [deg/s] by which a joint may turn faster than captured before a plant gives way
+    given: float = 4.0  # times as fast where the contacts were given, not detected
     peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
     peel_most: float = 0.12  # [s] and altogether,
     peel_share: float = 0.3  # but no more of the plant than this
     softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
-    around: float = 0.06  # [s] on either side of such a frame
+    around: float = 0.1  # [s] on either side of such a frame
     let_go: float = 0.023  # leg lengths: what still slides farther than this (viewers notice 21 mm) is released
 
 

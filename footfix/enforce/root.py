@@ -22,6 +22,8 @@ class RootParams:
     speed_window: float = 0.1  # [s] over which the speeds of sole points are averaged before they are compared
     hand_over: float = 0.01  # leg lengths of movement that a hand-over from point to point counts for
     vertical: bool = True  # one offset and one scale of the root's height, so that planted points are at the floor
+    keep_slide: float = 0.004  # leg lengths: where no plant slides farther, nor is farther from its floor than
+    keep_height: float = 0.012  # leg lengths, the root stays as it is
     pin_end: bool = False  # bring the path's drift back to zero over the clip
     settle: float = 0.1  # [s] what is quicker in the feet's shared correction is left to the legs (method both)
 

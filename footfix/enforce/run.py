@@ -218,11 +218,18 @@ def _root_shift(
         for plant in stance.plants:
             planted[plant.frames, plant.effector] = True
             levels[plant.frames, plant.effector] = stance.level
-    if all(plant.kept for stance in stands for plant in stance.plants):
+    if all(_stands_for_root(plant, tracks[plant.effector], rig, params) for s in stands for plant in s.plants):
         return np.zeros((frames, 3))
     at = legs[0].hip - pose.position(rig.legs[0].hip) + pose.position(rig.root)  # on the same ground as the feet
     shift = root.correction(at, tracks, planted, levels, frame_time, rig.leg_length, params.root)
     return params.strength * shift
+
+
+def _stands_for_root(plant: Plant, track: Floats, rig: Rig, params: EnforceParams) -> bool:
+    """Whether a plant stands as well as the root alone could make it stand."""
+    off = np.abs(track[plant.frames] - plant.target)
+    slides = float(np.hypot(off[:, 0], off[:, 2]).max()) > params.root.keep_slide * rig.leg_length
+    return not slides and float(off[:, 1].max()) <= params.root.keep_height * rig.leg_length
 
 
 def _where_it_stands(stance: Stance, points: Sequence[Floats]) -> Stance:
