@@ -21,7 +21,7 @@ from footfix.motion.kinematics import forward
 HARMLESS = {
     "bone-zero", "offsets-zero", "frozen", "jump", "name-duplicate", "several-roots", "root-fixed", "rotation-partial",
     "positions-below-root", "positions-zero", "end-site-beside-children", "no-frames", "one-frame",
-    "frame-time-unusual", "offset-not-a-number",
+    "frame-time-unusual", "angle-unusual", "offset-not-a-number",
 }  # fmt: skip
 
 

@@ -344,6 +344,7 @@ OWN_FILES = {
     # motions
     "frozen": (HEAD.encode() + (ROWS.splitlines()[0] + "\n").encode() * 4, read(4, "frozen")),
     "leap": (plain(("0.20 9.02", "999.20 9.02")), read(4, "jump")),
+    "many turns": (plain(("9.90\n", "-99999.90\n")), read(4, "angle-unusual")),
     "two roots": (f"HIERARCHY\n{TREE}{TREE}MOTION\nFrames: 1\nFrame Time: 0.1\n{' '.join(['1'] * 24)}\n".encode(),
         read(1, "several-roots", "name-duplicate", "one-frame")),
     "zero bones": (plain(("1.00 -4.00 0.00", "0 0 0")), read(4, "bone-zero")),

@@ -16,6 +16,7 @@ from footfix.notes import Severity
 
 USUAL_FRAME_TIME = 1.0 / 30.0  # [s] where a file says nothing of use
 HUGE = 1e9  # no place and no angle is so large in any unit
+_MANY_TURNS = 36_000.0  # [deg] a hundred turns: no joint does that
 
 # Frame rates in use, to tell rates and milliseconds from each other where seconds make no sense.
 _RATES = (12, 12.5, 15, 20, 23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 72, 75, 90, 100, 120, 144, 150,
@@ -82,6 +83,7 @@ def look_over(tree: Hierarchy, skeleton: Skeleton, headings: Headings, rows: Row
     if rows.values.size:
         _values(tree, rows, notes)
         _motion(tree, skeleton, rows, notes)
+        _angles(tree, rows, notes)
 
 
 def _frame_count(headings: Headings, frames: int, notes: Notes) -> None:
@@ -126,11 +128,11 @@ def _joints(tree: Hierarchy, skeleton: Skeleton, notes: Notes) -> None:
     names, places = tree.names, tree.places
     roots = [j for j, parent in enumerate(tree.parents) if parent < 0]
     if len(roots) > 1:
-        notes.add("several-roots", f"there are {len(roots)} roots: " + ", ".join(names[j] for j in roots[:4]),
+        notes.add("several-roots", f"there are {len(roots)} roots: " + ", ".join(readable(names[j]) for j in roots[:4]),
                   at=places[roots[1]], joints=tuple(names[j] for j in roots))  # fmt: skip
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        notes.add("name-duplicate", f"several joints are called '{twice[0]}'", joints=tuple(twice),
+        notes.add("name-duplicate", f"several joints are called '{readable(twice[0])}'", joints=tuple(twice),
                   at=places[len(names) - 1 - names[::-1].index(twice[0])])  # fmt: skip
     with_end, leaves = set(skeleton.end_parents.tolist()), [j for j, c in enumerate(skeleton.children) if not c]
     bare = [j for j in leaves if j not in with_end]
@@ -197,6 +199,18 @@ def _motion(tree: Hierarchy, skeleton: Skeleton, rows: Rows, notes: Notes) -> No
                   severity, at=offset_of(rows, first, columns[0]), start=first, end=int(leaps[-1]) + 2)  # fmt: skip
 
 
+def _angles(tree: Hierarchy, rows: Rows, notes: Notes) -> None:
+    turns = [k for k, channel in enumerate(tree.channels) if channel.kind == "R"]
+    for column in turns if rows.values.max() > _MANY_TURNS or rows.values.min() < -_MANY_TURNS else ():
+        far = np.flatnonzero(np.abs(rows.values[:, column]) > _MANY_TURNS)
+        if len(far):
+            name, frame = tree.names[tree.channels[column].joint], int(far[0])
+            turned = f"'{readable(name)}' has turned {rows.values[frame, column] / 360:.0f} times"
+            notes.add("angle-unusual", f"in frame {frame} {turned}", "warning", at=offset_of(rows, frame, column),
+                      start=frame, end=int(far[-1]) + 1, joints=(name,))  # fmt: skip
+            return
+
+
 def _values(tree: Hierarchy, rows: Rows, notes: Notes) -> None:
     if rows.values.min() > -HUGE and rows.values.max() < HUGE:
         return
@@ -213,6 +227,6 @@ def _values(tree: Hierarchy, rows: Rows, notes: Notes) -> None:
         owners = sorted({tree.channels[c].joint for c in columns.tolist()} - {-1})
         name = tree.names[owner] if owner >= 0 else "an End Site"
         more = f", and so are {int(bad.sum()) - 1} more" if bad.sum() > 1 else ""
-        notes.add(id, f"in frame {frames[0]} a value of '{name}' is {what}{more}", "error",
+        notes.add(id, f"in frame {frames[0]} a value of '{readable(name)}' is {what}{more}", "error",
                   at=offset_of(rows, int(frames[0]), column), start=int(frames[0]), end=int(frames[-1]) + 1,
                   joints=tuple(tree.names[j] for j in owners))  # fmt: skip

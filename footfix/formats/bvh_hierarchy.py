@@ -151,7 +151,7 @@ def _brace(cursor: Cursor, what: str) -> bool:
 def _open_joint(cursor: Cursor, tree: Hierarchy, stack: list[_Open], key: bytes) -> None:
     at, notes = cursor.start, cursor.notes
     name = _name(cursor)
-    shown = readable(name.encode("utf-8", "replace"))
+    shown = readable(name)
     if stack and stack[-1].end_site:
         raise cursor.fail(f"joint '{shown}' stands inside an End Site", at=at, hint="a brace is missing above it")
     if key == b"ROOT" and stack:
@@ -189,7 +189,7 @@ def _close(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
         return
     block = stack.pop()
     if not block.offset:
-        what = "an End Site" if block.end_site else f"joint '{readable(tree.names[block.joint].encode())}'"
+        what = "an End Site" if block.end_site else f"joint '{readable(tree.names[block.joint])}'"
         cursor.notes.add("offset-missing", f"{what} has no OFFSET; taken as 0 0 0", "warning", at=block.at)
 
 
@@ -287,6 +287,6 @@ def _check_indents(cursor: Cursor, tree: Hierarchy) -> None:
             return  # several joints on a line, or no indentation: it says nothing
         if indents.setdefault(depths[joint], indent) != indent:
             raise cursor.fail(
-                f"braces don't pair up: joint '{readable(tree.names[joint].encode())}' is {depths[joint]} deep by "
+                f"braces don't pair up: joint '{readable(tree.names[joint])}' is {depths[joint]} deep by "
                 "braces, but not by its indentation", at=at, hint="a brace is missing, or there is one too many, above",
             )  # fmt: skip

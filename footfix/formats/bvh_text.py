@@ -87,9 +87,9 @@ def _from_wide(data: bytes, encoding: str, notes: Notes) -> bytes:
     return text
 
 
-def readable(word: bytes, limit: int = 40) -> str:
+def readable(word: bytes | str, limit: int = 40) -> str:
     """A word of a file, fit to be shown: printable, and not long."""
-    shown = word[: limit + 1].decode("utf-8", "replace")
+    shown = word[: limit + 1] if isinstance(word, str) else word[: limit + 1].decode("utf-8", "replace")
     shown = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in shown)
     return shown if len(shown) <= limit else shown[:limit] + "..."
 
@@ -110,8 +110,8 @@ class Limits:
     bytes: int = 4 << 30  # [bytes] of a file: an hour of 200 joints at 120 frames per second
     header: int = 64 << 20  # [bytes] in which the MOTION part must have begun
     frames: int = 20_000_000  # 46 hours at 120 frames per second
-    joints: int = 20_000
-    nesting: int = 10_000  # joints below joints
+    joints: int = 5_000  # a body with face and hands has 200
+    nesting: int = 5_000  # joints below joints
 
 
 @dataclass
