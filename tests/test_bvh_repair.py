@@ -152,6 +152,14 @@ def test_long_gaps_are_left(frame_time: float, filled: int) -> None:
     assert not decode(repair(decode("\n".join(lines).encode()), more)[0]).unusable
 
 
+def test_a_file_that_moves_nothing_but_an_end_site() -> None:
+    data = (b"HIERARCHY\nROOT a\n{\n\tOFFSET 0 0 0\n\tEnd Site\n\t{\n\t\tOFFSET 0 1 0\n\t\tCHANNELS 1 Xrotation\n"
+            b"\t}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n5\n")  # fmt: skip
+    document = decode(data)
+    assert document.values.shape == (1, 1)
+    assert {note.id for note in decode(repair(document)[0]).notes} == {"no-frames", "root-fixed"}
+
+
 def test_channels_of_end_sites_and_scales_are_taken_out() -> None:
     data = plain(
         ("Zposition Zrotation", "Zposition Zscale Zrotation"), ("CHANNELS 6", "CHANNELS 7"),

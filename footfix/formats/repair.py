@@ -138,7 +138,8 @@ def _with_end_sites(skeleton: Skeleton) -> Skeleton:
 
 def _headings(document: Document) -> list[bytes]:
     """`MOTION`, `Frames:` and `Frame Time:`; the time as the file writes it, where that makes sense."""
-    lines = motion_lines(len(document.values), document.frame_time)
+    moves = any(channel.kind for channel in document.channels)
+    lines = motion_lines(len(document.values) if moves else 0, document.frame_time)
     own = document.text[document.motion_at : document.rows.start].splitlines()
     times = [line.strip() for line in own if line.strip().lower().startswith(b"frame time:")]
     mended = {note.id for note in document.notes if note.id.startswith("frame-time-")} - {"frame-time-unusual"}
@@ -199,6 +200,8 @@ def _rows(document: Document, values: Floats, filled: Bools, newline: bytes) -> 
     """All rows, one a line: numbers as they are written, but for those with exponents and those filled in."""
     columns = np.array([k for k, channel in enumerate(document.channels) if channel.kind], dtype=np.intp)
     text = document.rows.text
+    if not len(columns):
+        return
     for frame, starts, ends in row_blocks(document.rows):
         span = slice(frame, frame + len(starts))
         if starts.shape[1] < values.shape[1]:
