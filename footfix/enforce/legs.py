@@ -111,6 +111,10 @@ def enforced(
     judges = params.ease.method == "smooth" and judge.speed > 0.0
     stands = tuple(stands)
     soft = [np.zeros(len(clip)) for _ in legs]
+    forced = [np.zeros(len(clip), dtype=np.bool_) for _ in legs]  # held whatever it costs
+    for stance in stands:
+        for plant in stance.plants:
+            forced[stance.leg][plant.frames] |= plant.contact.wish == "force"
     levels = (0.0, *judge.softness)
     solved = _solve(clip, rig, pose, legs, stands, soft, params)
     rounds = [None, None, *range(len(judge.softness))] if judges else []
@@ -125,7 +129,7 @@ def enforced(
             stands = peeled
         else:
             for k, each in enumerate(hurried):
-                around = within_reach(each, clip.frame_time, judge.around)
+                around = within_reach(each, clip.frame_time, judge.around) & ~forced[k]
                 soft[k] = np.where(around & (soft[k] <= levels[level]), levels[level + 1], soft[k])
         solved = _solve(clip, rig, pose, legs, stands, soft, params)
     if judges and any(np.any(each) for each in soft):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, within_reach
+from footfix.enforce.ease import EaseParams, displacement, presence, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.motion import rotation
@@ -21,6 +21,7 @@ class Goals:
 
     Args:
         planted: (F,) some end of the foot is held.
+        pins: (F,) frames in which the ankle's place is known: planted ones, and those that are lifted.
         near: (F,) frames in which the foot may move.
         flat: (F,) both ends are.
         on_ball: (F,) of heel and ball, the ball carries.
@@ -30,6 +31,7 @@ class Goals:
     """
 
     planted: Bools
+    pins: Bools
     near: Bools
     flat: Bools
     on_ball: Bools
@@ -86,7 +88,7 @@ def goals(
     shift[kept] = 0.0
     on_ball = roll[:, 0] > 0.5
     shift = displacement(planted, shift, near, frame_time, params, soft, foot.ankle)
-    return Goals(planted, near, flat, on_ball, _levels(stands, frames), turn, shift)
+    return Goals(planted, planted, near, flat, on_ball, _levels(stands, frames), turn, shift)
 
 
 def _levels(stands: Sequence[Stance], frames: int) -> Floats:
@@ -128,11 +130,13 @@ def lifted(
     turned, ankle = goal.foot_turn(foot), goal.ankle(foot)
     low = np.minimum(rotation.rotate(turned, foot.heel_in_foot)[:, 1], rotation.rotate(turned, foot.ball_in_foot)[:, 1])
     low = np.where(goal.near & ~goal.planted, goal.level - ankle[:, 1] - low, 0.0)
-    dips = low > tolerance
+    # a foot that is deeper than it is long is on its way to another floor
+    dips = (low > tolerance) & (low < length) & ~goal.planted
     if not np.any(dips):
         return goal
-    shift = goal.shift + np.where(dips, low, 0.0)[:, None] * up
-    return replace(goal, shift=displacement(goal.planted | dips, shift, goal.near, frame_time, params, soft))
+    shift = goal.shift + np.where(dips, low * presence(goal.near, frame_time, params.lead), 0.0)[:, None] * up
+    pins = goal.pins | dips
+    return replace(goal, pins=pins, shift=displacement(pins, shift, goal.near, frame_time, params, soft))
 
 
 def rolled(
@@ -152,7 +156,8 @@ def rolled(
     )
     turn = displacement(goal.planted, turn, goal.near, frame_time, params, soft)
     ankle = pivot - rotation.rotate(rotation.multiply(rotation.from_rotation_vector(turn), foot.turn), in_foot)
-    shift = displacement(goal.planted, ankle - foot.ankle, goal.near, frame_time, params, soft)
+    shift = np.where(goal.planted[:, None], ankle - foot.ankle, goal.shift)
+    shift = displacement(goal.pins, shift, goal.near, frame_time, params, soft)
     return replace(goal, turn=turn, shift=shift)
 
 
