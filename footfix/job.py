@@ -17,13 +17,12 @@ from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.bvh import Document, decode, encode
 from footfix.formats.contacts import Labels
-from footfix.measure.clip import measure
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
 from footfix.notes import Note
 from footfix.pages import draw
-from footfix.pipeline import Result, clean_figures
+from footfix.pipeline import Result, clean_figures, measure_plants
 from footfix.report import document as report_format
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
@@ -238,7 +237,7 @@ def measure_file(
     with about(name):
         rigs = find_rigs(clip, settings.rig)
         contacts = find_contacts(clip, rigs, settings, labels)
-    found = [measure(clip, rig, contacts.only(sole.name for sole in rig.soles))[0] for rig in rigs]
+    found = [measure_plants(clip, settings, rig, contacts.only(sole.name for sole in rig.soles)) for rig in rigs]
     doubts = (note for rig in rigs for note in rig.notes)
     notes = report_format.notes((*document.notes, *doubts, *contacts.notes))
     return source, report_format.worst([report_format.measures(each) for each in found]), notes

@@ -31,7 +31,8 @@ class Result:
         clip: the corrected motion; the very clip that came in where nothing needed changing.
         rig: legs, soles, scale and floor it was cleaned with.
         contacts: which sole points are planted when.
-        plants: what became of each contact.
+        plants: what became of each contact, and the frames of it that were held. A foot that lands or leaves is in
+            contact and moves; before and after are measured over what is held.
         correction: what was changed, as data.
         before, after: measures of the clip that came in and of the corrected one.
         plants_before, plants_after: the same of every plant.
@@ -82,10 +83,10 @@ def clean(
     contacts = contacts or detect(smoothed, rig, settings.detect)
     enforcement = enforce(smoothed, rig, contacts, settings.enforce)
     corrected = apply(smoothed, enforcement.correction)
-    levels = plant_levels(contacts, enforcement.plants)
-    before, plants_before = measure(clip, rig, contacts, levels=levels)
+    held, levels = enforcement.contacts, plant_levels(enforcement.contacts, enforcement.plants)
+    before, plants_before = measure(clip, rig, held, levels=levels)
     written = as_written(corrected) if as_written else corrected
-    after, plants_after = (before, plants_before) if written is clip else measure(written, rig, contacts, levels=levels)
+    after, plants_after = (before, plants_before) if written is clip else measure(written, rig, held, levels=levels)
     return Result(
         clip=corrected,
         rig=rig,
@@ -98,6 +99,13 @@ def clean(
         plants_after=plants_after,
         notes=(*rig.notes, *smoothing_notes, *contacts.notes, *enforcement.notes),
     )
+
+
+def measure_plants(clip: Clip, settings: Settings, rig: Rig, contacts: Contacts) -> Measures:
+    """Measures a clip as it is, over the frames in which cleaning would hold its plants."""
+    enforcement = enforce(clip, rig, contacts, settings.enforce)
+    levels = plant_levels(enforcement.contacts, enforcement.plants)
+    return measure(clip, rig, enforcement.contacts, levels=levels)[0]
 
 
 def clean_figures(

@@ -8,11 +8,12 @@ from collections.abc import Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from footfix.batch.work import CONTACTS, REPORT, FileResult, Task
+from footfix.batch.work import REPORT, FileResult, Task
 from footfix.errors import UsageError
-from footfix.files import STDIN, read_whole
-from footfix.formats.contacts import Labels, decode
+from footfix.files import STDIN
+from footfix.formats.contacts import Labels
 from footfix.measure.clip import Measures
+from footfix.motion.contacts import Contact
 from footfix.settings import suggest
 
 # Measures held against the clip before it was cleaned: what cleaning may cost.
@@ -95,12 +96,22 @@ def _cleaning(task: Task) -> tuple[Mapping[str, float] | None, Labels | None]:
         except (OSError, ValueError):
             continue
         if isinstance(report, dict) and report.get("output") == PurePath(path).name and report.get("before"):
-            beside = path.with_name(name + CONTACTS)
-            labels = None
-            if not task.extra.get("anew") and beside.is_file():
-                labels = decode(read_whole(beside, task.settings.limits.bytes), name=beside.name)
-            return report["before"], labels
+            return report["before"], None if task.extra.get("anew") else _held(report, name + REPORT)
     return None, None
+
+
+def _held(report: Mapping[str, Any], name: str) -> Labels | None:
+    """The frames that cleaning held each effector in, as labels."""
+    held: dict[str, tuple[Contact, ...]] = {}
+    try:
+        for plant in report["plants"]:
+            contact = Contact(int(plant["start"]), int(plant["end"]))
+            held[str(plant["effector"])] = (*held.get(str(plant["effector"]), ()), contact)
+    except (KeyError, TypeError, ValueError):
+        return None
+    rigs = report.get("figures") or [report.get("rig") or {}]
+    names = [str(sole["name"]) for rig in rigs for sole in rig.get("soles", ())]
+    return Labels({each: held.get(each, ()) for each in names}, source=name)
 
 
 def _no_reference(wanted: list[str]) -> dict[str, Any]:

@@ -14,7 +14,8 @@ class Footplant:
 
     Args:
         effector: name of the sole point, `left_heel`.
-        start, end: frames `[start, end)`.
+        start, end: frames `[start, end)` in which it is held: the contact's, less what of it is still landing or
+            already leaving; the contact's own where it was released.
         confidence: of the detection, 0 to 1.
         target: (x, y, z) [m] where it is to stand.
         outcome: "pinned" (stands on its target), "partly" (as near as reach allows), "released" (left as it

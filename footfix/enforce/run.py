@@ -266,9 +266,9 @@ def _footplants(
             outcome, reason = _outcome(stance, plant, far, bool(np.any(soft[stance.leg][plant.frames])), rig.leg_length)
             middle = (plant.start + plant.end) // 2
             x, y, z = (float(v) for v in plant.target - offset[middle] * [1.0, 0.0, 1.0])
-            name, contact = rig.soles[plant.effector].name, plant.contact
+            name, (start, end) = rig.soles[plant.effector].name, _span(plant)
             made.append((plant.effector, Footplant(
-                name, contact.start, contact.end, contact.confidence, (x, y, z), outcome, reason, far,
+                name, start, end, plant.contact.confidence, (x, y, z), outcome, reason, far,
             )))  # fmt: skip
     made.sort(key=lambda pair: (pair[0], pair[1].start))
     return tuple(plant for _, plant in made)
@@ -287,9 +287,14 @@ def _outcome(stance: Stance, plant: Plant, far: float, soft: bool, leg_length: f
     return "partly", f"stays up to {1000.0 * far:.0f} mm away: {why}"
 
 
+def _span(plant: Plant) -> tuple[int, int]:
+    """The frames that a plant was held in; those it was detected in, where it was released."""
+    return (plant.contact.start, plant.contact.end) if plant.reason else (plant.start, plant.end)
+
+
 def _held(contacts: Contacts, rig: Rig, stands: Sequence[Stance]) -> Contacts:
     """The contacts as they were held; those released or forbidden as they were given."""
-    held = {(p.effector, p.contact.start): (p.start, p.end) for stance in stands for p in stance.plants if not p.reason}
+    held = {(p.effector, p.contact.start): _span(p) for stance in stands for p in stance.plants}
     effectors = []
     for e, effector in enumerate(contacts.effectors):
         kept = []
