@@ -259,7 +259,7 @@ def _channels(cursor: Cursor, tree: Hierarchy, block: _Open) -> None:
     if named != said:
         tree.miscounts.append((at, said, named))
     if block.end_site and named and not cursor.notes.has("channels-end-site"):
-        cursor.notes.add("channels-end-site", "an End Site has channels, which move nothing", "warning", at=at)
+        cursor.notes.add("channels-end-site", "an End Site has channels, which move nothing", at=at)
 
 
 def _finish(cursor: Cursor, tree: Hierarchy, stack: list[_Open], notes: Notes) -> None:
