@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 from walker import Walk, make
-from walker_plan import Gait
+from walker_gaits import Gait
 
 from footfix.enforce.correction import apply
 from footfix.enforce.run import Enforcement, EnforceParams, enforce
