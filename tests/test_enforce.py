@@ -283,3 +283,33 @@ def test_a_handful_of_frames_is_no_trouble(method: str, frames: int) -> None:
     whole = replace(made.contacts, frames=frames).with_mask(np.ones((frames, 4), dtype=bool))
     after, _ = cleaned(clip, rig, whole, EnforceParams(method=method))  # type: ignore[arg-type]
     assert np.isfinite(after.positions).all() and np.isfinite(after.rotations).all()
+
+
+def test_stiff_toes_bend_rather_than_enter_the_floor() -> None:
+    made = walk()
+    rig = rig_of(made)
+    skeleton = made.clip.skeleton
+    stiff = made.clip.rotations.copy()
+    for leg in rig.legs:
+        stiff[:, leg.toe] = [0.0, 0.0, 0.0, 1.0]
+    clip = replace(made.clip, rotations=stiff)
+    after, _ = cleaned(clip, rig, made.contacts)
+    for leg in rig.legs:
+        tip = skeleton.end_offsets[list(skeleton.end_parents).index(leg.toe)]
+        planted = made.contacts.mask()[:, [1, 3][rig.legs.index(leg)]]
+        deep, now = (rig.pose(each).point(leg.toe, tip)[planted, 1].min() for each in (clip, after))
+        assert deep < -0.02 and now > -0.012
+    slid = slides(after, rig, made.contacts)
+    assert np.percentile(slid["toe"] + slid["heel"], 95) < 2.0
+
+
+def test_a_leg_that_the_file_cannot_turn_is_released_and_said() -> None:
+    made = walk()
+    rig = rig_of(made)
+    rotates = np.ones(len(made.clip.skeleton), dtype=bool)
+    rotates[rig.legs[0].knee] = False
+    clip = replace(artefacts.drift(made.clip, 0.05), skeleton=replace(made.clip.skeleton, rotates=rotates))
+    after, found = cleaned(clip, rig, made.contacts)
+    left = [plant for plant in found.plants if plant.effector.startswith("left") and plant.outcome != "kept"]
+    assert left and all(plant.outcome == "released" and "channels" in plant.reason for plant in left)
+    assert changed_joints(clip, after) <= set(rig.legs[1].chain)

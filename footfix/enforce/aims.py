@@ -33,15 +33,13 @@ def judged(stance: Stance, foot: Foot, frame_time: float, leg_length: float, par
         return stance
     seconds = (stance.frames.stop - stance.frames.start) * frame_time
     if seconds < params.shortest:
-        reason = f"too short to be a plant: {seconds:.3f} s"
-        return replace(stance, plants=tuple(replace(each, reason=reason) for each in stance.plants))
+        return stance.let_go(f"too short to be a plant: {seconds:.3f} s")
     for plant in stance.plants:
         if stance.pivots and plant.part != stance.pivots:
             continue
         far = float(np.linalg.norm(foot.point(plant.part)[plant.frames] - plant.target, axis=1).max())
         if far > params.max_shift * leg_length:
-            reason = f"slides so far that it seems meant: {far:.2f} m from where it would stand"
-            return replace(stance, plants=tuple(replace(each, reason=reason) for each in stance.plants))
+            return stance.let_go(f"slides so far that it seems meant: {far:.2f} m from where it would stand")
     return stance
 
 

@@ -75,7 +75,8 @@ def posed(clip: Clip, rig: Rig) -> Pose:
     """Forward kinematics of all that enforcement looks at: the rig's joints and what its legs hang from."""
     joints = set(rig.joints())
     for leg in rig.legs:
-        joints.update(int(clip.skeleton.parents[joint]) for joint in (leg.hip, leg.knee, leg.ankle))
+        hinged = [leg.hip, leg.knee, leg.ankle] + ([] if leg.toe is None else [leg.toe])
+        joints.update(int(clip.skeleton.parents[joint]) for joint in hinged)
     return forward(clip, sorted(joints - {-1}))
 
 

@@ -20,6 +20,7 @@ from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
 from footfix.enforce.targets import Goals, goals, lifted, rolled
+from footfix.enforce.toe import Toe, bend, local_rotation, on_ground, toe_of, with_toe_bent
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
@@ -67,6 +68,7 @@ class LegParams:
     shares: bool = False  # the root takes what all planted feet share
     strength: float = 1.0
     sink: float = 0.003
+    toe_sink: float = 0.008
     ease: EaseParams = field(default_factory=EaseParams)
     reach: ReachParams = field(default_factory=ReachParams)
     root: RootParams = field(default_factory=RootParams)
@@ -196,10 +198,22 @@ def _solve(
     params: LegParams,
 ) -> Solved:
     able = [can_turn(clip, foot.leg) for foot in legs]
+    new: dict[int, Floats] = {}
     wanted = []
+    bends: list[tuple[Toe, Floats] | None] = []
+    legs = list(legs)
     for k, foot in enumerate(legs):
         own = [stance for stance in stands if stance.leg == k and able[k]]
         goal = goals(foot, own, clip.frame_time, params.ease, soft[k])
+        toe = toe_of(clip, rig, pose, foot)
+        bends.append(None)
+        if toe is not None:
+            toe = on_ground(toe, foot, pose)
+            vector = bend(toe, foot, goal, params.toe_sink * rig.leg_length, clip.frame_time, params.ease)
+            if np.any(vector):
+                bends[k] = (toe, params.strength * vector)
+                legs[k] = foot = with_toe_bent(foot, toe, goal, params.strength * vector)
+                goal = goals(foot, own, clip.frame_time, params.ease, soft[k])
         goal = lifted(goal, foot, params.sink * rig.leg_length, clip.frame_time, params.ease, soft[k])
         wanted.append(replace(goal, turn=params.strength * goal.turn, shift=params.strength * goal.shift))
     shift = np.zeros((len(clip), 3))
@@ -214,7 +228,6 @@ def _solve(
         planted = [goal.planted for goal in wanted]
         lower = reach.lowering(hips, ankles, limits, planted, clip.frame_time, rig.leg_length, params.reach)
         shift[:, 1] -= lower
-    new: dict[int, Floats] = {}
     points: list[Floats] = [np.zeros((0, 3))] * len(rig.soles)
     hurry = []
     for k, (foot, goal) in enumerate(zip(legs, wanted, strict=True)):
@@ -223,6 +236,9 @@ def _solve(
         changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
         turned = _turned(clip, pose, foot, turn, shift, ankle, changed, params) if able[k] else {}
         new.update(turned)
+        bent = bends[k]
+        if bent is not None and turned:
+            new[bent[0].joint] = local_rotation(clip, bent[0], turn, foot, bent[1])
         hurry.append(_hurry(clip, turned))
         for e, at in zip(foot.effectors, (foot.heel_in_foot, foot.ball_in_foot), strict=True):
             points[e] = ankle + rotation.rotate(turn, at)

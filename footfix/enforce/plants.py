@@ -21,6 +21,7 @@ class PlantParams:
     keep_height: float = 0.004  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
     sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
+    toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
     shortest: float = 0.04  # [s] a detected stand shorter than this is no plant
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
@@ -86,6 +87,10 @@ class Stance:
     def released(self) -> bool:
         """Whether it is left as it was."""
         return any(plant.reason for plant in self.plants)
+
+    def let_go(self, reason: str) -> Stance:
+        """The stance released; what is kept stays kept."""
+        return replace(self, plants=tuple(p if p.kept else replace(p, reason=reason) for p in self.plants))
 
     def parts(self, part: str) -> list[Plant]:
         """Its plants of one end of the foot."""

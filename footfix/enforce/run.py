@@ -12,7 +12,7 @@ from footfix.enforce import ground, root
 from footfix.enforce.aims import aimed, judged, level_of
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.ease import EaseParams
-from footfix.enforce.foot import Foot, feet, posed
+from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant, Outcome
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.legs import JERK, JudgeParams, LegParams, enforced
@@ -128,7 +128,10 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     for stance in found:
         stance = aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
-        stands.append(judged(stance, legs[stance.leg], clip.frame_time, rig.leg_length, params.plants))
+        stance = judged(stance, legs[stance.leg], clip.frame_time, rig.leg_length, params.plants)
+        if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
+            stance = stance.let_go("the file has no rotation channels for a joint of this leg")
+        stands.append(stance)
     held = [stance for stance in stands if not all(plant.reason for plant in stance.plants)]
     if params.method == "root":
         shift = _root_shift(rig, pose, legs, held, clip.frame_time, params)
@@ -140,6 +143,7 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         wanted = LegParams(
             solver=params.solver, shares=params.method == "both", strength=params.strength, ease=params.ease,
             reach=params.reach, root=params.root, judge=params.judge, sink=params.plants.sink,
+            toe_sink=params.plants.toe_sink,
         )  # fmt: skip
         done = enforced(clip, rig, pose, legs, held, wanted)
         correction, points, soft = done.correction, done.points, done.soft

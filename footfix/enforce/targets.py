@@ -118,20 +118,19 @@ def lifted(
     ball = ankle + rotation.rotate(turned, foot.ball_in_foot)
     on_one = goal.planted & ~goal.flat
     stands, hangs = (np.where(goal.on_ball[:, None], a, b) for a, b in ((ball, heel), (heel, ball)))
-    deep = np.where(on_one & goal.near, goal.level - hangs[:, 1], 0.0)
+    deep = np.where(on_one & goal.near, np.maximum(goal.level - hangs[:, 1] - tolerance, 0.0), 0.0)
     arm = hangs - stands
     up = np.array([0.0, 1.0, 0.0])
     axis = np.cross(arm, up)
     length = np.linalg.norm(arm, axis=1)
     sine = np.clip(deep / np.maximum(length, 1e-300), 0.0, 1.0)
-    angle = np.where(deep > tolerance, np.arcsin(sine), 0.0)
-    roll = rotation.from_axis_angle(axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None], angle)
+    roll = rotation.from_axis_angle(axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None], np.arcsin(sine))
     goal = rolled(goal, foot, roll, frame_time, params, soft)
     turned, ankle = goal.foot_turn(foot), goal.ankle(foot)
     low = np.minimum(rotation.rotate(turned, foot.heel_in_foot)[:, 1], rotation.rotate(turned, foot.ball_in_foot)[:, 1])
-    low = np.where(goal.near & ~goal.planted, goal.level - ankle[:, 1] - low, 0.0)
+    low = np.where(goal.near & ~goal.planted, goal.level - ankle[:, 1] - low - tolerance, 0.0)
     # a foot that is deeper than it is long is on its way to another floor
-    dips = (low > tolerance) & (low < length) & ~goal.planted
+    dips = (low > 0.0) & (low < length) & ~goal.planted
     if not np.any(dips):
         return goal
     shift = goal.shift + np.where(dips, low * presence(goal.near, frame_time, params.lead), 0.0)[:, None] * up

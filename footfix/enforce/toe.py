@@ -1,0 +1,109 @@
+"""The toes of a planted foot bend rather than enter the floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.ease import EaseParams, displacement
+from footfix.enforce.foot import Foot
+from footfix.enforce.targets import Goals
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose
+from footfix.rig.rig import Rig
+
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Toe:
+    """The toes of one leg as captured, in the world.
+
+    Args:
+        joint: the toe joint.
+        above: the joint it hangs from.
+        place: (F, 3) [m] of the joint.
+        turn, above_turn: (F, 4) frames of the two.
+        tip: (F, 3) [m] their end.
+        carries_ball: whether the foot's ball moves with them.
+    """
+
+    joint: int
+    above: int
+    place: Floats
+    turn: Floats
+    above_turn: Floats
+    tip: Floats
+    carries_ball: bool
+
+
+def toe_of(clip: Clip, rig: Rig, pose: Pose, foot: Foot) -> Toe | None:
+    """The toes of a leg; None where the file has none that could bend."""
+    joint, skeleton = foot.leg.toe, clip.skeleton
+    if joint is None or not skeleton.rotates[joint]:
+        return None
+    ends = np.flatnonzero(skeleton.end_parents == joint)
+    above = int(skeleton.parents[joint])
+    if not len(ends) or above < 0 or foot.leg.ankle not in skeleton.ancestors(above):
+        return None
+    offset = skeleton.end_offsets[ends[0]]
+    if np.linalg.norm(offset) < 0.02 * rig.leg_length:
+        return None
+    return Toe(
+        joint, above, pose.position(joint), pose.rotation(joint), pose.rotation(above), pose.point(joint, offset),
+        rig.soles[foot.effectors[1]].joint == joint,
+    )  # fmt: skip
+
+
+def on_ground(toe: Toe, foot: Foot, pose: Pose) -> Toe:
+    """The toes on the ground that their leg's tracks stand on (see `ground`)."""
+    offset = foot.ankle - pose.position(foot.leg.ankle)
+    return replace(toe, place=toe.place + offset, tip=toe.tip + offset)
+
+
+def bend(toe: Toe, foot: Foot, goal: Goals, tolerance: float, frame_time: float, ease: EaseParams) -> Floats:
+    """(F, 3) [rad] the rotation vector in the world by which the toes bend; zero where they need not.
+
+    Toes lie as deep as they do when the foot is flat; deeper by more than `tolerance` [m], they turn up about the
+    toe joint until they don't.
+    """
+    turned = rotation.from_rotation_vector(goal.turn)
+    joint = goal.ankle(foot) + rotation.rotate(turned, toe.place - foot.ankle)
+    reach = rotation.rotate(turned, toe.tip - toe.place)
+    over = joint[:, 1] + reach[:, 1] - goal.level
+    lies = min(float(np.median(over[goal.flat])), 0.0) if np.any(goal.flat) else 0.0
+    length = np.linalg.norm(reach, axis=1)
+    deep = np.where(goal.planted & goal.near, np.maximum(lies - over - tolerance, 0.0), 0.0)
+    sines = np.clip(np.stack([reach[:, 1] + deep, reach[:, 1]]) / length, -1.0, 1.0)
+    angle = np.where(deep > 0.0, np.arcsin(sines[0]) - np.arcsin(sines[1]), 0.0)
+    if not np.any(angle):
+        return np.zeros((len(foot), 3))
+    axis = np.cross(reach, _UP)
+    vector = angle[:, None] * axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None]
+    return displacement(goal.planted, vector, goal.near, frame_time, ease)
+
+
+def with_toe_bent(foot: Foot, toe: Toe, goal: Goals, vector: Floats) -> Foot:
+    """The foot with its ball where bent toes carry it."""
+    if not toe.carries_ball:
+        return foot
+    turned = rotation.from_rotation_vector(goal.turn)
+    carried = rotation.rotate(rotation.from_rotation_vector(vector), rotation.rotate(turned, foot.ball - toe.place))
+    ball = toe.place + rotation.rotate(rotation.inverse(turned), carried)
+    in_foot = rotation.rotate(rotation.inverse(foot.turn), ball - foot.ankle)
+    bent = np.any(vector != 0.0, axis=1)[:, None]
+    return replace(
+        foot, ball=np.where(bent, ball, foot.ball), ball_in_foot=np.where(bent, in_foot, foot.ball_in_foot)
+    )
+
+
+def local_rotation(clip: Clip, toe: Toe, foot_turn: Floats, foot: Foot, vector: Floats) -> Floats:
+    """The toe joint's new local rotation (F, 4); the clip's own numbers where it does not bend."""
+    bent = np.any(vector != 0.0, axis=1)
+    turned = rotation.multiply(foot_turn, rotation.inverse(foot.turn))
+    above = rotation.multiply(turned, toe.above_turn)
+    now = rotation.multiply(rotation.from_rotation_vector(vector), rotation.multiply(turned, toe.turn))
+    local = rotation.normalize(rotation.multiply(rotation.inverse(above), now))
+    return np.asarray(np.where(bent[:, None], local, clip.rotations[:, toe.joint]))
