@@ -33,8 +33,6 @@ def variant(take: Take, random: Random | None) -> tuple[tuple[Floats, ...], Bool
     rate, fps = RATE, take.fps
     if random is not None:
         take, rate, fps, weight = _changed(take, random, weight)
-        if random.random() < 0.35:
-            take = cut(take, rate, random)
     every = max(round(rate / fps), 1)
     first = 0 if random is None else int(random.integers(every))
     sampled = replace(take, **{p: getattr(take, p)[first::every] for p in POINTS})
@@ -101,16 +99,6 @@ def wander(random: Random, count: int, rate: float, seconds: float, width: int) 
     """(count, width) a smooth random curve of deviation about 1 that turns every so many seconds."""
     knots = random.normal(size=(max(int(count / rate / seconds) + 3, 4), width))
     return np.asarray(catmull_rom(knots, (len(knots) - 1 - 1e-6) / max(count - 1, 1))[:count])
-
-
-def cut(take: Take, rate: float, random: Random) -> Take:
-    """A second or two out of the take, so that clips that begin and end anywhere are known."""
-    length = int(rate * random.uniform(0.7, 2.5))
-    start = int(random.integers(max(len(take.pelvis) - length, 1)))
-    told = np.flatnonzero(~take.allowed.all(axis=(1, 2)))
-    if len(told):  # about a moment of which something is known
-        start = int(np.clip(random.choice(told) - random.integers(length), 0, max(len(take.pelvis) - length, 0)))
-    return replace(take, **{p: getattr(take, p)[start : start + length] for p in (*POINTS, "allowed", "stands")})
 
 
 def backwards_in_time(take: Take) -> Take:
