@@ -33,7 +33,8 @@ JERK = "holding it would jerk the leg"  # the reason of plants that are let go
 class JudgeParams:
     """What holding a foot may do to the joints of its leg."""
 
-    speed: float = 150.0  # [deg/s] by which a joint may turn faster than captured before a plant gives way
+    speed: float = 150.0  # [deg/s] by which a joint may turn faster than captured before a plant gives up its edges
+    soften: float = 1.4  # times as fast, before its hold softens
     given: float = 4.0  # times as fast where the contacts were given, not detected
     peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
     peel_most: float = 0.12  # [s] and altogether,
@@ -121,8 +122,11 @@ def enforced(
     solved = _solve(clip, rig, pose, legs, stands, soft, params)
     rounds = [None, None, *range(len(judge.softness))] if judges else []
     for level in rounds:
-        hurried = [hurry > judge.speed for hurry in solved.hurry]
+        bound = judge.speed * (1.0 if level is None else judge.soften)
+        hurried = [hurry > bound for hurry in solved.hurry]
         if not any(np.any(each) for each in hurried):
+            if level is None:
+                continue
             break
         if level is None:
             peeled = tuple(_peeled(stance, hurried[stance.leg], clip.frame_time, judge) for stance in stands)
