@@ -117,10 +117,13 @@ def _viterbi(score: Floats, switch: float) -> Ints:
 
 
 def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, Bools]:
-    """Heel and toe (F,) in contact at the frames' times, each frame being `per_frame` grid steps."""
+    """Heel and toe (F,) in contact, each frame being `per_frame` grid steps.
+
+    A contact starts with the frame nearest to the landing and ends before the first frame after the leaving.
+    """
     heel, toe = np.zeros(frames, dtype=np.bool_), np.zeros(frames, dtype=np.bool_)
     for start, end, state in found:
-        a = max(int(np.ceil(max(start, 0.0) / per_frame - 1e-9)), 0)
+        a = int(np.floor(max(start, 0.0) / per_frame + 0.5))
         b = frames if end == np.inf else int(np.ceil(end / per_frame - 1e-9))
         heel[a:b] |= state in (HEEL, FLAT)
         toe[a:b] |= state in (FLAT, TOE)
