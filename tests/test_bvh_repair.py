@@ -160,6 +160,16 @@ def test_a_file_that_moves_nothing_but_an_end_site() -> None:
     assert {note.id for note in decode(repair(document)[0]).notes} == {"no-frames", "root-fixed"}
 
 
+@pytest.mark.parametrize("word", ["999)999", ".", "1-2", "#"])
+def test_words_that_are_no_numbers_and_stay_unknown_are_written_as_nan(word: str) -> None:
+    lines = long_clip()
+    for row in range(10, 20):
+        lines[-40 + row] = lines[-40 + row].replace(f"{row}.00", word, 1)
+    again = decode(repair(decode("\n".join(lines).encode()))[0])
+    assert [note.id for note in again.unusable] == ["value-nan"]
+    assert len(again.values) == 40
+
+
 def test_channels_of_end_sites_and_scales_are_taken_out() -> None:
     data = plain(
         ("Zposition Zrotation", "Zposition Zscale Zrotation"), ("CHANNELS 6", "CHANNELS 7"),

@@ -210,6 +210,7 @@ def _rows(document: Document, values: Floats, filled: Bools, newline: bytes) -> 
         else:
             starts, ends = starts[:, columns], ends[:, columns]
             anew = filled[span][:, columns] | _strange(text, starts, ends) | (ends - starts > _LONGEST)
+            anew |= np.isnan(values[span][:, columns])  # a word that is no number, however it is spelled
         yield _lines(text, starts, ends, anew, values[span][:, columns], newline)
 
 
@@ -217,7 +218,7 @@ def _strange(text: bytes, starts: Ints, ends: Ints) -> Bools:
     """Words that are more than digits, a sign and a point."""
     low, high = int(starts.min()), int(ends.max())
     raw = np.frombuffer(text, np.uint8, high - low, low)
-    odd = np.concatenate([[0], np.cumsum((raw > ord("9")) | (raw == ord("#")) | (raw == ord("+")))])
+    odd = np.concatenate([[0], np.cumsum((raw > ord("9")) | (raw == ord("+")))])
     return np.asarray(odd[ends - low] > odd[starts - low])
 
 
