@@ -66,7 +66,8 @@ def test_events_lie_where_the_odds_are_even() -> None:
     assert stretch.end == np.inf
     for per_frame in (0.33, 1.0, 3.3):
         heel, toe = path.masks([stretch], 25, per_frame)
-        assert np.array_equal(heel, np.arange(25) >= round(stretch.start / per_frame))
+        landed = stretch.start - min(path.EARLY, 0.5 * per_frame)
+        assert np.array_equal(heel, np.arange(25) * per_frame >= landed)
         assert np.array_equal(heel, toe)
 
 

@@ -11,6 +11,8 @@ from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import runs
 
+EARLY = 0.4  # grid steps: plates, the more so filtered ones, tell of a landing a little before the joints do
+
 
 class Stretch(NamedTuple):
     """A foot in one state, from and to a time in grid steps; the ends of the clip are infinitely far."""
@@ -119,11 +121,13 @@ def _viterbi(score: Floats, switch: float) -> Ints:
 def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, Bools]:
     """Heel and toe (F,) in contact, each frame being `per_frame` grid steps.
 
-    A contact starts with the frame nearest to the landing and ends before the first frame after the leaving.
+    A contact starts with the first frame after the landing and ends before the first after the leaving; a frame
+    that a landing misses by less than `EARLY`, and less than half a frame, counts as after it.
     """
+    early = min(EARLY, 0.5 * per_frame)
     heel, toe = np.zeros(frames, dtype=np.bool_), np.zeros(frames, dtype=np.bool_)
     for start, end, state in found:
-        a = int(np.floor(max(start, 0.0) / per_frame + 0.5))
+        a = max(int(np.ceil((start - early) / per_frame - 1e-9)), 0) if start > 0.0 else 0
         b = frames if end == np.inf else int(np.ceil(end / per_frame - 1e-9))
         heel[a:b] |= state in (HEEL, FLAT)
         toe[a:b] |= state in (FLAT, TOE)
