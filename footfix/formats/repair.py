@@ -44,6 +44,7 @@ _ROWS = {
     "text-in-rows": "text among the rows taken out", "trailing-text": "text after the rows taken out",
     "padding": "NUL bytes at the end taken out", "motion-repeated": "what follows the motion taken out",
     "decimal-comma": "decimal commas made points", "commas": "commas between numbers taken out",
+    "not-a-number": "words that are no numbers filled in, or written as nan",
     "exponents": "exponents written out", "channel-scale": "", "channels-end-site": "",
 }  # fmt: skip
 _HEADINGS = {
