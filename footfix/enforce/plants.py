@@ -18,7 +18,7 @@ class PlantParams:
 
     snap: float = 0.06  # a plant nearer than this to the rig's floor stands on it; else on its own level (stairs)
     keep_slide: float = 0.0008  # a plant that slides less, stands as level and turns as little, is left alone
-    keep_height: float = 0.004  # and is no farther than this from its floor
+    keep_height: float = 0.0055  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
     sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
