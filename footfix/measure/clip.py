@@ -170,11 +170,11 @@ def physdiff(tracks: Sequence[Floats], floor: float, tolerance: float = 0.005) -
     return 1000.0 * penetrate, 1000.0 * floating, 1000.0 * float(skate.mean()) if skate.size else 0.0
 
 
-def jitter(clip: Clip, block: int = 1024) -> float:
+def jitter(clip: Clip, block: int = 4096) -> float:
     """Mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
 
-    Source: DNO (Karunratanakul 2024); others divide by 10 in place of 100. Taken in blocks of frames that fit
-    the processor's cache, so that an hour of motion needs no more memory than a minute.
+    Source: DNO (Karunratanakul 2024); others divide by 10 in place of 100. Taken in blocks of frames, so that
+    an hour of motion needs no more memory than a minute.
     """
     total, count = 0.0, 0
     for start in range(0, len(clip) - 3, block):

@@ -5,6 +5,7 @@ Euler angles, channel orders, units and axes exist only in `footfix.formats`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -73,6 +74,14 @@ class Skeleton:
             if parent >= 0:
                 lists[parent].append(joint)
         return tuple(tuple(each) for each in lists)
+
+    def with_ancestors(self, joints: Iterable[int]) -> tuple[int, ...]:
+        """Some joints and all above them, in the order of the file, each once."""
+        wanted = set(joints)
+        for joint in range(max(wanted, default=-1), -1, -1):  # parents stand before children
+            if joint in wanted:
+                wanted.add(int(self.parents[joint]))
+        return tuple(sorted(wanted - {-1}))
 
     def ancestors(self, joint: int) -> tuple[int, ...]:
         """The joint, its parent, and so on up to its root."""

@@ -57,7 +57,7 @@ def forward(clip: Clip, joints: Iterable[int] | None = None) -> Pose:
     slots: dict[int, list[int]] = {}
     for slot, joint in enumerate(wanted):
         slots.setdefault(joint, []).append(slot)
-    needed = sorted({above for joint in wanted for above in skeleton.ancestors(joint)})
+    needed = skeleton.with_ancestors(wanted)
     last_use = {int(skeleton.parents[joint]): joint for joint in needed}
     world: dict[int, tuple[Floats, Floats]] = {}
     for joint in needed:  # parents stand before children

@@ -20,7 +20,7 @@ _AXIS = {"X": 0, "Y": 1, "Z": 2}
 
 def components_first(shape: tuple[int, ...], size: int) -> Floats:
     """An empty array (*shape, size) whose components lie apart in memory."""
-    return np.moveaxis(np.empty((size, *shape)), 0, -1)
+    return np.empty((size, *shape)).transpose(*range(1, len(shape) + 1), 0)
 
 
 def _parts(q: Floats) -> tuple[Floats, ...]:

@@ -97,8 +97,7 @@ class Rig:
 
     def pose(self, clip: Clip) -> Pose:
         """Forward kinematics of `joints()` and all joints above them, whose frames turn the legs."""
-        wanted = {above for joint in self.joints() for above in clip.skeleton.ancestors(joint)}
-        return forward(clip, sorted(wanted))
+        return forward(clip, clip.skeleton.with_ancestors(self.joints()))
 
     def tracks(self, pose: Pose) -> tuple[Floats, ...]:
         """For each sole point its (F, 3) [m] track in the world."""
