@@ -111,7 +111,7 @@ def _settled(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) ->
 def _since(first: Footplant, last: Footplant) -> Footplant:
     """What became of a plant over several passes: what stands at last was moved there if it did not stand at first."""
     outcome = "pinned" if last.outcome == "kept" and first.outcome != "kept" else last.outcome
-    return replace(last, start=first.start, end=first.end, outcome=outcome)
+    return replace(last, outcome=outcome)
 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
