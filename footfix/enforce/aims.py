@@ -77,13 +77,13 @@ def _rigid(plants: list[Plant], foot: Foot) -> list[Plant]:
             if plants[j].part != plant.part
         ]
         shared, j = max(common, default=(0, -1))
-        asked = plant.contact.position is not None and plants[j].contact.position is not None
-        if shared > 0 and not asked:
+        if shared > 0:
             other = plants[j]
             both = slice(max(plant.start, other.start), min(plant.end, other.end))
             span = foot.point(plant.part)[both] - foot.point(other.part)[both]
             length = float(np.median(np.linalg.norm(span, axis=1)))
-            heading = span[:, [0, 2]].sum(axis=0)
+            asked = plant.contact.position is not None and other.contact.position is not None
+            heading = (plant.target - other.target)[[0, 2]] if asked else span[:, [0, 2]].sum(axis=0)
             heading /= max(float(np.linalg.norm(heading)), 1e-300)
             target = other.target + length * np.array([heading[0], 0.0, heading[1]])
             plants[k] = replace(plant, target=target)

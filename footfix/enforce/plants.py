@@ -23,6 +23,7 @@ class PlantParams:
     sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
+    asked: float = 0.12  # a place asked for that is farther away than this is not taken, but by a forced contact
     shortest: float = 0.04  # [s] a detected stand shorter than this is no plant
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
     stands: float = 0.6  # of a plant's frames: where so many stand, those at its edges that don't are not held
@@ -111,12 +112,14 @@ def stances(
     """The contacts of each foot, gathered into stands. Forbidden ones are no contacts."""
     found = []
     for k, foot in enumerate(feet):
-        plants = [
-            Plant(e, part, contact, *_still(contact, foot.point(part), frame_time, leg_length, params), np.zeros(3))
-            for part, e in zip(("heel", "toe"), foot.effectors, strict=True)
-            for contact in contacts.effectors[e].contacts
-            if contact.wish != "forbid" and contact.end > contact.start
-        ]
+        plants = []
+        for part, e in zip(("heel", "toe"), foot.effectors, strict=True):
+            track = foot.point(part)
+            for contact in contacts.effectors[e].contacts:
+                if contact.wish != "forbid" and contact.end > contact.start:
+                    start, end = _still(contact, track, frame_time, leg_length, params)
+                    contact = _at_hand(contact, track, leg_length, params)
+                    plants.append(Plant(e, part, contact, start, end, np.zeros(3)))
         plants.sort(key=lambda plant: (plant.start, plant.part))
         group: list[Plant] = []
         end = -1
@@ -129,6 +132,17 @@ def stances(
         if group:
             found.append(Stance(k, tuple(group)))
     return found
+
+
+def _at_hand(contact: Contact, track: Floats, leg_length: float, params: PlantParams) -> Contact:
+    """The contact without the place it asks for, where that is farther away than a foot could be brought.
+
+    Places in labels come from other versions of a clip, too: on another path, or on a figure of another size.
+    """
+    if contact.position is None or contact.wish == "force":
+        return contact
+    far = float(np.linalg.norm(centre(track[contact.start : contact.end]) - np.array(contact.position)))
+    return contact if far <= params.asked * leg_length else replace(contact, position=None)
 
 
 def _still(

@@ -121,7 +121,7 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     pose = posed(clip, rig)
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
-    offset, notes = _ground(clip, rig, legs, found, params)
+    offset, notes = _ground(clip, rig, contacts, legs, found, params)
     legs = tuple(ground.carried(foot, offset) for foot in legs)
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
     stands = []
@@ -184,10 +184,10 @@ def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, pro
 
 
 def _ground(
-    clip: Clip, rig: Rig, legs: Sequence[Foot], stands: Sequence[Stance], params: EnforceParams
+    clip: Clip, rig: Rig, contacts: Contacts, legs: Sequence[Foot], stands: Sequence[Stance], params: EnforceParams
 ) -> tuple[Floats, tuple[Note, ...]]:
     """(F, 3) [m] what takes the ground's own motion and a common error of height out of the tracks."""
-    notes = []
+    notes = _places_not_taken(contacts, stands)
     times = np.arange(len(clip))[:, None] * clip.frame_time
     velocity = ground.belt(stands, legs, clip.frame_time, rig.leg_length, params.ground)
     offset = -times * velocity
@@ -205,6 +205,15 @@ def _ground(
         text = f"the whole figure is {'raised' if rise > 0 else 'lowered'} by {1000.0 * abs(rise):.0f} mm to its floor"
         notes.append(Note("height-moved", text))
     return offset, tuple(notes)
+
+
+def _places_not_taken(contacts: Contacts, stands: Sequence[Stance]) -> list[Note]:
+    asked = sum(c.position is not None and c.wish != "forbid" for e in contacts.effectors for c in e.contacts)
+    taken = sum(plant.contact.position is not None for stance in stands for plant in stance.plants)
+    if asked == taken:
+        return []
+    text = f"{asked - taken} of {asked} places that the labels ask for are out of reach of this motion, and not taken"
+    return [Note("places-not-taken", text)]
 
 
 def _root_shift(
