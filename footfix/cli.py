@@ -166,12 +166,19 @@ def check(
 
 @cli.command()
 @click.argument("src", nargs=-1)
+@click.option("--repair", is_flag=True, help="Write what a strict reader wants, and say what was changed.")
+@click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for repaired files.")
+@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @many
 @shared
-def inspect(src: tuple[str, ...], many: Many, common: Common) -> int:
+def inspect(
+    src: tuple[str, ...], repair: bool, output: Path | None, force: bool, many: Many, common: Common
+) -> int:
     """Say what is in a file: rig, units, floor, and everything odd about it."""
     from footfix import cli_runs
 
+    if repair:
+        return cli_runs.repair(src, output=output, force=force, many=many, common=common)
     return cli_runs.inspect(src, many=many, common=common)
 
 

@@ -15,7 +15,7 @@ from footfix.batch import outputs
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal
 from footfix.batch.outputs import Job
-from footfix.batch.work import FileResult, check_one, detect_one, inspect_one
+from footfix.batch.work import FileResult, check_one, detect_one, inspect_one, repair_one
 from footfix.cli_common import (
     FAILED,
     INTERRUPTED,
@@ -33,6 +33,8 @@ from footfix.cli_common import (
     write_file,
 )
 from footfix.cli_options import Common, Many
+from footfix.errors import UsageError
+from footfix.files import STDIN
 
 
 def detect(
@@ -80,6 +82,31 @@ def inspect(src: tuple[str, ...], *, many: Many, common: Common) -> int:
         for result in outcome.results:
             if result.report:
                 click.echo(describe(result.report, quiet=common.quiet))
+    return INTERRUPTED if outcome.interrupted else code(outcome)
+
+
+def repair(src: tuple[str, ...], *, output: Path | None, force: bool, many: Many, common: Common) -> int:
+    """`footfix inspect --repair`."""
+    found = found_inputs(src, many, leave_out=output)
+    config = config_for(src, many, common, {})
+    if output is None and any(source.path != STDIN for source in found):
+        raise UsageError("--repair writes files: say where with -o")
+    jobs = outputs.plan(found, output=output, in_place=False, suffixes=lambda source: (), force=force)
+
+    def told(result: FileResult, say: Say) -> None:
+        if result.data:
+            sys.stdout.buffer.write(result.data)
+        if common.quiet or common.as_json or result.error:
+            return
+        changes = result.report["notes"]
+        say(f"{result.source}: {len(changes)} changes" if changes else f"{result.source}: nothing to change")
+        for note in changes:
+            place = f" line {note['line']}:" if "line" in note else ""
+            say(f"  {note['severity']} [{note['id']}]{place} {note['text']}")
+
+    outcome = run_tasks(repair_one, tasks_for(jobs, found, config, None), many, common, "text", Journal(None, ""), told)
+    if common.as_json:
+        print_json(one_or_many([plain(each) for each in outcome.results]))
     return INTERRUPTED if outcome.interrupted else code(outcome)
 
 

@@ -76,8 +76,7 @@ def read(data: bytes, name: str, settings: Settings) -> Document:
         InputError: it is no BVH, or holds numbers that are none.
     """
     document = decode(data, name=name, limits=settings.limits)
-    broken = next((note for note in document.notes if note.severity == "error"), None)
-    if broken is not None:
+    for broken in document.unusable:
         raise InputError(broken.text, file=name, line=broken.line, column=broken.column)
     if len(document.values) == 0:
         return document
@@ -264,6 +263,18 @@ def detect_file(
     return contacts, source, entry, report_format.notes((*document.notes, *doubts, *contacts.notes))
 
 
+def repair_file(data: bytes, name: str, settings: Settings) -> tuple[bytes, list[dict[str, Any]]]:
+    """The bytes that a strict reader wants of a file, and a note for each change.
+
+    Raises:
+        InputError: it is no BVH.
+    """
+    from footfix.formats.repair import repair
+
+    mended, notes = repair(decode(data, name=name, limits=settings.limits))
+    return mended, report_format.notes(notes)
+
+
 def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
     """What there is to say of a file: its frames, joints, rig, unit, axes, and everything odd about it.
 
@@ -273,7 +284,7 @@ def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
     document = decode(data, name=name, limits=settings.limits)
     found: tuple[Note, ...] = document.notes
     rigs: list[dict[str, Any]] = []
-    if not any(note.severity == "error" for note in found) and len(document.values):
+    if not document.unusable and len(document.values):
         try:
             document, doubts = placed(document, settings.rig)
             found += doubts

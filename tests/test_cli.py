@@ -209,3 +209,16 @@ def test_a_bug_of_ours_says_so(run: Any, clip: Path, monkeypatch: pytest.MonkeyP
     code, _, err = run("clean", clip)
     assert code == 4 and "bug" in err and "Traceback" not in err
     assert issubclass(FootfixError, Exception)
+
+
+def test_a_file_cut_in_mid_row_is_refused_and_can_be_repaired(run: Any, clip: Path, tmp_path: Path) -> None:
+    clip.write_bytes(clip.read_bytes()[:-200])
+    code, _, err = run("clean", clip)
+    assert code == 3 and "cut short" in err and "--repair" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["walk.bvh"]
+    code, _, err = run("inspect", clip, "--repair", "-o", tmp_path / "mended")
+    assert code == 0 and "last-row-cut" in err and "frames-mismatch" in err
+    assert run("clean", tmp_path / "mended" / "walk.bvh")[0] == 0
+    code, out, _ = run("inspect", tmp_path / "mended" / "walk.bvh", "--json")
+    assert code == 0 and json.loads(out)["source"]["frames"] == 120 and not json.loads(out)["notes"]
+    assert run("inspect", clip, "--repair")[0] == 2

@@ -119,6 +119,11 @@ def inspect_one(task: Task) -> FileResult:
     return _guarded(task, _inspect)
 
 
+def repair_one(task: Task) -> FileResult:
+    """Writes what a strict reader wants of one file."""
+    return _guarded(task, _repair)
+
+
 def check_one(task: Task) -> FileResult:
     """Measures one clip and holds it against `extra["gates"]`."""
     return _guarded(task, _check)
@@ -278,6 +283,18 @@ def _inspect(task: Task) -> FileResult:
     from footfix.job import inspect_file
 
     return FileResult(task.job.source, "done", report=inspect_file(_read(task), task.job.source, task.settings))
+
+
+def _repair(task: Task) -> FileResult:
+    from footfix.job import repair_file
+
+    job = task.job
+    mended, notes = repair_file(_read(task), job.source, task.settings)
+    report = {"notes": notes}
+    if job.target is None:
+        return FileResult(job.source, "done", report=report, data=mended)
+    _write(task, {job.target: mended})
+    return FileResult(job.source, "done", report=report, written=(str(job.target),))
 
 
 def _check(task: Task) -> FileResult:

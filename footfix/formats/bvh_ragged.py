@@ -149,10 +149,10 @@ def _arrange(
     if not right.all() and not usual and tidy and _is_wrapped(counts, columns, declared):
         notes.add("rows-wrapped", "frames are not one to a line; read by counting numbers", at=int(starts[0]))
         if total % columns:
-            _note_cut(notes, int(starts[total - total % columns]), total % columns, columns)
+            _note_cut(notes, int(starts[total - total % columns]), total % columns, columns, total // columns, declared)
         return np.arange(total // columns) * columns, None
     if counts[-1] < columns and (len(counts) == 1 or 2 * right.sum() >= len(counts) - 1):
-        _note_cut(notes, int(starts[firsts[-1]]), int(counts[-1]), columns)
+        _note_cut(notes, int(starts[firsts[-1]]), int(counts[-1]), columns, len(counts) - 1, declared)
         firsts, counts, right = firsts[:-1], counts[:-1], right[:-1]
     if right.all():
         return firsts, None
@@ -181,9 +181,12 @@ def _is_wrapped(counts: Ints, columns: int, declared: int | None) -> bool:
     return bool(np.isin(each, ends).all()) and (agrees or uneven)
 
 
-def _note_cut(notes: Notes, at: int, found: int, columns: int) -> None:
-    notes.add("last-row-cut", f"the last row has {found} of {columns} numbers: the file is cut short; "
-              "that row is passed over", "warning", at=at)  # fmt: skip
+def _note_cut(notes: Notes, at: int, found: int, columns: int, whole: int, declared: int | None) -> None:
+    """The rest of a file that ends in mid-row is lost, and that is no small thing; a scrap after the last row is."""
+    lost = declared is None or whole < declared
+    rest = "the file is cut short; export or copy it again, or let `footfix inspect --repair` take that row out"
+    notes.add("last-row-cut", f"the last row has {found} of {columns} numbers: "
+              + (rest if lost else "that row is passed over"), "error" if lost else "warning", at=at)  # fmt: skip
 
 
 def _misfit(cursor: Cursor, starts: Ints, firsts: Ints, counts: Ints, layouts: list[int]) -> InputError:
