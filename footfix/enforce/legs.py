@@ -15,6 +15,7 @@ from footfix.enforce import ik, reach, root
 from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams, presence, within_reach
 from footfix.enforce.foot import Foot, can_turn
+from footfix.enforce.judge import JudgeParams, hurry_of, let_go, peeled
 from footfix.enforce.plants import Stance
 from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
@@ -25,23 +26,6 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
-
-JERK = "holding it would jerk the leg"  # the reason of plants that are let go
-
-
-@dataclass(frozen=True, kw_only=True)
-class JudgeParams:
-    """What holding a foot may do to the joints of its leg."""
-
-    speed: float = 150.0  # [deg/s] by which a joint may turn faster than captured before a plant gives up its edges
-    soften: float = 1.4  # times as fast, before its hold softens
-    given: float = 4.0  # times as fast where the contacts were given, not detected
-    peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
-    peel_most: float = 0.12  # [s] and altogether,
-    peel_share: float = 0.3  # but no more of the plant than this
-    softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
-    around: float = 0.1  # [s] on either side of such a frame
-    let_go: float = 0.023  # leg lengths: what still slides farther than this (viewers notice 21 mm) is released
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,19 +113,19 @@ def enforced(
                 continue
             break
         if level is None:
-            peeled = tuple(_peeled(stance, hurried[stance.leg], clip.frame_time, judge) for stance in stands)
-            if all(new is old for new, old in zip(peeled, stands, strict=True)):
+            shorter = tuple(peeled(stance, hurried[stance.leg], clip.frame_time, judge) for stance in stands)
+            if all(new is old for new, old in zip(shorter, stands, strict=True)):
                 continue
-            stands = peeled
+            stands = shorter
         else:
             for k, each in enumerate(hurried):
                 around = within_reach(each, clip.frame_time, judge.around) & ~forced[k]
                 soft[k] = np.where(around & (soft[k] <= levels[level]), levels[level + 1], soft[k])
         solved = _solve(clip, rig, pose, legs, stands, soft, params)
     if judges and any(np.any(each) for each in soft):
-        let_go = tuple(_let_go(stance, solved.points, soft[stance.leg], rig.leg_length, judge) for stance in stands)
-        if any(new is not old for new, old in zip(let_go, stands, strict=True)):
-            stands = let_go
+        fewer = tuple(let_go(stance, solved.points, soft[stance.leg], rig.leg_length, judge) for stance in stands)
+        if any(new is not old for new, old in zip(fewer, stands, strict=True)):
+            stands = fewer
             solved = _solve(clip, rig, pose, legs, stands, soft, params)
     joints = tuple(sorted(solved.rotations))
     columns = [solved.rotations[joint] for joint in joints]
@@ -149,47 +133,6 @@ def enforced(
     nothing = np.zeros((len(clip), len(rig.soles)))
     correction = Correction(rig.root, solved.shift, joints, rotations, nothing)
     return Held(correction, solved.points, stands, tuple(soft))
-
-
-def _peeled(stance: Stance, hurried: Bools, frame_time: float, judge: JudgeParams) -> Stance:
-    """The stance without the edges of its plants at which the leg hurries; the same value where none does."""
-    plants = []
-    for plant in stance.plants:
-        contact = plant.contact
-        start, end = plant.start, plant.end
-        if not plant.kept and contact.wish != "force":
-            most = min(round(judge.peel_most / frame_time), int(judge.peel_share * (contact.end - contact.start)))
-            width = max(2, round(judge.peel / frame_time))
-            head = np.flatnonzero(hurried[max(start - 1, 0) : start + width])
-            tail = np.flatnonzero(hurried[max(end - width, 0) : end + 1])
-            if len(head):
-                start = max(start, min(max(start - 1, 0) + int(head[-1]) + 1, contact.start + most))
-            if len(tail):
-                end = min(end, max(max(end - width, 0) + int(tail[0]), contact.end - most))
-        unchanged = (start, end) == (plant.start, plant.end) or end - start < 2
-        plants.append(plant if unchanged else replace(plant, start=start, end=end))
-    if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
-        return stance
-    return replace(stance, plants=tuple(plants))
-
-
-def _let_go(
-    stance: Stance, points: Sequence[Floats], soft: Floats, leg_length: float, judge: JudgeParams
-) -> Stance:
-    """The stance with those plants released that still slide visibly, held as softly as they are."""
-    plants = []
-    for plant in stance.plants:
-        moving = stance.pivots not in ("", plant.part)
-        off = np.linalg.norm(points[plant.effector][plant.frames] - plant.target, axis=1)
-        far = float(off.max())
-        if plant.contact.wish == "force" or moving or not np.any(soft[plant.frames]) or far < judge.let_go * leg_length:
-            plants.append(plant)
-        else:
-            reason = f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"
-            plants.append(replace(plant, reason=reason))
-    if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
-        return stance
-    return replace(stance, plants=tuple(plants))
 
 
 def _solve(
@@ -243,7 +186,7 @@ def _solve(
         bent = bends[k]
         if bent is not None and turned:
             new[bent[0].joint] = local_rotation(clip, bent[0], turn, foot, bent[1])
-        hurry.append(_hurry(clip, turned))
+        hurry.append(hurry_of(clip, turned))
         for e, at in zip(foot.effectors, (foot.heel_in_foot, foot.ball_in_foot), strict=True):
             points[e] = ankle + rotation.rotate(turn, at)
     return Solved(shift, new, tuple(points), tuple(hurry))
@@ -297,20 +240,3 @@ def _by_priorities(
         new[joint] = clip.rotations[:, joint].copy()
         new[joint][changed] = rotation.normalize(local)
     return new
-
-
-def _hurry(clip: Clip, turned: dict[int, Floats]) -> Floats:
-    """(F,) [deg/s] by which a joint turns faster, to or from each frame, than it did thereabouts as captured."""
-    fastest = np.zeros(len(clip))
-    for joint, q in turned.items():
-        before, after = _steps(clip.rotations[:, joint]), _steps(q)
-        around = np.maximum(before, np.maximum(np.append(before[1:], 0.0), np.append(0.0, before[:-1])))
-        more = np.degrees(after - around) / clip.frame_time
-        fastest[1:] = np.maximum(fastest[1:], more)
-        fastest[:-1] = np.maximum(fastest[:-1], more)
-    return fastest
-
-
-def _steps(q: Floats) -> Floats:
-    """(F - 1,) [rad] how far rotations (F, 4) turn from frame to frame."""
-    return rotation.angle(rotation.multiply(q[1:], rotation.inverse(q[:-1])))

@@ -8,14 +8,15 @@ from typing import Literal
 
 import numpy as np
 
-from footfix.enforce import ground, root
+from footfix.enforce import ground, outcomes, root
 from footfix.enforce.aims import aimed, judged, level_of
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, can_turn, feet, posed
-from footfix.enforce.footplant import Footplant, Outcome
+from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
-from footfix.enforce.legs import JERK, JudgeParams, LegParams, enforced
+from footfix.enforce.judge import JERK, JudgeParams
+from footfix.enforce.legs import LegParams, enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
@@ -104,14 +105,8 @@ def _settled(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) ->
     correction = Correction(
         rig.root, shift, tuple(sorted(joints)), now.rotations[:, sorted(joints)], found.correction.residual
     )
-    plants = tuple(_since(a, b) for a, b in zip(first.plants, found.plants, strict=True))
+    plants = tuple(outcomes.since(a, b) for a, b in zip(first.plants, found.plants, strict=True))
     return replace(found, plants=plants, correction=correction, notes=first.notes)
-
-
-def _since(first: Footplant, last: Footplant) -> Footplant:
-    """What became of a plant over several passes: what stands at last was moved there if it did not stand at first."""
-    outcome = "pinned" if last.outcome == "kept" and first.outcome != "kept" else last.outcome
-    return replace(last, outcome=outcome)
 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
@@ -151,12 +146,12 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         rise = params.strength * float(offset[0, 1])
         if rise and clip.skeleton.translates[rig.root]:
             correction = replace(correction, root_shift=correction.root_shift + [0.0, rise, 0.0])
-    residual = _residual(rig, stands, points)
+    residual = outcomes.residual(rig, stands, points)
     if contacts.method not in GIVEN and params.method != "root":
         stands = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
-        residual = _residual(rig, stands, points)
-    plants = _footplants(rig, stands, residual, soft, offset)
-    return Enforcement(plants, replace(correction, residual=residual), notes, _held(contacts, rig, stands))
+        residual = outcomes.residual(rig, stands, points)
+    plants = outcomes.footplants(rig, stands, residual, soft, offset)
+    return Enforcement(plants, replace(correction, residual=residual), notes, outcomes.held(contacts, rig, stands))
 
 
 def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, proper: slice) -> Enforcement:
@@ -254,65 +249,3 @@ def _where_it_stands(stance: Stance, points: Sequence[Floats]) -> Stance:
         place[1] = stance.level
         plants.append(replace(plant, target=place))
     return replace(stance, plants=tuple(plants))
-
-
-def _residual(rig: Rig, stands: Sequence[Stance], points: Sequence[Floats]) -> Floats:
-    """(F, E) [m] how far each sole point is from its target while it is held."""
-    residual = np.zeros((len(points[0]), len(rig.soles)))
-    for stance in stands:
-        if stance.pivots and not stance.released:  # the end that moves around has no place of its own
-            stance = replace(stance, plants=tuple(stance.parts(stance.pivots)))
-        for plant in stance.plants:
-            off = points[plant.effector][plant.frames] - plant.target
-            residual[plant.frames, plant.effector] = np.linalg.norm(off, axis=1)
-    return residual
-
-
-def _footplants(
-    rig: Rig, stands: Sequence[Stance], residual: Floats, soft: Sequence[Floats], offset: Floats
-) -> tuple[Footplant, ...]:
-    """What became of each contact, by effector and time."""
-    made = []
-    for stance in stands:
-        for plant in stance.plants:
-            far = float(residual[plant.frames, plant.effector].max())
-            outcome, reason = _outcome(stance, plant, far, bool(np.any(soft[stance.leg][plant.frames])), rig.leg_length)
-            middle = (plant.start + plant.end) // 2
-            x, y, z = (float(v) for v in plant.target - offset[middle] * [1.0, 0.0, 1.0])
-            name, (start, end) = rig.soles[plant.effector].name, _span(plant)
-            made.append((plant.effector, Footplant(
-                name, start, end, plant.contact.confidence, (x, y, z), outcome, reason, far,
-            )))  # fmt: skip
-    made.sort(key=lambda pair: (pair[0], pair[1].start))
-    return tuple(plant for _, plant in made)
-
-
-def _outcome(stance: Stance, plant: Plant, far: float, soft: bool, leg_length: float) -> tuple[Outcome, str]:
-    if plant.reason:
-        return "released", plant.reason
-    if stance.pivots and plant.part != stance.pivots:
-        return "released", f"the foot turns on the floor, about its {'ball' if stance.pivots == 'toe' else 'heel'}"
-    if plant.kept:
-        return "kept", ""
-    if far <= 0.002 * leg_length:
-        return "pinned", ""
-    why = "holding it fast would jerk the leg" if soft else "the leg does not reach it"
-    return "partly", f"stays up to {1000.0 * far:.0f} mm away: {why}"
-
-
-def _span(plant: Plant) -> tuple[int, int]:
-    """The frames that a plant was held in; those it was detected in, where it was released."""
-    return (plant.contact.start, plant.contact.end) if plant.reason else (plant.start, plant.end)
-
-
-def _held(contacts: Contacts, rig: Rig, stands: Sequence[Stance]) -> Contacts:
-    """The contacts as they were held; those released or forbidden as they were given."""
-    held = {(p.effector, p.contact.start): _span(p) for stance in stands for p in stance.plants}
-    effectors = []
-    for e, effector in enumerate(contacts.effectors):
-        kept = []
-        for contact in effector.contacts:
-            start, end = held.get((e, contact.start), (contact.start, contact.end))
-            kept.append(replace(contact, start=start, end=end))
-        effectors.append(replace(effector, contacts=tuple(kept)))
-    return replace(contacts, effectors=tuple(effectors))

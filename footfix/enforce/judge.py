@@ -1,0 +1,91 @@
+"""Judgement: what holding a foot does to its leg, and what gives way where that is too much.
+
+A plant first gives up frames at its edges, whose labels are the least certain; then it lets go of what slides
+quickly; and if it would still slide visibly it is released.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.plants import Stance
+from footfix.motion import rotation
+from footfix.motion.clip import Bools, Clip, Floats
+
+JERK = "holding it would jerk the leg"  # the reason of plants that are let go
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgeParams:
+    """What holding a foot may do to the joints of its leg."""
+
+    speed: float = 150.0  # [deg/s] by which a joint may turn faster than captured before a plant gives up its edges
+    soften: float = 1.4  # times as fast, before its hold softens
+    given: float = 4.0  # times as fast where the contacts were given, not detected
+    peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
+    peel_most: float = 0.12  # [s] and altogether,
+    peel_share: float = 0.3  # but no more of the plant than this
+    softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
+    around: float = 0.1  # [s] on either side of such a frame
+    let_go: float = 0.023  # leg lengths: what still slides farther than this (viewers notice 21 mm) is released
+
+
+def peeled(stance: Stance, hurried: Bools, frame_time: float, judge: JudgeParams) -> Stance:
+    """The stance without the edges of its plants at which the leg hurries; the same value where none does."""
+    plants = []
+    for plant in stance.plants:
+        contact = plant.contact
+        start, end = plant.start, plant.end
+        if not plant.kept and contact.wish != "force":
+            most = min(round(judge.peel_most / frame_time), int(judge.peel_share * (contact.end - contact.start)))
+            width = max(2, round(judge.peel / frame_time))
+            head = np.flatnonzero(hurried[max(start - 1, 0) : start + width])
+            tail = np.flatnonzero(hurried[max(end - width, 0) : end + 1])
+            if len(head):
+                start = max(start, min(max(start - 1, 0) + int(head[-1]) + 1, contact.start + most))
+            if len(tail):
+                end = min(end, max(max(end - width, 0) + int(tail[0]), contact.end - most))
+        unchanged = (start, end) == (plant.start, plant.end) or end - start < 2
+        plants.append(plant if unchanged else replace(plant, start=start, end=end))
+    if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
+        return stance
+    return replace(stance, plants=tuple(plants))
+
+
+def let_go(
+    stance: Stance, points: Sequence[Floats], soft: Floats, leg_length: float, judge: JudgeParams
+) -> Stance:
+    """The stance with those plants released that still slide visibly, held as softly as they are."""
+    plants = []
+    for plant in stance.plants:
+        moving = stance.pivots not in ("", plant.part)
+        off = np.linalg.norm(points[plant.effector][plant.frames] - plant.target, axis=1)
+        far = float(off.max())
+        if plant.contact.wish == "force" or moving or not np.any(soft[plant.frames]) or far < judge.let_go * leg_length:
+            plants.append(plant)
+        else:
+            reason = f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"
+            plants.append(replace(plant, reason=reason))
+    if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
+        return stance
+    return replace(stance, plants=tuple(plants))
+
+
+def hurry_of(clip: Clip, turned: dict[int, Floats]) -> Floats:
+    """(F,) [deg/s] by which a joint turns faster, to or from each frame, than it did thereabouts as captured."""
+    fastest = np.zeros(len(clip))
+    for joint, q in turned.items():
+        before, after = _steps(clip.rotations[:, joint]), _steps(q)
+        around = np.maximum(before, np.maximum(np.append(before[1:], 0.0), np.append(0.0, before[:-1])))
+        more = np.degrees(after - around) / clip.frame_time
+        fastest[1:] = np.maximum(fastest[1:], more)
+        fastest[:-1] = np.maximum(fastest[:-1], more)
+    return fastest
+
+
+def _steps(q: Floats) -> Floats:
+    """(F - 1,) [rad] how far rotations (F, 4) turn from frame to frame."""
+    return rotation.angle(rotation.multiply(q[1:], rotation.inverse(q[:-1])))
