@@ -7,7 +7,7 @@ faster than it was captured to, the foot is held there only as far as it slides 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams, presence, within_reach
 from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.judge import JudgeParams, hurry_of, let_go, peeled
-from footfix.enforce.plants import Stance
+from footfix.enforce.plants import PlantParams, Stance
 from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
@@ -47,17 +47,16 @@ class Solved:
 
 @dataclass(frozen=True, kw_only=True)
 class LegParams:
-    """The parts of the settings that the legs need."""
+    """The parts of the settings that the legs need; `shares`: the root takes what all planted feet share."""
 
-    solver: str = "closed"
-    shares: bool = False  # the root takes what all planted feet share
-    strength: float = 1.0
-    sink: float = 0.003
-    toe_sink: float = 0.008
-    ease: EaseParams = field(default_factory=EaseParams)
-    reach: ReachParams = field(default_factory=ReachParams)
-    root: RootParams = field(default_factory=RootParams)
-    judge: JudgeParams = field(default_factory=JudgeParams)
+    solver: str
+    shares: bool
+    strength: float
+    plants: PlantParams
+    ease: EaseParams
+    reach: ReachParams
+    root: RootParams
+    judge: JudgeParams
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,48 +90,59 @@ def enforced(
         params: measures.
 
     Returns:
-        The correction and what it holds. Where holding would make a joint hurry, a plant first gives up frames at
-        its edges, whose labels are the least certain, then lets go of what slides quickly.
+        The correction and what it holds, judged (see `judge`).
     """
-    judge = params.judge
-    judges = params.ease.method == "smooth" and judge.speed > 0.0
     stands = tuple(stands)
-    soft = [np.zeros(len(clip)) for _ in legs]
-    forced = [np.zeros(len(clip), dtype=np.bool_) for _ in legs]  # held whatever it costs
-    for stance in stands:
-        for plant in stance.plants:
-            forced[stance.leg][plant.frames] |= plant.contact.wish == "force"
-    levels = (0.0, *judge.softness)
+    soft = tuple(np.zeros(len(clip)) for _ in legs)
     solved = _solve(clip, rig, pose, legs, stands, soft, params)
-    rounds = [None, None, *range(len(judge.softness))] if judges else []
-    for level in rounds:
-        bound = judge.speed * (1.0 if level is None else judge.soften)
-        hurried = [hurry > bound for hurry in solved.hurry]
-        if not any(np.any(each) for each in hurried):
-            if level is None:
-                continue
-            break
-        if level is None:
-            shorter = tuple(peeled(stance, hurried[stance.leg], clip.frame_time, judge) for stance in stands)
-            if all(new is old for new, old in zip(shorter, stands, strict=True)):
-                continue
-            stands = shorter
-        else:
-            for k, each in enumerate(hurried):
-                around = within_reach(each, clip.frame_time, judge.around) & ~forced[k]
-                soft[k] = np.where(around & (soft[k] <= levels[level]), levels[level + 1], soft[k])
-        solved = _solve(clip, rig, pose, legs, stands, soft, params)
-    if judges and any(np.any(each) for each in soft):
-        fewer = tuple(let_go(stance, solved.points, soft[stance.leg], rig.leg_length, judge) for stance in stands)
-        if any(new is not old for new, old in zip(fewer, stands, strict=True)):
-            stands = fewer
-            solved = _solve(clip, rig, pose, legs, stands, soft, params)
+    if params.ease.method == "smooth" and params.judge.speed > 0.0:
+        for level in (None, None, *range(len(params.judge.softness))):
+            changed = _given_way(clip, solved, stands, soft, level, params.judge)
+            if changed is not None:
+                stands, soft = changed
+                solved = _solve(clip, rig, pose, legs, stands, soft, params)
+        if any(np.any(each) for each in soft):
+            fewer = tuple(let_go(s, solved.points, soft[s.leg], rig.leg_length, params.judge) for s in stands)
+            if any(new is not old for new, old in zip(fewer, stands, strict=True)):
+                stands = fewer
+                solved = _solve(clip, rig, pose, legs, stands, soft, params)
     joints = tuple(sorted(solved.rotations))
     columns = [solved.rotations[joint] for joint in joints]
     rotations = np.stack(columns, axis=1) if columns else np.zeros((len(clip), 0, 4))
     nothing = np.zeros((len(clip), len(rig.soles)))
     correction = Correction(rig.root, solved.shift, joints, rotations, nothing)
-    return Held(correction, solved.points, stands, tuple(soft))
+    return Held(correction, solved.points, stands, soft)
+
+
+def _given_way(
+    clip: Clip,
+    solved: Solved,
+    stands: tuple[Stance, ...],
+    soft: tuple[Floats, ...],
+    level: int | None,
+    judge: JudgeParams,
+) -> tuple[tuple[Stance, ...], tuple[Floats, ...]] | None:
+    """Stances and softness where joints hurry: plants without their edges, or (at a `level`) holds that are softer.
+
+    None where nothing changes.
+    """
+    bound = judge.speed * (1.0 if level is None else judge.soften)
+    hurried = [hurry > bound for hurry in solved.hurry]
+    if not any(np.any(each) for each in hurried):
+        return None
+    if level is None:
+        shorter = tuple(peeled(stance, hurried[stance.leg], clip.frame_time, judge) for stance in stands)
+        return None if all(new is old for new, old in zip(shorter, stands, strict=True)) else (shorter, soft)
+    forced = [np.zeros(len(clip), dtype=np.bool_) for _ in soft]  # held whatever it costs
+    for stance in stands:
+        for plant in stance.plants:
+            forced[stance.leg][plant.frames] |= plant.contact.wish == "force"
+    before = (0.0, *judge.softness)[level]
+    softer = []
+    for each, free, now in zip(hurried, forced, soft, strict=True):
+        around = within_reach(each, clip.frame_time, judge.around) & ~free
+        softer.append(np.where(around & (now <= before), judge.softness[level], now))
+    return stands, tuple(softer)
 
 
 def _solve(
@@ -145,51 +155,69 @@ def _solve(
     params: LegParams,
 ) -> Solved:
     able = [can_turn(clip, foot.leg) for foot in legs]
+    aims = [
+        _aim(clip, rig, pose, foot, [s for s in stands if s.leg == k and able[k]], soft[k], params)
+        for k, foot in enumerate(legs)
+    ]
+    shift, limits = _root_shift(clip, rig, aims, params)
     new: dict[int, Floats] = {}
-    wanted = []
-    bends: list[tuple[Toe, Floats] | None] = []
-    legs = list(legs)
-    for k, foot in enumerate(legs):
-        own = [stance for stance in stands if stance.leg == k and able[k]]
-        goal = goals(foot, own, clip.frame_time, params.ease, soft[k])
-        toe = toe_of(clip, rig, pose, foot)
-        bends.append(None)
-        if toe is not None:
-            toe = on_ground(toe, foot, pose)
-            vector = bend(toe, foot, goal, params.toe_sink * rig.leg_length, clip.frame_time, params.ease)
-            if np.any(vector):
-                bends[k] = (toe, params.strength * vector)
-                legs[k] = foot = with_toe_bent(foot, toe, goal, params.strength * vector)
-                goal = goals(foot, own, clip.frame_time, params.ease, soft[k])
-        goal = lifted(goal, foot, params.sink * rig.leg_length, clip.frame_time, params.ease, soft[k])
-        wanted.append(replace(goal, turn=params.strength * goal.turn, shift=params.strength * goal.shift))
-    shift = np.zeros((len(clip), 3))
-    movable = bool(clip.skeleton.translates[rig.root])
-    if params.shares and movable:
-        planted, shifts = [goal.planted for goal in wanted], [goal.shift for goal in wanted]
-        shift = root.shared(planted, shifts, clip.frame_time, params.ease, params.root)
-    ankles = [goal.ankle(foot) for foot, goal in zip(legs, wanted, strict=True)]
-    hips = [foot.hip + shift for foot in legs]
-    limits = [reach.allowed(foot, hip, at, params.reach) for foot, hip, at in zip(legs, hips, ankles, strict=True)]
-    if movable:
-        planted = [goal.planted for goal in wanted]
-        lower = reach.lowering(hips, ankles, limits, planted, clip.frame_time, rig.leg_length, params.reach)
-        shift[:, 1] -= lower
     points: list[Floats] = [np.zeros((0, 3))] * len(rig.soles)
     hurry = []
-    for k, (foot, goal) in enumerate(zip(legs, wanted, strict=True)):
-        goal, ankle = _reached(foot, goal, foot.hip + shift, limits[k], clip.frame_time, params, soft[k])
+    for k, aim in enumerate(aims):
+        foot = aim.foot
+        goal, ankle = _reached(foot, aim.goal, foot.hip + shift, limits[k], clip.frame_time, params, soft[k])
         turn = goal.foot_turn(foot)
         changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
         turned = _turned(clip, pose, foot, turn, shift, ankle, changed, params) if able[k] else {}
         new.update(turned)
-        bent = bends[k]
-        if bent is not None and turned:
-            new[bent[0].joint] = local_rotation(clip, bent[0], turn, foot, bent[1])
+        if aim.toe is not None and turned:
+            new[aim.toe.joint] = local_rotation(clip, aim.toe, turn, foot, aim.bend)
         hurry.append(hurry_of(clip, turned))
         for e, at in zip(foot.effectors, (foot.heel_in_foot, foot.ball_in_foot), strict=True):
             points[e] = ankle + rotation.rotate(turn, at)
     return Solved(shift, new, tuple(points), tuple(hurry))
+
+
+@dataclass(frozen=True, eq=False)
+class _Aim:
+    """What one leg is to do: the foot, its toes if they bend and by which rotation vector (F, 3), and its goals."""
+
+    foot: Foot
+    toe: Toe | None
+    bend: Floats
+    goal: Goals
+
+
+def _aim(
+    clip: Clip, rig: Rig, pose: Pose, foot: Foot, own: list[Stance], soft: Floats, params: LegParams
+) -> _Aim:
+    goal = goals(foot, own, clip.frame_time, params.ease, soft)
+    toe, vector = toe_of(clip, rig, pose, foot), np.zeros((len(clip), 3))
+    if toe is not None:
+        toe = on_ground(toe, foot, pose)
+        depth = params.plants.toe_sink * rig.leg_length
+        vector = params.strength * bend(toe, foot, goal, depth, clip.frame_time, params.ease)
+        if np.any(vector):
+            foot = with_toe_bent(foot, toe, goal, vector)
+            goal = goals(foot, own, clip.frame_time, params.ease, soft)
+    goal = lifted(goal, foot, params.plants.sink * rig.leg_length, clip.frame_time, params.ease, soft)
+    goal = replace(goal, turn=params.strength * goal.turn, shift=params.strength * goal.shift)
+    return _Aim(foot, toe if np.any(vector) else None, vector, goal)
+
+
+def _root_shift(clip: Clip, rig: Rig, aims: Sequence[_Aim], params: LegParams) -> tuple[Floats, list[Floats]]:
+    """(F, 3) [m] of the root, and for each leg (F,) [m] how far its ankle may be from its hip."""
+    shift = np.zeros((len(clip), 3))
+    movable = bool(clip.skeleton.translates[rig.root])
+    planted = [aim.goal.planted for aim in aims]
+    if params.shares and movable:
+        shift = root.shared(planted, [aim.goal.shift for aim in aims], clip.frame_time, params.ease, params.root)
+    ankles = [aim.goal.ankle(aim.foot) for aim in aims]
+    hips = [aim.foot.hip + shift for aim in aims]
+    limits = [reach.allowed(aims[k].foot, hips[k], ankles[k], params.reach) for k in range(len(aims))]
+    if movable:
+        shift[:, 1] -= reach.lowering(hips, ankles, limits, planted, clip.frame_time, rig.leg_length, params.reach)
+    return shift, limits
 
 
 def _reached(

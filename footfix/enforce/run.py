@@ -136,9 +136,8 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         soft: tuple[Floats, ...] = tuple(np.zeros(len(clip)) for _ in legs)
     else:
         wanted = LegParams(
-            solver=params.solver, shares=params.method == "both", strength=params.strength, ease=params.ease,
-            reach=params.reach, root=params.root, judge=params.judge, sink=params.plants.sink,
-            toe_sink=params.plants.toe_sink,
+            solver=params.solver, shares=params.method == "both", strength=params.strength, plants=params.plants,
+            ease=params.ease, reach=params.reach, root=params.root, judge=params.judge,
         )  # fmt: skip
         done = enforced(clip, rig, pose, legs, held, wanted)
         correction, points, soft = done.correction, done.points, done.soft
