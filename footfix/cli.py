@@ -27,7 +27,7 @@ def main() -> None:
         os.environ.setdefault(name, "1")
     try:
         code = cli.main(standalone_mode=False)
-        sys.exit(code if isinstance(code, int) else 0)
+        sys.stdout.flush()
     except click.exceptions.Abort:
         sys.exit(INTERRUPTED)
     except click.ClickException as error:
@@ -39,16 +39,21 @@ def main() -> None:
     except KeyboardInterrupt:
         say("footfix: interrupted")
         sys.exit(INTERRUPTED)
-    except BrokenPipeError:
-        # The reader of our output has gone. Python would complain once more when it closes stdout.
+    except (BrokenPipeError, SystemExit):  # what click makes of a pipe whose reader has gone
+        # Python would complain once more when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
+    except OSError as error:
+        say(f"footfix: can't write what was asked for: {error.strerror or error}")
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(FootfixError.exit_code)
     except Exception as error:
         say(f"footfix: a bug in footfix, not in your file: {type(error).__name__}: {error}")
         if os.environ.get("FOOTFIX_DEBUG"):
             raise
         say("footfix: please report it; FOOTFIX_DEBUG=1 shows where it happened")
         sys.exit(BUG)
+    sys.exit(code if isinstance(code, int) else 0)
 
 
 def _bytes_through() -> None:

@@ -130,14 +130,15 @@ def clean_file(
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
         return _too_short(data, document, source, settings, output)
-    written = data
+    written, again = data, clip  # what is written, and what that says when it is read again
 
     def as_written(corrected: Clip) -> Clip:
-        nonlocal written
+        nonlocal written, again
         written = encode(document, corrected)
-        if written == data:
-            return clip
-        return decode(written, name=name, limits=settings.limits).placed(unit_m=document.unit_m, up=document.up).clip
+        if written != data:
+            reread = decode(written, name=name, limits=settings.limits)
+            again = reread.placed(unit_m=document.unit_m, up=document.up).clip
+        return again
 
     with about(name):
         rigs = find_rigs(clip, settings.rig)
@@ -146,7 +147,7 @@ def clean_file(
     status: Status = "unchanged" if written == data else "cleaned"
     report = _report(document, results, source, settings, status=status, output=output)
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
-    pages, offenders = draw(clip, results[-1].clip, joined(rigs), report, contacts_file, settings.report)
+    pages, offenders = draw(clip, again, joined(rigs), report, contacts_file, settings.report)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 

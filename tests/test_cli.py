@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -222,3 +224,43 @@ def test_a_file_cut_in_mid_row_is_refused_and_can_be_repaired(run: Any, clip: Pa
     code, out, _ = run("inspect", tmp_path / "mended" / "walk.bvh", "--json")
     assert code == 0 and json.loads(out)["source"]["frames"] == 120 and not json.loads(out)["notes"]
     assert run("inspect", clip, "--repair")[0] == 2
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_output_that_can_not_be_written_is_no_bug_of_ours(clip: Path) -> None:
+    with Path("/dev/full").open("wb") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "footfix", "detect", str(clip), "--json"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+    assert ended.returncode == 3 and b"No space left" in ended.stderr and b"bug" not in ended.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes are closed otherwise elsewhere")
+def test_a_reader_that_goes_early_is_no_failure(clip: Path) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    ended = subprocess.run(
+        [sys.executable, "-m", "footfix", "inspect", str(clip)], stdout=writer, stderr=subprocess.PIPE, check=False
+    )
+    os.close(writer)
+    assert ended.returncode == 0 and ended.stderr == b""
+
+
+def test_a_set_of_outputs_is_whole_or_not_there(
+    run: Any, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from footfix.batch import work
+    from footfix.errors import OutputError
+
+    def full(path: Path, data: bytes, **more: object) -> None:
+        if path.suffix == ".html":
+            raise OutputError(f"{path}: can't be written: No space left on device")
+        path.write_bytes(data)
+
+    monkeypatch.setattr(work, "write_whole", full)
+    code, _, err = run("clean", clip, "-o", tmp_path / "out", "-j1")
+    assert code == 3 and "No space left" in err
+    assert not [path for path in (tmp_path / "out").iterdir() if path.is_file()]

@@ -210,10 +210,16 @@ def _write(task: Task, files: Mapping[Path, bytes]) -> None:
         raise OutputError(f"{paths[0][1]} would lie outside {task.job.within}: a part of its path is a link")
     for path, shown, data in paths:
         _keep_edits(task, path, shown, data)
-    for k, (path, _, data) in enumerate(paths):
-        if k == len(paths) - 1:
-            sync_folder(folder)
-        write_whole(path, data, tag=task.tag)
+    new = [path for path, _, _ in paths if not os.path.lexists(path)]
+    try:
+        for k, (path, _, data) in enumerate(paths):
+            if k == len(paths) - 1:
+                sync_folder(folder)
+            write_whole(path, data, tag=task.tag)
+    except OutputError:  # a set that is not whole would only be in the way of the next try
+        for path in new:
+            path.unlink(missing_ok=True)
+        raise
 
 
 def _keep_edits(task: Task, path: Path, shown: Path, data: bytes) -> None:
