@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.enforce.footplant import Footplant, Outcome
+from footfix.enforce.judge import JERK
 from footfix.enforce.plants import Plant, Stance
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contacts
@@ -27,14 +28,15 @@ def residual(rig: Rig, stands: Sequence[Stance], points: Sequence[Floats]) -> Fl
 
 
 def footplants(
-    rig: Rig, stands: Sequence[Stance], residual: Floats, soft: Sequence[Floats], offset: Floats
+    rig: Rig, stands: Sequence[Stance], residual: Floats, soft: Sequence[Floats], offset: Floats, limit: str
 ) -> tuple[Footplant, ...]:
-    """What became of each contact, by effector and time."""
+    """What became of each contact, by effector and time; `limit` says what keeps a plant off its target."""
     made = []
     for stance in stands:
         for plant in stance.plants:
             far = float(residual[plant.frames, plant.effector].max())
-            outcome, reason = _outcome(stance, plant, far, bool(np.any(soft[stance.leg][plant.frames])), rig.leg_length)
+            why = JERK if np.any(soft[stance.leg][plant.frames]) else limit
+            outcome, reason = _outcome(stance, plant, far, why, rig.leg_length)
             middle = (plant.start + plant.end) // 2
             x, y, z = (float(v) for v in plant.target - offset[middle] * [1.0, 0.0, 1.0])
             name, (start, end) = rig.soles[plant.effector].name, _span(plant)
@@ -45,7 +47,7 @@ def footplants(
     return tuple(plant for _, plant in made)
 
 
-def _outcome(stance: Stance, plant: Plant, far: float, soft: bool, leg_length: float) -> tuple[Outcome, str]:
+def _outcome(stance: Stance, plant: Plant, far: float, why: str, leg_length: float) -> tuple[Outcome, str]:
     if plant.reason:
         return "released", plant.reason
     if stance.pivots and plant.part != stance.pivots:
@@ -54,7 +56,6 @@ def _outcome(stance: Stance, plant: Plant, far: float, soft: bool, leg_length: f
         return "kept", ""
     if far <= 0.002 * leg_length:
         return "pinned", ""
-    why = "holding it fast would jerk the leg" if soft else "the leg does not reach it"
     return "partly", f"stays up to {1000.0 * far:.0f} mm away: {why}"
 
 

@@ -128,7 +128,9 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
             stance = stance.let_go("the file has no rotation channels for a joint of this leg")
         stands.append(stance)
     held = [stance for stance in stands if not all(plant.reason for plant in stance.plants)]
+    limit = "the leg does not reach it"
     if params.method == "root":
+        limit = "the root alone holds one point at a time"
         shift = _root_shift(rig, pose, legs, held, clip.frame_time, params)
         correction = Correction(rig.root, shift, (), np.zeros((len(clip), 0, 4)), np.zeros((len(clip), len(rig.soles))))
         points = tuple(track + shift + offset for track in rig.tracks(pose))
@@ -149,7 +151,7 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     if contacts.method not in GIVEN and params.method != "root":
         stands = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
         residual = outcomes.residual(rig, stands, points)
-    plants = outcomes.footplants(rig, stands, residual, soft, offset)
+    plants = outcomes.footplants(rig, stands, residual, soft, offset, limit)
     return Enforcement(plants, replace(correction, residual=residual), notes, outcomes.held(contacts, rig, stands))
 
 
