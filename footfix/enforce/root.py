@@ -21,6 +21,7 @@ class RootParams:
 
     speed_window: float = 0.1  # [s] over which the speeds of sole points are averaged before they are compared
     hand_over: float = 0.01  # leg lengths of movement that a hand-over from point to point counts for
+    calm: float = 0.03  # [s] over which what the root's steps gain is averaged; 0 for none, as in the paper
     vertical: bool = True  # one offset and one scale of the root's height, so that planted points are at the floor
     keep_slide: float = 0.004  # leg lengths: where no plant slides farther, nor is farther from its floor than
     keep_height: float = 0.012  # leg lengths, the root stays as it is
@@ -74,7 +75,8 @@ def correction(
     # one static point, or two in turn; in flight the root's own velocity stays
     t = np.flatnonzero((static[:-1] >= 0) & (static[1:] >= 0))
     sharp = _speeds(points, frame_time, 0.0)
-    steps[t] = _steps(t, static[t], static[t + 1], offsets, sharp)[:, [0, 2]]
+    more = _steps(t, static[t], static[t + 1], offsets, sharp)[:, [0, 2]] - steps[t]
+    steps[t] += _calmed(more, t, frames, round(params.calm / frame_time / 2))
     path = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     shift[:, [0, 2]] = path - (root - root[0])[:, [0, 2]]
     if params.pin_end and frames > 1:
@@ -83,6 +85,18 @@ def correction(
     if params.vertical:
         shift[:, 1] = _height(root[:, 1], points[..., 1], static, levels)
     return shift
+
+
+def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
+    """(N, 2) [m] what the steps t (N,) gain, averaged over the planted steps within `half` frames of each.
+
+    One point at a time is held, and with it its noise, which the whole figure would shake with.
+    """
+    total = np.zeros((frames + 2 * half, 3))
+    total[t + half, :2], total[t + half, 2] = more, 1.0
+    sums = np.concatenate([np.zeros((1, 3)), np.cumsum(total, axis=0)])
+    window = sums[t + 2 * half + 1] - sums[t]
+    return np.asarray(window[:, :2] / window[:, 2:])
 
 
 def _speeds(points: Floats, frame_time: float, window: float) -> Floats:
