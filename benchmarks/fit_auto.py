@@ -1,10 +1,10 @@
-"""Fits the network of the default detector, and says how well it does on people it has not seen.
+"""Fits the default detector, and says how well it does on people it has not seen.
 
     python benchmarks/fit_auto.py TRUTH [--cross] [--write]
 
 TRUTH is a folder of clips with a `NAME.truth.json` each (contacts that force plates measured). With --cross the
-takes are split by subject into five parts, each judged by a network fitted to the other four; with --write a
-network fitted to all of them is written to footfix/detect/fitted.py. Both need some minutes. The result is the
+takes are split by subject into five parts, each judged by what was fitted to the other four; with --write what
+was fitted to all of them is written to footfix/detect/fitted.py. Both need some minutes. The result is the
 same on every run: all chance comes from fixed seeds.
 """
 
@@ -17,11 +17,14 @@ from pathlib import Path
 
 import numpy as np
 from detection import Table, truths
+from fit_leaving import Moments as Leavings
+from fit_leaving import fit_leaving, lines, moments
 from fit_network import Batch, FitParams, Moments, fit_by_committee, module, rounded
 from fit_takes import Take, made, recorded
 from fit_variants import variant
 
 from footfix.detect.auto import AutoParams, auto
+from footfix.detect.leaving import Leaving
 from footfix.detect.network import Network
 
 FOLDS = 5
@@ -62,6 +65,15 @@ def _pieces(take: Take, random: np.random.Generator | None, weight: float) -> li
     ]
 
 
+def leavings(folder: Path) -> list[Leavings]:
+    """Of all variants of all takes in which figures go somewhere, and of walkers."""
+    found = []
+    for take, toeless in zip(recorded(folder), recorded(folder, toes=False), strict=True):
+        if not take.calm:
+            found += [moments(toeless if k % 6 == 5 else take, k) for k in range(VARIANTS)]
+    return found + [moments(take, 1) for take in made(WALKERS, 1)]
+
+
 def fold(subject: str) -> int:
     """The part a subject belongs to, by name, so that more takes change no split; walkers are in none."""
     return -1 if subject == "walker" else zlib.crc32(subject.encode()) % FOLDS
@@ -76,15 +88,20 @@ def fitted_without(part: int | None, all_of: list[Piece]) -> Network:
     return rounded(fit_by_committee(moments, FitParams(), FOLDS if part is None else part))
 
 
+def leaving_without(part: int | None, all_of: list[Leavings]) -> Leaving:
+    """What tells when a foot leaves, fitted to all subjects but those of one part."""
+    return fit_leaving([each for each in all_of if fold(each.subject) != part])
+
+
 def cross_validated(folder: Path) -> Table:
-    """Each take judged by a network that has not seen its subject."""
-    all_of = pieces(folder)
+    """Each take judged by what has not seen its subject."""
+    all_of, all_leavings = pieces(folder), leavings(folder)
     table = Table()
     for part in range(FOLDS):
-        network = fitted_without(part, all_of)
+        network, leaving = fitted_without(part, all_of), leaving_without(part, all_leavings)
         for _, subject, truth, tracks in truths(folder):
             if fold(subject) == part:
-                table.add(truth, auto(tracks, AutoParams(), network), tracks.frame_time)
+                table.add(truth, auto(tracks, AutoParams(), network, leaving), tracks.frame_time)
         print(f"part {part + 1} of {FOLDS} judged", flush=True)
     return table
 
@@ -105,7 +122,8 @@ def main() -> None:
             f"Fitted to takes of {len(people)} people over force plates and to {WALKERS} made walkers, each in\n"
             "several variants."
         )
-        FITTED.write_bytes(module(fitted_without(None, all_of), said).encode())
+        network, leaving = fitted_without(None, all_of), leaving_without(None, leavings(asked.truth))
+        FITTED.write_bytes(module(network, lines(leaving), said).encode())
 
 
 if __name__ == "__main__":

@@ -186,11 +186,12 @@ def rounded(network: Network) -> Network:
     return replace(network, **{name: np.round(getattr(network, name), 3) for name in names})
 
 
-def module(network: Network, said: str) -> str:
+def module(network: Network, leaving: list[str], said: str) -> str:
     """The text of `footfix/detect/fitted.py`.
 
     Args:
         network: what to write.
+        leaving: the lines that hold what tells when a foot leaves.
         said: a sentence on what it was fitted to.
     """
 
@@ -199,7 +200,7 @@ def module(network: Network, said: str) -> str:
         return [" " * depth + "(" + ", ".join(str(v) for v in row) + ")," for row in rows]
 
     lines = [
-        '"""The numbers of the network that detection uses, in thousandths. Written by benchmarks/fit_auto.py.',
+        '"""The numbers that detection uses, in thousandths. Written by benchmarks/fit_auto.py.',
         "",
         said,
         '"""',
@@ -208,6 +209,7 @@ def module(network: Network, said: str) -> str:
         "",
         "import numpy as np",
         "",
+        "from footfix.detect.leaving import Leaving",
         "from footfix.detect.network import Network",
         "",
         f"TAPS = {network.taps}  # [0.01 s]",
@@ -240,6 +242,7 @@ def module(network: Network, said: str) -> str:
         "    answer=1e-3 * np.array(ANSWER),",
         "    answer_bias=1e-3 * np.array(ANSWER_BIAS[0]),",
         ")",
+        *leaving,
         "",
     ]
     return "\n".join(lines)

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from fit_takes import POINTS, RATE, Take
 
-from footfix.detect.evidence import STEP, catmull_rom, evidence, resample
+from footfix.detect.evidence import STEP, Sampled, catmull_rom, evidence, resample
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 
 Random = np.random.Generator
-_FPS = (24, 25, 30, 50, 60, 100, 120, 150, 200, 300)
+FPS = (24, 25, 30, 50, 60, 100, 120, 150, 200, 300)
 
 
 def variant(take: Take, random: Random | None) -> tuple[tuple[Floats, ...], Bools, float]:
@@ -33,16 +33,25 @@ def variant(take: Take, random: Random | None) -> tuple[tuple[Floats, ...], Bool
     rate, fps = RATE, take.fps
     if random is not None:
         take, rate, fps, weight = _changed(take, random, weight)
-    every = max(round(rate / fps), 1)
-    first = 0 if random is None else int(random.integers(every))
-    sampled = replace(take, **{p: getattr(take, p)[first::every] for p in POINTS})
-    frame_time = every / rate
-    if random is not None and random.random() < 0.35:
-        sampled = _noisy(sampled, frame_time, random)
-    feet = tuple(Foot("", *(getattr(sampled, p)[:, k] for p in POINTS[1:])) for k in (0, 1))
-    curves = evidence(resample(Tracks(sampled.pelvis, feet, 1.0, frame_time)))
+    sampled, first = as_captured(take, rate, fps, random)
+    curves = evidence(sampled)
     at = np.round(first + np.arange(len(curves[0])) * STEP * rate).astype(np.intp)
     return curves, take.allowed[np.minimum(at, len(take.allowed) - 1)], weight
+
+
+def as_captured(take: Take, rate: float, fps: float, random: Random | None) -> tuple[Sampled, int]:
+    """What detection samples of a take of some rate [Hz] that a clip holds at some fps, and at which step it starts.
+
+    With random given the clip starts anywhere between two frames, and one in three is noisy.
+    """
+    every = max(round(rate / fps), 1)
+    first = 0 if random is None else int(random.integers(every))
+    clip = replace(take, **{p: getattr(take, p)[first::every] for p in POINTS})
+    frame_time = every / rate
+    if random is not None and random.random() < 0.35:
+        clip = _noisy(clip, frame_time, random)
+    feet = tuple(Foot("", *(getattr(clip, p)[:, k] for p in POINTS[1:])) for k in (0, 1))
+    return resample(Tracks(clip.pelvis, feet, 1.0, frame_time)), first
 
 
 def _changed(take: Take, random: Random, weight: float) -> tuple[Take, float, float, float]:
@@ -65,7 +74,7 @@ def _changed(take: Take, random: Random, weight: float) -> tuple[Take, float, fl
     if take.kind == "jump" and now(0.6):
         rate *= random.uniform(1.0, 2.5)  # towards hopping
     take = take.moved(_shift(take, rate, random))
-    fps = float(random.choice(_FPS)) if now(0.6) else take.fps
+    fps = float(random.choice(FPS)) if now(0.6) else take.fps
     return take, rate, fps, weight
 
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
-from footfix.detect.evidence import COLUMNS, OWN, STEP, evidence, resample
-from footfix.detect.fitted import NETWORK
+from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
+from footfix.detect.fitted import LEAVING, NETWORK
 from footfix.detect.kneeling import KneelingParams, carrying
+from footfix.detect.leaving import Leaving, timed, tipping
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, resting, stretches
 from footfix.detect.tracks import Finding, Tracks
@@ -44,18 +45,22 @@ CHUNK = 12_000  # grid steps that are weighed at a time, which bounds memory
 _MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
 
 
-def auto(tracks: Tracks, params: AutoParams, network: Network = NETWORK) -> Finding:
+def auto(
+    tracks: Tracks, params: AutoParams, network: Network = NETWORK, leaving: Leaving = LEAVING
+) -> Finding:
     """Contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip.
 
     The confidence of a contact is its mean probability. On people and walkers the network had not seen, contacts
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
     """
-    answers = logits(tracks, params, network)
+    sampled = resample(tracks)
+    answers = logits(sampled, params, network)
     per_frame = tracks.frame_time / STEP
     columns: list[Bools] = []
     sure: list[Floats] = []
-    for foot, answer in zip(tracks.feet, answers, strict=True):
-        heel, toe = masks(stretches(answer, params.switch, params.roll), len(tracks), per_frame)
+    for k, (foot, answer) in enumerate(zip(tracks.feet, answers, strict=True)):
+        plants = timed(stretches(answer, params.switch, params.roll), tipping(sampled, k), leaving)
+        heel, toe = masks(plants, len(tracks), per_frame)
         for part, point in ((heel, foot.heel), (toe, foot.toe)):
             down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)
             columns.append(carrying(down, tracks, foot, point, params.kneeling))
@@ -71,11 +76,10 @@ def _planted(answer: Floats) -> Floats:
     return np.asarray(-np.expm1(answer[:, SWING]))
 
 
-def logits(tracks: Tracks, params: AutoParams, network: Network, chunk: int = CHUNK) -> tuple[Floats, ...]:
+def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK) -> tuple[Floats, ...]:
     """For each foot the log probabilities (n, 4) of its states on the grid."""
-    sampled = resample(tracks)
     steps = len(sampled.tracks)
-    answers: list[list[Floats]] = [[] for _ in tracks.feet]
+    answers: list[list[Floats]] = [[] for _ in sampled.tracks.feet]
     for first in range(0, steps, chunk):
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
         for k, curves in enumerate(evidence(sampled, slice(low, high))):

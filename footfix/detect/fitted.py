@@ -1,4 +1,4 @@
-"""The numbers of the network that detection uses, in thousandths. Written by benchmarks/fit_auto.py.
+"""The numbers that detection uses, in thousandths. Written by benchmarks/fit_auto.py.
 
 Fitted to takes of 32 people over force plates and to 300 made walkers, each in
 several variants.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from footfix.detect.leaving import Leaving
 from footfix.detect.network import Network
 
 TAPS = (-30, -20, -14, -10, -7, -4, -2, 0, 2, 4, 7, 10, 14, 20, 30)  # [0.01 s]
@@ -638,4 +639,11 @@ NETWORK = Network(
     mixing_bias=1e-3 * np.array(MIXING_BIAS[0]),
     answer=1e-3 * np.array(ANSWER),
     answer_bias=1e-3 * np.array(ANSWER_BIAS[0]),
+)
+
+# How much later a foot leaves than a moment, by its tipping at some steps about it.
+LEAVING = Leaving(
+    taps=(-6, -4, -2, 0, 2, 4, 6),  # [0.01 s]
+    weights=1e-4 * np.array((-47, -60, -56, -50, -26, 23, 48)),  # [us per rad/s^2]
+    bias=1e-4 * 260,  # [us]
 )
