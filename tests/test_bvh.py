@@ -294,3 +294,11 @@ def test_a_huge_frame_count_allocates_nothing() -> None:
 def test_the_plain_file_has_nothing_odd() -> None:
     assert decode(PLAIN.encode()).notes == ()
     assert decode(PLAIN.replace("\n", "\r\n").encode()).notes == ()
+
+
+def test_braces_in_names_are_names_where_the_joint_opens_below() -> None:
+    text = b"HIERARCHY\nROOT {{7*7}}&lt;x\n{\n OFFSET 0 0 0\n CHANNELS 3 Xrotation Yrotation Zrotation\n JOINT b{\n {\n"
+    text = text.replace(b"b{\n {", b"b {")
+    text += b" OFFSET 0 1 0\n CHANNELS 0\n }\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n1 2 3\n"
+    document = decode(text)
+    assert document.skeleton.names == ("{{7*7}}&lt;x", "b") and encode(document) == text

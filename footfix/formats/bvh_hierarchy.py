@@ -118,9 +118,15 @@ def _unknown(cursor: Cursor, word: bytes) -> Exception:
     return cursor.fail(f"'{shown}' means nothing in a hierarchy", hint=hint)
 
 
+def _braced(cursor: Cursor) -> bool:
+    """Whether braces in the rest of the line are part of a name: the one that opens the joint stands below it."""
+    line = re.compile(rb"([^\r\n]*)[\r\n]+\s*\{").match(cursor.text, cursor.pos)
+    return line is not None and b"{" in line[1] and not line[1].rstrip().endswith(b"{")
+
+
 def _name(cursor: Cursor) -> str:
     """The rest of the line, or up to the brace; spaces inside are part of it."""
-    raw = cursor.line(stop=b"{").strip()
+    raw = cursor.line(stop=b"" if _braced(cursor) else b"{").strip()
     if not raw and cursor.peek().upper() not in (b"{", b"}", b"OFFSET", b"CHANNELS", b""):
         cursor.pos = cursor.start
         raw = cursor.line(stop=b"{").strip()
