@@ -17,15 +17,15 @@ from pathlib import Path
 
 import numpy as np
 from detection import Table, truths
-from fit_leaving import Moments as Leavings
-from fit_leaving import fit_leaving, lines, moments
 from fit_network import Batch, FitParams, Moments, fit_by_committee, module, rounded
 from fit_takes import Take, made, recorded
+from fit_timing import Moments as Events
+from fit_timing import fit_timing, lines, moments
 from fit_variants import variant
 
 from footfix.detect.auto import AutoParams, auto
-from footfix.detect.leaving import Leaving
 from footfix.detect.network import Network
+from footfix.detect.timing import Timing
 
 FOLDS = 5
 VARIANTS = 8  # of each recorded take; the first is as recorded, and one in six is without toe joints
@@ -65,7 +65,7 @@ def _pieces(take: Take, random: np.random.Generator | None, weight: float) -> li
     ]
 
 
-def leavings(folder: Path) -> list[Leavings]:
+def events(folder: Path) -> list[tuple[Events, Events]]:
     """Of all variants of all takes in which figures go somewhere, and of walkers."""
     found = []
     for take, toeless in zip(recorded(folder), recorded(folder, toes=False), strict=True):
@@ -88,20 +88,20 @@ def fitted_without(part: int | None, all_of: list[Piece]) -> Network:
     return rounded(fit_by_committee(moments, FitParams(), FOLDS if part is None else part))
 
 
-def leaving_without(part: int | None, all_of: list[Leavings]) -> Leaving:
-    """What tells when a foot leaves, fitted to all subjects but those of one part."""
-    return fit_leaving([each for each in all_of if fold(each.subject) != part])
+def timing_without(part: int | None, all_of: list[tuple[Events, Events]]) -> Timing:
+    """What tells when feet land and leave, fitted to all subjects but those of one part."""
+    return fit_timing([each for each in all_of if fold(each[0].subject) != part])
 
 
 def cross_validated(folder: Path) -> Table:
     """Each take judged by what has not seen its subject."""
-    all_of, all_leavings = pieces(folder), leavings(folder)
+    all_of, all_events = pieces(folder), events(folder)
     table = Table()
     for part in range(FOLDS):
-        network, leaving = fitted_without(part, all_of), leaving_without(part, all_leavings)
+        network, timing = fitted_without(part, all_of), timing_without(part, all_events)
         for _, subject, truth, tracks in truths(folder):
             if fold(subject) == part:
-                table.add(truth, auto(tracks, AutoParams(), network, leaving), tracks.frame_time)
+                table.add(truth, auto(tracks, AutoParams(), network, timing), tracks.frame_time)
         print(f"part {part + 1} of {FOLDS} judged", flush=True)
     return table
 
@@ -122,8 +122,8 @@ def main() -> None:
             f"Fitted to takes of {len(people)} people over force plates and to {WALKERS} made walkers, each in\n"
             "several variants."
         )
-        network, leaving = fitted_without(None, all_of), leaving_without(None, leavings(asked.truth))
-        FITTED.write_bytes(module(network, lines(leaving), said).encode())
+        network, timing = fitted_without(None, all_of), timing_without(None, events(asked.truth))
+        FITTED.write_bytes(module(network, lines(timing), said).encode())
 
 
 if __name__ == "__main__":

@@ -186,12 +186,12 @@ def rounded(network: Network) -> Network:
     return replace(network, **{name: np.round(getattr(network, name), 3) for name in names})
 
 
-def module(network: Network, leaving: list[str], said: str) -> str:
+def module(network: Network, timing: list[str], said: str) -> str:
     """The text of `footfix/detect/fitted.py`.
 
     Args:
         network: what to write.
-        leaving: the lines that hold what tells when a foot leaves.
+        timing: the lines that hold what tells when feet land and leave.
         said: a sentence on what it was fitted to.
     """
 
@@ -209,8 +209,8 @@ def module(network: Network, leaving: list[str], said: str) -> str:
         "",
         "import numpy as np",
         "",
-        "from footfix.detect.leaving import Leaving",
         "from footfix.detect.network import Network",
+        "from footfix.detect.timing import Line, Timing",
         "",
         f"TAPS = {network.taps}  # [0.01 s]",
         "",
@@ -242,7 +242,7 @@ def module(network: Network, leaving: list[str], said: str) -> str:
         "    answer=1e-3 * np.array(ANSWER),",
         "    answer_bias=1e-3 * np.array(ANSWER_BIAS[0]),",
         ")",
-        *leaving,
+        *timing,
         "",
     ]
     return "\n".join(lines)

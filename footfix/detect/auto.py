@@ -8,11 +8,11 @@ import numpy as np
 
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
-from footfix.detect.fitted import LEAVING, NETWORK
+from footfix.detect.fitted import NETWORK, TIMING
 from footfix.detect.kneeling import KneelingParams, carrying
-from footfix.detect.leaving import Leaving, timed, tipping
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, resting, stretches
+from footfix.detect.timing import Timing, timed
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
 
@@ -46,7 +46,7 @@ _MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
 
 
 def auto(
-    tracks: Tracks, params: AutoParams, network: Network = NETWORK, leaving: Leaving = LEAVING
+    tracks: Tracks, params: AutoParams, network: Network = NETWORK, timing: Timing = TIMING
 ) -> Finding:
     """Contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip.
 
@@ -59,7 +59,7 @@ def auto(
     columns: list[Bools] = []
     sure: list[Floats] = []
     for k, (foot, answer) in enumerate(zip(tracks.feet, answers, strict=True)):
-        plants = timed(stretches(answer, params.switch, params.roll), tipping(sampled, k), leaving)
+        plants = timed(stretches(answer, params.switch, params.roll), sampled, k, timing)
         heel, toe = masks(plants, len(tracks), per_frame)
         for part, point in ((heel, foot.heel), (toe, foot.toe)):
             down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)

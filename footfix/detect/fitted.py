@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.detect.leaving import Leaving
 from footfix.detect.network import Network
+from footfix.detect.timing import Line, Timing
 
 TAPS = (-30, -20, -14, -10, -7, -4, -2, 0, 2, 4, 7, 10, 14, 20, 30)  # [0.01 s]
 
@@ -641,9 +641,14 @@ NETWORK = Network(
     answer_bias=1e-3 * np.array(ANSWER_BIAS[0]),
 )
 
-# How much later a foot leaves than a moment, by its tipping at some steps about it.
-LEAVING = Leaving(
-    taps=(-6, -4, -2, 0, 2, 4, 6),  # [0.01 s]
-    weights=1e-4 * np.array((-47, -60, -56, -50, -26, 23, 48)),  # [us per rad/s^2]
-    bias=1e-4 * 260,  # [us]
+# How much later than a moment a foot lands and leaves [us], by braking and tipping around then.
+TIMING = Timing(
+    landing=Line(
+        taps=(-4, -2, 0, 2, 4), weights=1e-4 * np.array((-233, -559, -288, 174, 492)),
+        bias=1e-4 * -1321, farthest=1.2,
+    ),
+    leaving=Line(
+        taps=(-6, -4, -2, 0, 2, 4, 6), weights=1e-4 * np.array((-48, -62, -57, -51, -26, 23, 47)),
+        bias=1e-4 * 245, farthest=3.0,
+    ),
 )
