@@ -10,7 +10,7 @@ import numpy as np
 from footfix.detect.run import detect
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.run import enforce
+from footfix.enforce.run import Enforcement, enforce
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
@@ -83,10 +83,12 @@ def clean(
     contacts = contacts or detect(smoothed, rig, settings.detect)
     enforcement = enforce(smoothed, rig, contacts, settings.enforce)
     corrected = apply(smoothed, enforcement.correction)
-    held, levels = enforcement.contacts, plant_levels(enforcement.contacts, enforcement.plants)
-    before, plants_before = measure(clip, rig, held, levels=levels)
+    held, levels, belt = enforcement.contacts, plant_levels(enforcement), enforcement.belt
+    before, plants_before = measure(clip, rig, held, levels=levels, belt=belt)
     written = as_written(corrected) if as_written else corrected
-    after, plants_after = (before, plants_before) if written is clip else measure(written, rig, held, levels=levels)
+    after, plants_after = before, plants_before
+    if written is not clip:
+        after, plants_after = measure(written, rig, held, levels=levels, belt=belt)
     return Result(
         clip=corrected,
         rig=rig,
@@ -104,8 +106,8 @@ def clean(
 def measure_plants(clip: Clip, settings: Settings, rig: Rig, contacts: Contacts) -> Measures:
     """Measures a clip as it is, over the frames in which cleaning would hold its plants."""
     enforcement = enforce(clip, rig, contacts, settings.enforce)
-    levels = plant_levels(enforcement.contacts, enforcement.plants)
-    return measure(clip, rig, enforcement.contacts, levels=levels)[0]
+    levels, belt = plant_levels(enforcement), enforcement.belt
+    return measure(clip, rig, enforcement.contacts, levels=levels, belt=belt)[0]
 
 
 def clean_figures(
@@ -138,10 +140,10 @@ def clean_figures(
     return tuple(replace(result, clip=current) for result in results)
 
 
-def plant_levels(contacts: Contacts, plants: tuple[Footplant, ...]) -> tuple[Floats, ...]:
+def plant_levels(enforcement: Enforcement) -> tuple[Floats, ...]:
     """For each effector (contacts,) [m] the height its plants are held at: the floor they are measured against."""
-    height = {(plant.effector, plant.start): plant.target[1] for plant in plants}
+    height = {(plant.effector, plant.start): plant.target[1] for plant in enforcement.plants}
     return tuple(
         np.array([height.get((effector.name, c.start), np.nan) for c in effector.contacts])
-        for effector in contacts.effectors
+        for effector in enforcement.contacts.effectors
     )

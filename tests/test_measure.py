@@ -106,3 +106,12 @@ def test_a_walker_has_no_skate_and_a_drifting_one_has() -> None:
     assert drifting.skate_cm_s - clean.skate_cm_s == pytest.approx(10.0, rel=0.15)
     assert clean.coverage == pytest.approx(walk.contacts.mask().mean()) == drifting.coverage
     assert clean.plants == sum(len(effector.contacts) for effector in walk.contacts.effectors)
+
+
+def test_plants_on_a_belt_are_measured_against_the_belt() -> None:
+    walk = make(Gait(name="treadmill", duration=3.0))
+    rig = find_rig(walk.clip)
+    at_rest = measure(walk.clip, rig, walk.contacts)[0]
+    on_belt = measure(walk.clip, rig, walk.contacts, belt=walk.belt)[0]
+    assert at_rest.slide_mm > 200.0 and on_belt.slide_mm < 15.0
+    assert at_rest.skate_cm_s > 100.0 and on_belt.skate_cm_s < 5.0

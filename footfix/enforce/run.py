@@ -58,12 +58,14 @@ class Enforcement:
         correction: what is to change in the clip.
         notes: what a person should know.
         contacts: the contacts without the frames at their edges in which the foot is still landing or gone.
+        belt: (x, y, z) [m/s] with which planted feet move on purpose, as on a treadmill; zero on a floor at rest.
     """
 
     plants: tuple[Footplant, ...]
     correction: Correction
     notes: tuple[Note, ...]
     contacts: Contacts
+    belt: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
@@ -152,7 +154,9 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         stands = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
         residual = outcomes.residual(rig, stands, points)
     plants = outcomes.footplants(rig, stands, residual, soft, offset, limit)
-    return Enforcement(plants, replace(correction, residual=residual), notes, outcomes.held(contacts, rig, stands))
+    held_contacts, velocity = outcomes.held(contacts, rig, stands), (offset[0] - offset[-1]) / _duration(clip)
+    belt = (float(velocity[0]), 0.0, float(velocity[2]))
+    return Enforcement(plants, replace(correction, residual=residual), notes, held_contacts, belt)
 
 
 def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, proper: slice) -> Enforcement:
@@ -176,7 +180,11 @@ def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, pro
     for effector in found.contacts.effectors:
         moved = tuple(replace(c, start=c.start + start, end=c.end + start) for c in effector.contacts)
         held.append(replace(effector, contacts=moved))
-    return Enforcement(plants, correction, found.notes, replace(contacts, effectors=tuple(held)))
+    return replace(found, plants=plants, correction=correction, contacts=replace(contacts, effectors=tuple(held)))
+
+
+def _duration(clip: Clip) -> float:
+    return max(len(clip) - 1, 1) * clip.frame_time
 
 
 def _ground(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.measure.plants import NOTICED_MM, PlantMeasure, floor_levels, measure_plants
+from footfix.measure.plants import AT_REST, NOTICED_MM, PlantMeasure, floor_levels, measure_plants
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
@@ -62,7 +62,13 @@ class Measures:
 
 
 def measure(
-    clip: Clip, rig: Rig, contacts: Contacts, *, levels: Sequence[Floats] | None = None, pose: Pose | None = None
+    clip: Clip,
+    rig: Rig,
+    contacts: Contacts,
+    *,
+    levels: Sequence[Floats] | None = None,
+    belt: Sequence[float] = AT_REST,
+    pose: Pose | None = None,
 ) -> tuple[Measures, tuple[PlantMeasure, ...]]:
     """Measures a clip against its contacts.
 
@@ -72,6 +78,8 @@ def measure(
         contacts: which sole points are planted when.
         levels: the height of the floor under each contact [m], for each effector (contacts,); found from
             the plants themselves where it is not given.
+        belt: (x, y, z) [m/s] with which the floor itself moves under planted feet, as on a treadmill. Plants are
+            measured against it; measures from the literature know no belts.
         pose: forward kinematics of `rig.joints()`, if it is at hand.
 
     Returns:
@@ -79,7 +87,7 @@ def measure(
     """
     pose = rig.pose(clip) if pose is None else pose
     levels = floor_levels(rig, contacts, pose) if levels is None else levels
-    plants = measure_plants(clip, rig, contacts, pose, levels)
+    plants = measure_plants(clip, rig, contacts, pose, levels, belt)
     slides = np.array([plant.slide_mm for plant in plants])
     weights = np.array([max(plant.end - plant.start - 1, 0) for plant in plants])
     speeds = np.array([plant.speed_cm_s for plant in plants])
