@@ -64,8 +64,10 @@ class Timing:
 
 
 def seen(curve: Floats, at: Floats, taps: tuple[int, ...]) -> Floats:
-    """(m, T) a curve (n,) at some steps about each of some moments (m,) [grid steps]."""
-    return np.asarray(np.interp(at[:, None] + np.array(taps), np.arange(len(curve)), curve))
+    """(m, T) a curve (n,) at some steps about each of some moments (m,) [grid steps], all of them within it."""
+    places = at[:, None] + np.array(taps)
+    left = np.minimum(places.astype(np.intp), len(curve) - 2)
+    return np.asarray(curve[left] + (places - left) * (curve[left + 1] - curve[left]))
 
 
 def braking(sampled: Sampled, k: int) -> Floats:
