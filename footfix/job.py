@@ -229,18 +229,11 @@ def measure_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document = read(data, name, settings)
+    document, source, rigs, contacts = _planted(data, name, settings, labels, "measure")
     clip = document.clip
-    source = source_entry(data, name, clip)
-    if len(clip) < LEAST_FRAMES:
-        raise InputError(f"{len(clip)} frames hold no motion to measure", file=name)
-    with about(name):
-        rigs = find_rigs(clip, settings.rig)
-        contacts = find_contacts(clip, rigs, settings, labels)
     found = [measure_plants(clip, settings, rig, contacts.only(sole.name for sole in rig.soles)) for rig in rigs]
-    doubts = (note for rig in rigs for note in rig.notes)
-    notes = report_format.notes((*document.notes, *doubts, *contacts.notes))
-    return source, report_format.worst([report_format.measures(each) for each in found]), notes
+    measures = report_format.worst([report_format.measures(each) for each in found])
+    return source, measures, _doubts(document, rigs, contacts)
 
 
 def detect_file(
@@ -251,64 +244,23 @@ def detect_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
+    document, source, rigs, contacts = _planted(data, name, settings, labels, "find contacts in")
+    entry = report_format.rig(rigs[0], document.clip, unit_m=document.unit_m, up=document.up)
+    return contacts, source, entry, _doubts(document, rigs, contacts)
+
+
+def _planted(
+    data: bytes, name: str, settings: Settings, labels: Labels | None, purpose: str
+) -> tuple[Document, dict[str, Any], tuple[Rig, ...], Contacts]:
+    """A file as a document, its source entry, its figures' rigs and their contacts."""
     document = read(data, name, settings)
     clip = document.clip
-    source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
-        raise InputError(f"{len(clip)} frames hold no motion to find contacts in", file=name)
+        raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
         rigs = find_rigs(clip, settings.rig)
-        contacts = find_contacts(clip, rigs, settings, labels)
-    entry = report_format.rig(rigs[0], clip, unit_m=document.unit_m, up=document.up)
-    doubts = (note for rig in rigs for note in rig.notes)
-    return contacts, source, entry, report_format.notes((*document.notes, *doubts, *contacts.notes))
+        return document, source_entry(data, name, clip), rigs, find_contacts(clip, rigs, settings, labels)
 
 
-def repair_file(data: bytes, name: str, settings: Settings) -> tuple[bytes, list[dict[str, Any]]]:
-    """The bytes that a strict reader wants of a file, and a note for each change.
-
-    Raises:
-        InputError: it is no BVH.
-    """
-    from footfix.formats.repair import repair
-
-    mended, notes = repair(decode(data, name=name, limits=settings.limits))
-    return mended, report_format.notes(notes)
-
-
-def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
-    """What there is to say of a file: its frames, joints, rig, unit, axes, and everything odd about it.
-
-    Raises:
-        InputError: it is no BVH.
-    """
-    document = decode(data, name=name, limits=settings.limits)
-    found: tuple[Note, ...] = document.notes
-    rigs: list[dict[str, Any]] = []
-    if not document.unusable and len(document.values):
-        try:
-            document, doubts = placed(document, settings.rig)
-            found += doubts
-            for rig in find_rigs(document.clip, settings.rig):
-                rigs.append(report_format.rig(rig, document.clip, unit_m=document.unit_m, up=document.up))
-                found += rig.notes
-        except InputError as error:
-            found += (Note("no-legs", error.what, "warning"),)
-    elif not len(document.values):
-        found += (Note("no-frames", "the file holds no frames", "warning"),)
-    return {
-        "format": "footfix-inspect",
-        "version": 1,
-        "source": {
-            "file": PurePath(name).name,
-            "sha256": hashlib.sha256(data).hexdigest(),
-            "frames": len(document.values),
-            "frame_time": document.frame_time,
-        },
-        "fps": report_format.rounded(1.0 / document.frame_time),
-        "joints": len(document.skeleton),
-        "channels": int(document.values.shape[1]) if document.values.ndim == 2 else 0,
-        "rig": rigs[0] if rigs else None,
-        **({"figures": rigs} if len(rigs) > 1 else {}),
-        "notes": report_format.notes(found),
-    }
+def _doubts(document: Document, rigs: Sequence[Rig], contacts: Contacts) -> list[dict[str, Any]]:
+    return report_format.notes((*document.notes, *(note for rig in rigs for note in rig.notes), *contacts.notes))

@@ -23,6 +23,7 @@ FLOORS = [
     {"report"},
     {"pages"},
     {"job"},
+    {"doctor"},
     {"batch", "api"},
     {"cli", "cli_options", "cli_common", "cli_clean", "cli_runs", "console", "__main__", "__init__"},
 ]

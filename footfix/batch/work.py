@@ -286,13 +286,13 @@ def _detect(task: Task) -> FileResult:
 
 
 def _inspect(task: Task) -> FileResult:
-    from footfix.job import inspect_file
+    from footfix.doctor import inspect_file
 
     return FileResult(task.job.source, "done", report=inspect_file(_read(task), task.job.source, task.settings))
 
 
 def _repair(task: Task) -> FileResult:
-    from footfix.job import repair_file
+    from footfix.doctor import repair_file
 
     job = task.job
     mended, notes = repair_file(_read(task), job.source, task.settings)
