@@ -241,6 +241,8 @@ def _finished(task: Task, key: str) -> FileResult | None:
     job = task.job
     if job.target is None or task.settings.report.kind == "none":
         return None
+    if task.wrote is not None and not task.wrote:
+        return None  # begun, and its end not recorded: what the index shows of it is lost, so it is done again
     try:
         report = json.loads(Path(task.folder, job.beside(REPORT)).read_bytes())
     except (OSError, ValueError):
