@@ -21,7 +21,7 @@ from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
 from footfix.enforce.targets import Goals, goals, lifted, rolled
-from footfix.enforce.toe import Toe, bend, local_rotation, on_ground, toe_of, with_toe_bent
+from footfix.enforce.toe import Toe, bend, firm, local_rotation, toe_of, with_toe_bent
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
@@ -191,10 +191,11 @@ class _Aim:
 def _aim(
     clip: Clip, rig: Rig, pose: Pose, foot: Foot, own: list[Stance], soft: Floats, params: LegParams
 ) -> _Aim:
-    goal = goals(foot, own, clip.frame_time, params.ease, soft)
     toe, vector = toe_of(clip, rig, pose, foot), np.zeros((len(clip), 3))
     if toe is not None:
-        toe = on_ground(toe, foot, pose)
+        toe, foot = firm(toe, foot, own, clip.frame_time, params.ease)
+    goal = goals(foot, own, clip.frame_time, params.ease, soft)
+    if toe is not None:
         depth = params.plants.toe_sink * rig.leg_length
         vector = params.strength * bend(toe, foot, goal, depth, clip.frame_time, params.ease)
         if np.any(vector):
@@ -202,7 +203,7 @@ def _aim(
             goal = goals(foot, own, clip.frame_time, params.ease, soft)
     goal = lifted(goal, foot, params.plants.sink * rig.leg_length, clip.frame_time, params.ease, soft)
     goal = replace(goal, turn=params.strength * goal.turn, shift=params.strength * goal.shift)
-    return _Aim(foot, toe if np.any(vector) else None, vector, goal)
+    return _Aim(foot, toe if toe is not None and (np.any(vector) or np.any(toe.moved)) else None, vector, goal)
 
 
 def _root_shift(clip: Clip, rig: Rig, aims: Sequence[_Aim], params: LegParams) -> tuple[Floats, list[Floats]]:
@@ -210,8 +211,10 @@ def _root_shift(clip: Clip, rig: Rig, aims: Sequence[_Aim], params: LegParams) -
     shift = np.zeros((len(clip), 3))
     movable = bool(clip.skeleton.translates[rig.root])
     planted = [aim.goal.planted for aim in aims]
-    if params.shares and movable:
+    if movable:
         shift = root.shared(planted, [aim.goal.shift for aim in aims], clip.frame_time, params.ease, params.root)
+        if not params.shares:
+            shift[:, [0, 2]] = 0.0
     ankles = [aim.goal.ankle(aim.foot) for aim in aims]
     hips = [aim.foot.hip + shift for aim in aims]
     limits = [reach.allowed(aims[k].foot, hips[k], ankles[k], params.reach) for k in range(len(aims))]

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement
+from footfix.enforce.ease import EaseParams, displacement, within_reach
 from footfix.enforce.foot import Foot
+from footfix.enforce.plants import Stance
 from footfix.enforce.targets import Goals
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
@@ -28,6 +30,7 @@ class Toe:
         turn, above_turn: (F, 4) frames of the two.
         tip: (F, 3) [m] their end.
         carries_ball: whether the foot's ball moves with them.
+        moved: (F,) or () where they are no longer as captured.
     """
 
     joint: int
@@ -37,6 +40,7 @@ class Toe:
     above_turn: Floats
     tip: Floats
     carries_ball: bool
+    moved: Bools = field(default_factory=lambda: np.zeros((), dtype=np.bool_))
 
 
 def toe_of(clip: Clip, rig: Rig, pose: Pose, foot: Foot) -> Toe | None:
@@ -46,21 +50,62 @@ def toe_of(clip: Clip, rig: Rig, pose: Pose, foot: Foot) -> Toe | None:
         return None
     ends = np.flatnonzero(skeleton.end_parents == joint)
     above = int(skeleton.parents[joint])
-    if not len(ends) or above < 0 or foot.leg.ankle not in skeleton.ancestors(above):
+    if above < 0 or foot.leg.ankle not in skeleton.ancestors(above):
         return None
-    offset = skeleton.end_offsets[ends[0]]
-    if np.linalg.norm(offset) < 0.02 * rig.leg_length:
+    offset = skeleton.end_offsets[ends[0]] if len(ends) else np.zeros(3)
+    carries_ball = rig.soles[foot.effectors[1]].joint == joint
+    if np.linalg.norm(offset) < 0.02 * rig.leg_length and not carries_ball:
         return None
+    ground = foot.ankle - pose.position(foot.leg.ankle)  # (F, 3) [m] the leg's tracks may stand on one of their own
     return Toe(
-        joint, above, pose.position(joint), pose.rotation(joint), pose.rotation(above), pose.point(joint, offset),
-        rig.soles[foot.effectors[1]].joint == joint,
+        joint, above, pose.position(joint) + ground, pose.rotation(joint), pose.rotation(above),
+        pose.point(joint, offset) + ground, carries_ball,
     )  # fmt: skip
 
 
-def on_ground(toe: Toe, foot: Foot, pose: Pose) -> Toe:
-    """The toes on the ground that their leg's tracks stand on (see `ground`)."""
-    offset = foot.ankle - pose.position(foot.leg.ankle)
-    return replace(toe, place=toe.place + offset, tip=toe.tip + offset)
+def firm(
+    toe: Toe, foot: Foot, stands: Sequence[Stance], frame_time: float, ease: EaseParams
+) -> tuple[Toe, Foot]:
+    """Toes and foot with the ball held where it usually is in the foot, as long as that stands flat.
+
+    Heel and ball of a flat foot stand still only if they are one rigid body. Toes that wriggle carry the ball to
+    and fro in it, by some millimetres; what of that a plant would slide, they are turned back.
+    """
+    if not toe.carries_ball:
+        return toe, foot
+    at = rotation.rotate(rotation.inverse(foot.turn), foot.ball - toe.place)  # (F, 3) [m] in the ankle's frame
+    flat = np.zeros(len(foot), dtype=np.bool_)
+    kept = np.zeros(len(foot), dtype=np.bool_)
+    vector = np.zeros((len(foot), 3))
+    for stance in stands:
+        on = stance.flat()
+        if stance.released or not np.any(on):
+            continue
+        own = np.arange(stance.frames.start, stance.frames.stop)[on]
+        flat[own] = True
+        if any(plant.kept for plant in stance.plants):
+            kept[own] = True
+        else:
+            vector[own] = rotation.to_rotation_vector(rotation.between(at[own], np.median(at[own], axis=0)))
+    if not np.any(vector):
+        return toe, foot
+    vector = displacement(flat, vector, within_reach(flat & ~kept, frame_time, ease.seconds), frame_time, ease)
+    moved = np.any(vector != 0.0, axis=1)
+    q = rotation.from_rotation_vector(rotation.rotate(foot.turn, vector))
+    ball = toe.place + rotation.rotate(q, foot.ball - toe.place)
+    tip = toe.place + rotation.rotate(q, toe.tip - toe.place)
+    toe = replace(toe, turn=rotation.multiply(q, toe.turn), tip=tip, moved=moved)
+    return toe, _with_ball(foot, ball, moved)
+
+
+def _with_ball(foot: Foot, ball: Floats, where: Bools) -> Foot:
+    """The foot with its ball at (F, 3) [m] on some frames (F,)."""
+    in_foot = rotation.rotate(rotation.inverse(foot.turn), ball - foot.ankle)
+    return replace(
+        foot,
+        ball=np.where(where[:, None], ball, foot.ball),
+        ball_in_foot=np.where(where[:, None], in_foot, foot.ball_in_foot),
+    )
 
 
 def bend(toe: Toe, foot: Foot, goal: Goals, tolerance: float, frame_time: float, ease: EaseParams) -> Floats:
@@ -74,7 +119,7 @@ def bend(toe: Toe, foot: Foot, goal: Goals, tolerance: float, frame_time: float,
     reach = rotation.rotate(turned, toe.tip - toe.place)
     over = joint[:, 1] + reach[:, 1] - goal.level
     lies = min(float(np.median(over[goal.flat])), 0.0) if np.any(goal.flat) else 0.0
-    length = np.linalg.norm(reach, axis=1)
+    length = np.maximum(np.linalg.norm(reach, axis=1), 1e-300)
     deep = np.where(goal.planted & goal.near, np.maximum(lies - over - tolerance, 0.0), 0.0)
     sines = np.clip(np.stack([reach[:, 1] + deep, reach[:, 1]]) / length, -1.0, 1.0)
     angle = np.where(deep > 0.0, np.arcsin(sines[0]) - np.arcsin(sines[1]), 0.0)
@@ -92,16 +137,12 @@ def with_toe_bent(foot: Foot, toe: Toe, goal: Goals, vector: Floats) -> Foot:
     turned = rotation.from_rotation_vector(goal.turn)
     carried = rotation.rotate(rotation.from_rotation_vector(vector), rotation.rotate(turned, foot.ball - toe.place))
     ball = toe.place + rotation.rotate(rotation.inverse(turned), carried)
-    in_foot = rotation.rotate(rotation.inverse(foot.turn), ball - foot.ankle)
-    bent = np.any(vector != 0.0, axis=1)[:, None]
-    return replace(
-        foot, ball=np.where(bent, ball, foot.ball), ball_in_foot=np.where(bent, in_foot, foot.ball_in_foot)
-    )
+    return _with_ball(foot, ball, np.any(vector != 0.0, axis=1))
 
 
 def local_rotation(clip: Clip, toe: Toe, foot_turn: Floats, foot: Foot, vector: Floats) -> Floats:
     """The toe joint's new local rotation (F, 4); the clip's own numbers where it does not bend."""
-    bent = np.any(vector != 0.0, axis=1)
+    bent = toe.moved | np.any(vector != 0.0, axis=1)
     turned = rotation.multiply(foot_turn, rotation.inverse(foot.turn))
     above = rotation.multiply(turned, toe.above_turn)
     now = rotation.multiply(rotation.from_rotation_vector(vector), rotation.multiply(turned, toe.turn))
