@@ -16,7 +16,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose
 
 # Up to which bend the captured leg is too straight to say about which axis its knee flexes [sine].
-_STRAIGHT = 0.08
+_STRAIGHT = 0.4
 # A knee that was captured bent backwards by less than the first [rad] is overstretched, beyond the second it is meant.
 _OVERSTRETCHED, _MEANT = 0.17, 0.44
 
@@ -72,25 +72,29 @@ def knee_axis(foot: Foot, hip_turn: Floats) -> Floats:
     return unit(axis - dot(axis, along)[:, None] * along)
 
 
-def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, share: Floats) -> LegTurns:
-    """The leg that reaches from `hip` to `ankle`.
+@dataclass(frozen=True, eq=False)
+class Knee:
+    """How a knee is bent, over F frames.
 
     Args:
-        foot: the leg as captured.
-        axis: (F, 3) of the knee, from `knee_axis`.
-        hip: (F, 3) [m] where the hip is now.
-        ankle: (F, 3) [m] where the ankle is to be; out of reach, the leg is as straight or as bent as it goes.
-        share: (F,) how much of the change of flexion is made, 0 to 1. Many clips overstretch a straight knee by a
-            few degrees; what changes there bends forwards, and this leads over from what does not change.
+        axis: (F, 3) it flexes about, from `knee_axis`.
+        captured: (F,) [rad] its flexion as captured; negative where it bends backwards.
+        flexion: (F,) [rad] as it is to be.
+    """
 
-    Returns:
-        The turns. The knee stays in the captured leg's plane, carried along by the smallest turn that takes the
-        captured line from hip to ankle to the new one.
+    axis: Floats
+    captured: Floats
+    flexion: Floats
+
+
+def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> Knee:
+    """The knee of the leg that reaches from `hip` (F, 3) to `ankle` (F, 3) [m].
+
+    Out of reach, the leg is as straight or as bent as it goes. Many clips overstretch a straight knee by a few
+    degrees: such a one bends forwards; one that is bent backwards farther stays on its side.
     """
     thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
-    sideways = dot(shank, axis)
-    in_plane = shank - sideways[:, None] * axis
-    # the flexion as captured, signed: knees that bend backwards stay on their side
+    in_plane = shank - dot(shank, axis)[:, None] * axis
     captured = np.arctan2(dot(axis, np.cross(thigh, in_plane)), dot(thigh, in_plane))
     reach = norm(ankle - hip)
     # law of cosines: reach^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
@@ -98,8 +102,25 @@ def two_bones(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, share: Float
         2.0 * norm(thigh) * norm(in_plane), 1e-300
     )
     way = np.clip(1.0 + 2.0 * (captured + _OVERSTRETCHED) / (_MEANT - _OVERSTRETCHED), -1.0, 1.0)
-    flexion = captured + share * (way * np.arccos(np.clip(cosine, -1.0, 1.0)) - captured)
-    bend = rotation.from_axis_angle(axis, flexion - captured)
+    return Knee(axis, captured, way * np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def less_bent(captured: Floats, more: Floats) -> Floats:
+    """(F,) [rad] a knee's flexion (F,) with more of it, or less: by and by, never below the least captured."""
+    least = max(float(captured.min()), 0.0)
+    spare = np.maximum(captured - least, 1e-9)
+    straighter = np.minimum(least + spare * np.exp(np.minimum(more, 0.0) / spare), captured)
+    return np.where(more >= 0.0, captured + more, straighter)
+
+
+def two_bones(foot: Foot, bent: Knee, hip: Floats, ankle: Floats) -> LegTurns:
+    """The leg from `hip` (F, 3) towards `ankle` (F, 3) [m], its knee bent as said.
+
+    The knee stays in the captured leg's plane, carried along by the smallest turn that takes the captured line from
+    hip to ankle to the new one.
+    """
+    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
+    bend = rotation.from_axis_angle(bent.axis, bent.flexion - bent.captured)
     swing = rotation.between(thigh + rotation.rotate(bend, shank), ankle - hip)
     return LegTurns(swing, bend)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.enforce import ik, reach, root
 from footfix.enforce.correction import Correction
-from footfix.enforce.ease import EaseParams, presence, within_reach
+from footfix.enforce.ease import EaseParams, displacement, within_reach
 from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.judge import JudgeParams, hurry_of, let_go, peeled
 from footfix.enforce.plants import PlantParams, Stance
@@ -168,7 +168,10 @@ def _solve(
         goal, ankle = _reached(foot, aim.goal, foot.hip + shift, limits[k], clip.frame_time, params, soft[k])
         turn = goal.foot_turn(foot)
         changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
-        turned = _turned(clip, pose, foot, turn, shift, ankle, changed, params) if able[k] else {}
+        turned: dict[int, Floats] = {}
+        if able[k] and np.any(changed):
+            bent, ankle = _bent(pose, foot, goal, foot.hip + shift, ankle, clip.frame_time, params)
+            turned = _turned(clip, pose, foot, turn, shift, bent, ankle, changed, params)
         new.update(turned)
         if aim.toe is not None and turned:
             new[aim.toe.joint] = local_rotation(clip, aim.toe, turn, foot, aim.bend)
@@ -234,17 +237,40 @@ def _reached(
     return goal, reach.clamp(hip, goal.ankle(foot), limit)
 
 
+def _bent(
+    pose: Pose, foot: Foot, goal: Goals, hip: Floats, ankle: Floats, frame_time: float, params: LegParams
+) -> tuple[ik.Knee, Floats]:
+    """The knee, and the ankle (F, 3) [m] that it leads to.
+
+    Where the foot is held the knee is bent as that needs. Elsewhere not the place of the foot but the bend of the
+    knee leads over: of a straight leg, some millimetres of the foot are many degrees of the knee.
+    """
+    bent = ik.knee(foot, ik.knee_axis(foot, pose.rotation(foot.leg.hip)), hip, ankle)
+    more = displacement(
+        goal.planted, (bent.flexion - bent.captured)[:, None], goal.near, frame_time, params.ease
+    )[:, 0]
+    bent = replace(bent, flexion=np.where(goal.planted, bent.flexion, ik.less_bent(bent.captured, more)))
+    turns = ik.two_bones(foot, bent, hip, ankle)
+    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
+    led = hip + rotation.rotate(turns.swing, thigh + rotation.rotate(turns.bend, shank))
+    return bent, np.where(goal.planted[:, None], ankle, led)
+
+
 def _turned(
-    clip: Clip, pose: Pose, foot: Foot, turn: Floats, shift: Floats, ankle: Floats, changed: Bools, params: LegParams
+    clip: Clip,
+    pose: Pose,
+    foot: Foot,
+    turn: Floats,
+    shift: Floats,
+    bent: ik.Knee,
+    ankle: Floats,
+    changed: Bools,
+    params: LegParams,
 ) -> dict[int, Floats]:
     """New local rotations of one leg's joints; the clip's own numbers where nothing changes."""
-    if not np.any(changed):
-        return {}
-    axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
-    share = presence(changed, clip.frame_time, params.ease.lead)
     if params.solver == "priorities":
-        return _by_priorities(clip, pose, foot, axis, foot.hip + shift, ankle, turn, changed)
-    turns = ik.two_bones(foot, axis, foot.hip + shift, ankle, share)
+        return _by_priorities(clip, pose, foot, bent.axis, foot.hip + shift, ankle, turn, changed)
+    turns = ik.two_bones(foot, bent, foot.hip + shift, ankle)
     local = ik.local_rotations(clip, pose, foot, turns, turn)
     return {joint: np.where(changed[:, None], q, clip.rotations[:, joint]) for joint, q in local.items()}
 
