@@ -25,6 +25,7 @@ class EaseParams:
     seconds: float = 0.30  # how long before a plant it begins and after it ends (Glardon's sigma)
     settle: float = 0.012  # [s] what is quicker than this in a plant's correction is not carried beyond it
     lead: float = 0.08  # [s] in which a knee that was captured overstretched comes to bend forwards
+    toe_speed: float = 200.0  # [deg/s] at which toes bend out of the floor and come back
     slack: float = 0.2  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
 
 
@@ -137,6 +138,19 @@ def fit(
     bands[2, :-2][away[:-2] | away[2:]] = 0.0
     right = np.where(near[:, None], weights[:, None] * values, 0.0)
     return banded.solve(bands, right)
+
+
+def sloped(x: Floats, most: float) -> Floats:
+    """(F,) the least curve that is nowhere below `x` (F,) and changes by no more than `most` from frame to frame."""
+    out = x
+    step = 1
+    while step < len(x) and step * most < float(x.max() - x.min()):
+        later, earlier = out.copy(), out.copy()
+        later[step:] = np.maximum(later[step:], out[:-step] - step * most)
+        earlier[:-step] = np.maximum(earlier[:-step], out[step:] - step * most)
+        out = np.maximum(later, earlier)
+        step *= 2
+    return out
 
 
 def gamma(u: Floats) -> Floats:

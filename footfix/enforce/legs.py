@@ -202,7 +202,7 @@ def _aim(
         depth = params.plants.toe_sink * rig.leg_length
         vector = params.strength * bend(toe, foot, goal, depth, clip.frame_time, params.ease)
         if np.any(vector):
-            foot = with_toe_bent(foot, toe, goal, vector)
+            foot = with_toe_bent(foot, toe, vector)
             goal = goals(foot, own, clip.frame_time, params.ease, soft)
     goal = lifted(goal, foot, params.plants.sink * rig.leg_length, clip.frame_time, params.ease, soft)
     goal = replace(goal, turn=params.strength * goal.turn, shift=params.strength * goal.shift)

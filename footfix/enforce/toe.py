@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, within_reach
+from footfix.enforce.ease import EaseParams, displacement, sloped, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.enforce.targets import Goals
@@ -108,11 +108,13 @@ def _with_ball(foot: Foot, ball: Floats, where: Bools) -> Foot:
     )
 
 
-def bend(toe: Toe, foot: Foot, goal: Goals, tolerance: float, frame_time: float, ease: EaseParams) -> Floats:
-    """(F, 3) [rad] the rotation vector in the world by which the toes bend; zero where they need not.
+def bend(
+    toe: Toe, foot: Foot, goal: Goals, tolerance: float, frame_time: float, ease: EaseParams
+) -> Floats:
+    """(F, 3) [rad] the rotation vector in the ankle's frame by which the toes bend; zero where they need not.
 
     Toes lie as deep as they do when the foot is flat; deeper by more than `tolerance` [m], they turn up about the
-    toe joint until they don't.
+    toe joint until they don't. They begin as early and come back as late as the speed of toes asks for.
     """
     turned = rotation.from_rotation_vector(goal.turn)
     joint = goal.ankle(foot) + rotation.rotate(turned, toe.place - foot.ankle)
@@ -125,18 +127,19 @@ def bend(toe: Toe, foot: Foot, goal: Goals, tolerance: float, frame_time: float,
     angle = np.where(deep > 0.0, np.arcsin(sines[0]) - np.arcsin(sines[1]), 0.0)
     if not np.any(angle):
         return np.zeros((len(foot), 3))
-    axis = np.cross(reach, _UP)
-    vector = angle[:, None] * axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None]
-    return displacement(goal.planted, vector, goal.near, frame_time, ease)
+    axis = rotation.rotate(rotation.inverse(goal.foot_turn(foot)), angle[:, None] * np.cross(reach, _UP))
+    hinge = axis.sum(axis=0) / max(float(np.linalg.norm(axis.sum(axis=0))), 1e-300)
+    rate = max(np.radians(ease.toe_speed), float(angle.max()) / (0.9 * ease.seconds)) * frame_time
+    eased = np.where(goal.near, sloped(angle, rate), 0.0)
+    return np.asarray(eased[:, None] * hinge)
 
 
-def with_toe_bent(foot: Foot, toe: Toe, goal: Goals, vector: Floats) -> Foot:
+def with_toe_bent(foot: Foot, toe: Toe, vector: Floats) -> Foot:
     """The foot with its ball where bent toes carry it."""
     if not toe.carries_ball:
         return foot
-    turned = rotation.from_rotation_vector(goal.turn)
-    carried = rotation.rotate(rotation.from_rotation_vector(vector), rotation.rotate(turned, foot.ball - toe.place))
-    ball = toe.place + rotation.rotate(rotation.inverse(turned), carried)
+    q = rotation.from_rotation_vector(rotation.rotate(foot.turn, vector))
+    ball = toe.place + rotation.rotate(q, foot.ball - toe.place)
     return _with_ball(foot, ball, np.any(vector != 0.0, axis=1))
 
 
@@ -145,6 +148,8 @@ def local_rotation(clip: Clip, toe: Toe, foot_turn: Floats, foot: Foot, vector: 
     bent = toe.moved | np.any(vector != 0.0, axis=1)
     turned = rotation.multiply(foot_turn, rotation.inverse(foot.turn))
     above = rotation.multiply(turned, toe.above_turn)
-    now = rotation.multiply(rotation.from_rotation_vector(vector), rotation.multiply(turned, toe.turn))
+    now = rotation.multiply(
+        rotation.from_rotation_vector(rotation.rotate(foot_turn, vector)), rotation.multiply(turned, toe.turn)
+    )
     local = rotation.normalize(rotation.multiply(rotation.inverse(above), now))
     return np.asarray(np.where(bent[:, None], local, clip.rotations[:, toe.joint]))
