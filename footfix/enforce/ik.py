@@ -19,6 +19,7 @@ from footfix.motion.kinematics import Pose
 _STRAIGHT = 0.4
 # A knee that was captured bent backwards by less than the first [rad] is overstretched, beyond the second it is meant.
 _OVERSTRETCHED, _MEANT = 0.17, 0.44
+_ROUND = 0.02  # [rad] on either side of the least flexion over which a knee's way is rounded off
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -47,6 +48,11 @@ class LegTurns:
 
     swing: Floats
     bend: Floats
+
+    def ankle(self, foot: Foot, hip: Floats) -> Floats:
+        """(F, 3) [m] where the leg's ankle comes to be, its hip at (F, 3) [m]."""
+        thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
+        return hip + rotation.rotate(self.swing, thigh + rotation.rotate(self.bend, shank))
 
 
 def knee_axis(foot: Foot, hip_turn: Floats) -> Floats:
@@ -105,12 +111,13 @@ def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> Knee:
     return Knee(axis, captured, way * np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-def less_bent(captured: Floats, more: Floats) -> Floats:
-    """(F,) [rad] a knee's flexion (F,) with more of it, or less: by and by, never below the least captured."""
-    least = max(float(captured.min()), 0.0)
-    spare = np.maximum(captured - least, 1e-9)
-    straighter = np.minimum(least + spare * np.exp(np.minimum(more, 0.0) / spare), captured)
-    return np.where(more >= 0.0, captured + more, straighter)
+def not_too_straight(captured: Floats, wanted: Floats) -> Floats:
+    """(F,) [rad] the flexion wanted (F,), rounded off where the knee would be straighter than it ever was captured."""
+    least = np.minimum(captured, max(float(captured.min()), 0.0))
+    over = wanted - least
+    # a parabola leads over from the bound to what is wanted
+    rounded = (over + _ROUND) ** 2 / (4.0 * _ROUND)
+    return np.asarray(least + np.where(over >= _ROUND, over, np.where(over <= -_ROUND, 0.0, rounded)))
 
 
 def two_bones(foot: Foot, bent: Knee, hip: Floats, ankle: Floats) -> LegTurns:

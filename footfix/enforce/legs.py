@@ -13,14 +13,14 @@ import numpy as np
 
 from footfix.enforce import ik, reach, root
 from footfix.enforce.correction import Correction
-from footfix.enforce.ease import EaseParams, displacement, within_reach
+from footfix.enforce.ease import EaseParams, displacement, presence, within_reach
 from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.judge import JudgeParams, hurry_of, let_go, peeled
 from footfix.enforce.plants import PlantParams, Stance
 from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
-from footfix.enforce.targets import Goals, goals, lifted, rolled
+from footfix.enforce.targets import Goals, goals, lacks, lifted, rolled
 from footfix.enforce.toe import Toe, bend, firm, local_rotation, toe_of, with_toe_bent
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
@@ -170,7 +170,7 @@ def _solve(
         changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
         turned: dict[int, Floats] = {}
         if able[k] and np.any(changed):
-            bent, ankle = _bent(pose, foot, goal, foot.hip + shift, ankle, clip.frame_time, params)
+            bent, ankle = _bent(pose, foot, goal, foot.hip + shift, ankle, clip.frame_time, rig.leg_length, params)
             turned = _turned(clip, pose, foot, turn, shift, bent, ankle, changed, params)
         new.update(turned)
         if aim.toe is not None and turned:
@@ -238,7 +238,8 @@ def _reached(
 
 
 def _bent(
-    pose: Pose, foot: Foot, goal: Goals, hip: Floats, ankle: Floats, frame_time: float, params: LegParams
+    pose: Pose, foot: Foot, goal: Goals, hip: Floats, ankle: Floats, frame_time: float, leg_length: float,
+    params: LegParams,
 ) -> tuple[ik.Knee, Floats]:
     """The knee, and the ankle (F, 3) [m] that it leads to.
 
@@ -249,11 +250,20 @@ def _bent(
     more = displacement(
         goal.planted, (bent.flexion - bent.captured)[:, None], goal.near, frame_time, params.ease
     )[:, 0]
-    bent = replace(bent, flexion=np.where(goal.planted, bent.flexion, ik.less_bent(bent.captured, more)))
-    turns = ik.two_bones(foot, bent, hip, ankle)
-    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
-    led = hip + rotation.rotate(turns.swing, thigh + rotation.rotate(turns.bend, shank))
-    return bent, np.where(goal.planted[:, None], ankle, led)
+    eased = ik.not_too_straight(bent.captured, bent.captured + more)
+    bent = replace(bent, flexion=np.where(goal.planted, bent.flexion, eased))
+    led = np.where(goal.planted[:, None], ankle, ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip))
+    low = lacks(goal, foot, led, params.plants.sink * leg_length)
+    if not np.any(low):
+        return bent, led
+    # raised along the leg, and as much around as keeps the knee's way smooth
+    line = hip - led
+    raised = led + line * (low / np.maximum(line[:, 1], 0.5 * ik.norm(line)))[:, None]
+    lacking = np.where(low > 0.0, ik.knee(foot, bent.axis, hip, raised).flexion - bent.flexion, 0.0)
+    cover = reach.covered(np.maximum(lacking, 0.0), max(1, round(params.ease.lead / frame_time / 2)))
+    cover *= presence(goal.near & ~goal.planted, frame_time, params.ease.lead)
+    bent = replace(bent, flexion=bent.flexion + cover)
+    return bent, np.where(goal.planted[:, None], ankle, ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip))
 
 
 def _turned(

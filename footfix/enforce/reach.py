@@ -69,7 +69,11 @@ def lowering(
         need = np.maximum(need, short)
     if not np.any(need > 0.0):
         return need
-    width = max(1, round(params.root_ease / frame_time))
+    return covered(need, max(1, round(params.root_ease / frame_time)))
+
+
+def covered(need: Floats, width: int) -> Floats:
+    """(F,) a smooth curve that is nowhere below `need` (F,), and 0 farther than four widths from where that is not."""
     return _mean(_mean(_maximum(need, 2 * width), width), width)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, presence, within_reach
+from footfix.enforce.ease import EaseParams, displacement, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.motion import rotation
@@ -111,7 +111,7 @@ def lifted(
 ) -> Goals:
     """The goals with no end of the foot deeper than `tolerance` [m] in the floor where the foot moves.
 
-    A foot that stands on one end rolls on it until the other is out of the floor; one in the air is raised.
+    A foot that stands on one end rolls on it until the other is out of the floor.
     """
     turned, ankle = goal.foot_turn(foot), goal.ankle(foot)
     heel = ankle + rotation.rotate(turned, foot.heel_in_foot)
@@ -125,17 +125,19 @@ def lifted(
     length = np.linalg.norm(arm, axis=1)
     sine = np.clip(deep / np.maximum(length, 1e-300), 0.0, 1.0)
     roll = rotation.from_axis_angle(axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None], np.arcsin(sine))
-    goal = rolled(goal, foot, roll, frame_time, params, soft)
-    turned, ankle = goal.foot_turn(foot), goal.ankle(foot)
-    low = np.minimum(rotation.rotate(turned, foot.heel_in_foot)[:, 1], rotation.rotate(turned, foot.ball_in_foot)[:, 1])
-    low = np.where(goal.near & ~goal.planted, goal.level - ankle[:, 1] - low - tolerance, 0.0)
-    # a foot that is deeper than it is long is on its way to another floor
-    dips = (low > 0.0) & (low < length) & ~goal.planted
-    if not np.any(dips):
-        return goal
-    shift = goal.shift + np.where(dips, low * presence(goal.near, frame_time, params.lead), 0.0)[:, None] * up
-    pins = goal.pins | dips
-    return replace(goal, pins=pins, shift=displacement(pins, shift, goal.near, frame_time, params, soft))
+    return rolled(goal, foot, roll, frame_time, params, soft)
+
+
+def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
+    """(F,) [m] how much deeper than `tolerance` a swinging foot, its ankle at (F, 3) [m], is in the floor.
+
+    A foot that is deeper than it is long is on its way to another floor.
+    """
+    turned = goal.foot_turn(foot)
+    heel, ball = (rotation.rotate(turned, each) for each in (foot.heel_in_foot, foot.ball_in_foot))
+    deep = goal.level - tolerance - ankle[:, 1] - np.minimum(heel[:, 1], ball[:, 1])
+    deep = np.where(goal.near & ~goal.planted & (deep < np.linalg.norm(ball - heel, axis=1)), deep, 0.0)
+    return np.maximum(deep, 0.0)
 
 
 def rolled(
