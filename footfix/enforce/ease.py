@@ -29,6 +29,9 @@ class EaseParams:
     slack: float = 0.2  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
 
 
+FIRM, SLACK2 = 100.0, 0.012
+
+
 def within_reach(contact: Bools, frame_time: float, seconds: float) -> Bools:
     """(F,) True on contact frames and on those nearer than `seconds` to one."""
     near = np.zeros(len(contact) + 1, dtype=np.int64)
@@ -88,6 +91,7 @@ def displacement(
             exact = pinned & (soft == 0.0)
             weights *= (params.settle / np.maximum(soft, params.settle)) ** 4
         eased = fit(weights, values, near, frame_time, params.settle, params.slack)
+        eased += fit(FIRM * exact, values - eased, near, frame_time, params.settle, SLACK2)
     elif params.method == "hermite" and track is not None:
         eased = _hermite(pinned, values, track, frame_time, params.seconds)
     else:
