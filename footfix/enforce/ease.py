@@ -29,7 +29,7 @@ class EaseParams:
     slack: float = 0.2  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
 
 
-FIRM, SLACK2 = 100.0, 0.012
+_FIRM = 100.0  # times as much as at first that pinned values count when what is left at their edges is led over
 
 
 def within_reach(contact: Bools, frame_time: float, seconds: float) -> Bools:
@@ -91,7 +91,8 @@ def displacement(
             exact = pinned & (soft == 0.0)
             weights *= (params.settle / np.maximum(soft, params.settle)) ** 4
         eased = fit(weights, values, near, frame_time, params.settle, params.slack)
-        eased += fit(FIRM * exact, values - eased, near, frame_time, params.settle, SLACK2)
+        # what that leaves at the edges of plants is led over in as short a time
+        eased += fit(_FIRM * exact, values - eased, near, frame_time, params.settle, params.settle)
     elif params.method == "hermite" and track is not None:
         eased = _hermite(pinned, values, track, frame_time, params.seconds)
     else:
@@ -155,6 +156,29 @@ def sloped(x: Floats, most: float) -> Floats:
         out = np.maximum(later, earlier)
         step *= 2
     return out
+
+
+def covered(need: Floats, width: int) -> Floats:
+    """(F,) a smooth curve that is nowhere below `need` (F,), and 0 farther than four widths from where that is not."""
+    return _mean(_mean(_maximum(need, 2 * width), width), width)
+
+
+def _maximum(x: Floats, half: int) -> Floats:
+    """The largest of each frame's neighbours within `half` frames, by doubling."""
+    padded = np.concatenate([np.zeros(half), x, np.zeros(half)])
+    size, width = 1, 2 * half + 1
+    while 2 * size <= width:
+        padded = np.maximum(padded[:-size], padded[size:])
+        size *= 2
+    return np.asarray(np.maximum(padded[: len(x)], padded[width - size : width - size + len(x)]))
+
+
+def _mean(x: Floats, half: int) -> Floats:
+    """The mean of each frame's neighbours within `half` frames; the ends go on beyond the clip."""
+    padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
+    width = 2 * half + 1
+    kernel_sum = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
+    return np.asarray(np.where(kernel_sum > 1e-9, kernel_sum, 0.0))
 
 
 def gamma(u: Floats) -> Floats:

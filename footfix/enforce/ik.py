@@ -12,13 +12,13 @@ import numpy as np
 
 from footfix.enforce.foot import Foot
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.contacts import runs
 from footfix.motion.kinematics import Pose
 
 # Up to which bend the captured leg is too straight to say about which axis its knee flexes [sine].
 _STRAIGHT = 0.4
-# A knee that was captured bent backwards by less than the first [rad] is overstretched, beyond the second it is meant.
-_OVERSTRETCHED, _MEANT = 0.17, 0.44
+_BACKWARDS = 0.3  # a knee that was captured bent backwards by less [rad] is overstretched, by more it is meant
 _ROUND = 0.02  # [rad] on either side of the least flexion over which a knee's way is rounded off
 
 
@@ -93,11 +93,12 @@ class Knee:
     flexion: Floats
 
 
-def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> Knee:
+def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, held: Bools) -> Knee:
     """The knee of the leg that reaches from `hip` (F, 3) to `ankle` (F, 3) [m].
 
-    Out of reach, the leg is as straight or as bent as it goes. Many clips overstretch a straight knee by a few
-    degrees: such a one bends forwards; one that is bent backwards farther stays on its side.
+    Out of reach, the leg is as straight or as bent as it goes. Many clips overstretch a straight knee by some
+    degrees: such a one bends forwards; one that is bent backwards farther stays on its side. As long as the foot is
+    held (F,) it does not change sides.
     """
     thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
     in_plane = shank - dot(shank, axis)[:, None] * axis
@@ -107,8 +108,11 @@ def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> Knee:
     cosine = (reach**2 - dot(thigh, thigh) - dot(shank, shank)) / np.maximum(
         2.0 * norm(thigh) * norm(in_plane), 1e-300
     )
-    way = np.clip(1.0 + 2.0 * (captured + _OVERSTRETCHED) / (_MEANT - _OVERSTRETCHED), -1.0, 1.0)
-    return Knee(axis, captured, way * np.arccos(np.clip(cosine, -1.0, 1.0)))
+    backwards = captured < -_BACKWARDS
+    for start, end in runs(held) if np.any(backwards) else []:
+        backwards[start:end] = np.median(captured[start:end]) < -_BACKWARDS
+    flexion = np.arccos(np.clip(cosine, -1.0, 1.0))
+    return Knee(axis, captured, np.where(backwards, -flexion, flexion))
 
 
 def not_too_straight(captured: Floats, wanted: Floats) -> Floats:

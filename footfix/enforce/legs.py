@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.enforce import ik, reach, root
 from footfix.enforce.correction import Correction
-from footfix.enforce.ease import EaseParams, displacement, presence, within_reach
+from footfix.enforce.ease import EaseParams, covered, displacement, ease_frames, presence, within_reach
 from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.judge import JudgeParams, hurry_of, let_go, peeled
 from footfix.enforce.plants import PlantParams, Stance
@@ -246,24 +246,24 @@ def _bent(
     Where the foot is held the knee is bent as that needs. Elsewhere not the place of the foot but the bend of the
     knee leads over: of a straight leg, some millimetres of the foot are many degrees of the knee.
     """
-    bent = ik.knee(foot, ik.knee_axis(foot, pose.rotation(foot.leg.hip)), hip, ankle)
+    bent = ik.knee(foot, ik.knee_axis(foot, pose.rotation(foot.leg.hip)), hip, ankle, goal.planted)
     more = displacement(
         goal.planted, (bent.flexion - bent.captured)[:, None], goal.near, frame_time, params.ease
     )[:, 0]
     eased = ik.not_too_straight(bent.captured, bent.captured + more)
     bent = replace(bent, flexion=np.where(goal.planted, bent.flexion, eased))
-    led = np.where(goal.planted[:, None], ankle, ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip))
+    led = ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip)
     low = lacks(goal, foot, led, params.plants.sink * leg_length)
     if not np.any(low):
         return bent, led
     # raised along the leg, and as much around as keeps the knee's way smooth
     line = hip - led
     raised = led + line * (low / np.maximum(line[:, 1], 0.5 * ik.norm(line)))[:, None]
-    lacking = np.where(low > 0.0, ik.knee(foot, bent.axis, hip, raised).flexion - bent.flexion, 0.0)
-    cover = reach.covered(np.maximum(lacking, 0.0), max(1, round(params.ease.lead / frame_time / 2)))
+    lacking = np.where(low > 0.0, ik.knee(foot, bent.axis, hip, raised, goal.planted).flexion - bent.flexion, 0.0)
+    cover = covered(np.maximum(lacking, 0.0), ease_frames(frame_time, 0.5 * params.ease.lead))
     cover *= presence(goal.near & ~goal.planted, frame_time, params.ease.lead)
     bent = replace(bent, flexion=bent.flexion + cover)
-    return bent, np.where(goal.planted[:, None], ankle, ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip))
+    return bent, ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip)
 
 
 def _turned(

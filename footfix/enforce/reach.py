@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.ease import covered, ease_frames
 from footfix.enforce.foot import Foot
 from footfix.enforce.ik import dot, norm
 from footfix.motion import rotation
@@ -69,30 +70,7 @@ def lowering(
         need = np.maximum(need, short)
     if not np.any(need > 0.0):
         return need
-    return covered(need, max(1, round(params.root_ease / frame_time)))
-
-
-def covered(need: Floats, width: int) -> Floats:
-    """(F,) a smooth curve that is nowhere below `need` (F,), and 0 farther than four widths from where that is not."""
-    return _mean(_mean(_maximum(need, 2 * width), width), width)
-
-
-def _maximum(x: Floats, half: int) -> Floats:
-    """The largest of each frame's neighbours within `half` frames, by doubling."""
-    padded = np.concatenate([np.zeros(half), x, np.zeros(half)])
-    size, width = 1, 2 * half + 1
-    while 2 * size <= width:
-        padded = np.maximum(padded[:-size], padded[size:])
-        size *= 2
-    return np.asarray(np.maximum(padded[: len(x)], padded[width - size : width - size + len(x)]))
-
-
-def _mean(x: Floats, half: int) -> Floats:
-    """The mean of each frame's neighbours within `half` frames; the ends go on beyond the clip."""
-    padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
-    width = 2 * half + 1
-    kernel_sum = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
-    return np.asarray(np.where(kernel_sum > 1e-9, kernel_sum, 0.0))
+    return covered(need, ease_frames(frame_time, params.root_ease))
 
 
 def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bools, most: float) -> Floats:
