@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, covered, displacement, ease_frames, presence, within_reach
+from footfix.enforce.ease import EaseParams, displacement, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.motion import rotation
@@ -124,7 +124,6 @@ def lifted(
     axis = np.cross(arm, up)
     length = np.linalg.norm(arm, axis=1)
     angle = np.arcsin(np.clip(deep / np.maximum(length, 1e-300), 0.0, 1.0))
-    angle = covered(angle, ease_frames(frame_time, 0.5 * params.lead)) * presence(on_one, frame_time, params.lead)
     roll = rotation.from_axis_angle(axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None], angle)
     return rolled(goal, foot, roll, frame_time, params, soft)
 
