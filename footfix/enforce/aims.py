@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Plant, PlantParams, Stance, centre
+from footfix.enforce.plants import Plant, PlantParams, Stance, centre, longest
 from footfix.motion.clip import Bools, Floats
 
 
@@ -136,6 +137,34 @@ def _pivots(stance: Stance, foot: Foot, flat: Bools, params: PlantParams) -> str
     places = [foot.point(part)[stance.frames][flat][:, [0, 2]] for part in ("heel", "toe")]
     travel = [float(np.linalg.norm(each - each.mean(axis=0), axis=1).max()) for each in places]
     return "heel" if travel[0] < travel[1] else "toe"
+
+
+def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: PlantParams) -> Stance:
+    """The stance as it stands, kept, if it was cleaned before; otherwise the same value.
+
+    `rests` says of each sole point in which frames (F,) a program put it to rest. Some end of a cleaned foot
+    rests most of the time; what is left of its contacts lands or leaves, and was left to do so.
+    """
+    if any(plant.contact.position is not None or plant.contact.wish == "force" for plant in stance.plants):
+        return stance
+    first = min(plant.contact.start for plant in stance.plants)
+    still = np.zeros(max(plant.contact.end for plant in stance.plants) - first, dtype=np.bool_)
+    for plant in stance.plants:
+        own = slice(plant.contact.start, plant.contact.end)
+        still[own.start - first : own.stop - first] |= rests[plant.effector][own]
+    if int(still.sum()) < max(params.cleaned * len(still), 3):
+        return stance
+    plants = tuple(_as_held(plant, foot, rests[plant.effector]) for plant in stance.plants)
+    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants])
+    return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
+
+
+def _as_held(plant: Plant, foot: Foot, rests: Bools) -> Plant:
+    first = plant.contact.start
+    core = longest(rests[first : plant.contact.end])
+    start, end = (first + core.start, first + core.stop) if core.stop > core.start else (plant.start, plant.end)
+    target = np.median(foot.point(plant.part)[start:end], axis=0)
+    return replace(plant, start=start, end=end, target=target, kept=True)
 
 
 def _stands_well(stance: Stance, foot: Foot, flat: Bools, leg_length: float, params: PlantParams) -> bool:

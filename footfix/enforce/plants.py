@@ -20,6 +20,8 @@ class PlantParams:
     keep_slide: float = 0.0008  # a plant that slides less, stands as level and turns as little, is left alone
     keep_height: float = 0.0055  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
+    rest: float = 2e-5  # from frame to frame: what moves less was put to rest by a program; captured feet never are
+    cleaned: float = 0.4  # of a stand's frames: one that rests so long was cleaned before, and is left alone
     sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
@@ -73,12 +75,14 @@ class Stance:
         plants: its contacts.
         level: [m] height of the floor it stands on.
         pivots: "", or which end ("heel", "toe") it turns about while flat.
+        cleaned: it rests already, and is left alone.
     """
 
     leg: int
     plants: tuple[Plant, ...]
     level: float = 0.0
     pivots: str = ""
+    cleaned: bool = False
 
     @property
     def frames(self) -> slice:
@@ -157,7 +161,7 @@ def _still(
         return start, end
     places = track[start:end]
     away = np.linalg.norm(places - centre(places), axis=1)
-    stands = _longest(away < params.keep_slide * leg_length)
+    stands = longest(away < params.keep_slide * leg_length)
     if stands.stop - stands.start >= params.stands * len(places):  # all but held: what does not stand is no plant
         return start + stands.start, start + stands.stop
     speed = np.linalg.norm(np.diff(places, axis=0), axis=1) / (frame_time * leg_length)
@@ -189,7 +193,7 @@ def centre(points: Floats, weights: Floats | None = None) -> Floats:
     return np.asarray(place)
 
 
-def _longest(mask: Bools) -> slice:
+def longest(mask: Bools) -> slice:
     """The longest stretch in which a mask is True."""
     spans = runs(mask)
     start, end = max(spans, key=lambda span: span[1] - span[0], default=(0, 0))
@@ -204,7 +208,7 @@ def exact(stance: Stance, residual: Floats, leg_length: float, params: PlantPara
     plants = []
     for plant in stance.plants:
         off = residual[plant.frames, plant.effector]
-        holds = _longest(off <= params.holds * leg_length)
+        holds = longest(off <= params.holds * leg_length)
         most = holds.stop - holds.start >= max(params.stands * (plant.contact.end - plant.contact.start), 2)
         if plant.reason or plant.contact.wish == "force" or off.max() <= params.holds * leg_length or not most:
             plants.append(plant)

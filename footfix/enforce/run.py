@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground, outcomes, root
-from footfix.enforce.aims import aimed, judged, level_of
+from footfix.enforce.aims import aimed, as_cleaned, judged, level_of
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, can_turn, feet, posed
@@ -19,9 +19,10 @@ from footfix.enforce.judge import JERK, JudgeParams
 from footfix.enforce.legs import LegParams, enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
+from footfix.enforce.rest import resting
 from footfix.enforce.root import RootParams
 from footfix.enforce.style import StyleParams, styled
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_proper
@@ -38,6 +39,7 @@ class EnforceParams:
 
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
     solver: Literal["closed", "priorities"] = "closed"  # two bones in closed form; or every joint that bends
+    again: bool = False  # whether stands that a program has put to rest already are looked at again
     passes: int = 4  # how often what could be held only in part is tried again on the result
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     plants: PlantParams = field(default_factory=PlantParams)
@@ -118,11 +120,22 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     pose = posed(clip, rig)
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
-    offset, notes = _ground(clip, rig, contacts, legs, found, params)
-    legs = tuple(ground.carried(foot, offset) for foot in legs)
+    notes = _places_not_taken(contacts, found)
+    ride = _ride(clip, rig, legs, found, notes, params)
+    legs = tuple(ground.carried(foot, ride) for foot in legs)
+    rests = _rests(pose, rig, contacts, ride, params.plants)
+    if not params.again:
+        found = [as_cleaned(stance, legs[stance.leg], rests, params.plants) for stance in found]
+        found = _all_left(found, notes)
+    rise = _rise(clip, rig, legs, found, notes, params)
+    legs = tuple(ground.carried(foot, rise) for foot in legs)
+    offset = ride + rise
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
     stands = []
     for stance in found:
+        if stance.cleaned or stance.released:
+            stands.append(stance)
+            continue
         stance = aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
         stance = judged(stance, legs[stance.leg], clip.frame_time, rig.leg_length, params.plants)
@@ -146,9 +159,8 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         done = enforced(clip, rig, pose, legs, held, wanted)
         correction, points, soft = done.correction, done.points, done.soft
         stands = [*done.stands, *(stance for stance in stands if all(plant.reason for plant in stance.plants))]
-        rise = params.strength * float(offset[0, 1])
-        if rise and clip.skeleton.translates[rig.root]:
-            correction = replace(correction, root_shift=correction.root_shift + [0.0, rise, 0.0])
+        if np.any(rise):
+            correction = replace(correction, root_shift=correction.root_shift + params.strength * rise)
     residual = outcomes.residual(rig, stands, points)
     if contacts.method not in GIVEN and params.method != "root":
         stands = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
@@ -156,7 +168,7 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     plants = outcomes.footplants(rig, stands, residual, soft, offset, limit)
     held_contacts, velocity = outcomes.held(contacts, rig, stands), (offset[0] - offset[-1]) / _duration(clip)
     belt = (float(velocity[0]), 0.0, float(velocity[2]))
-    return Enforcement(plants, replace(correction, residual=residual), notes, held_contacts, belt)
+    return Enforcement(plants, replace(correction, residual=residual), tuple(notes), held_contacts, belt)
 
 
 def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, proper: slice) -> Enforcement:
@@ -187,28 +199,59 @@ def _duration(clip: Clip) -> float:
     return max(len(clip) - 1, 1) * clip.frame_time
 
 
-def _ground(
-    clip: Clip, rig: Rig, contacts: Contacts, legs: Sequence[Foot], stands: Sequence[Stance], params: EnforceParams
-) -> tuple[Floats, tuple[Note, ...]]:
-    """(F, 3) [m] what takes the ground's own motion and a common error of height out of the tracks."""
-    notes = _places_not_taken(contacts, stands)
-    times = np.arange(len(clip))[:, None] * clip.frame_time
+def _ride(
+    clip: Clip, rig: Rig, legs: Sequence[Foot], stands: Sequence[Stance], notes: list[Note], params: EnforceParams
+) -> Floats:
+    """(F, 3) [m] what takes the ground's own motion out of the tracks."""
     velocity = ground.belt(stands, legs, clip.frame_time, rig.leg_length, params.ground)
-    offset = -times * velocity
     if np.any(velocity):
         speed = float(np.linalg.norm(velocity))
         text = f"the figure stays in place: planted feet are taken along at {speed:.2f} m/s, as on a belt"
         notes.append(Note("in-place", text))
+    return -np.arange(len(clip))[:, None] * clip.frame_time * velocity
+
+
+def _rests(pose: Pose, rig: Rig, contacts: Contacts, ride: Floats, params: PlantParams) -> dict[int, Bools]:
+    """For each sole point (F,) the frames in which a program put it to rest, on ground that rides (F, 3) [m]."""
+    mask = contacts.mask()
+    return {
+        e: resting(
+            pose.position(sole.joint) + ride, pose.rotation(sole.joint), np.asarray(sole.offset), mask[:, e],
+            rig.leg_length, params.rest,
+        )
+        for e, sole in enumerate(rig.soles)
+    }  # fmt: skip
+
+
+def _all_left(stands: Sequence[Stance], notes: list[Note]) -> list[Stance]:
+    """The stances, all of them left as they are where most of them were cleaned before: so were the others."""
+    cleaned = sum(stance.cleaned for stance in stands)
+    if 2 * cleaned <= len(stands):
+        return list(stands)
+    text = f"{cleaned} of {len(stands)} stands rest already: this clip was cleaned before, and is left as it is"
+    notes.append(Note("cleaned-before", text))
+    return [
+        stance if stance.cleaned or any(plant.contact.wish == "force" for plant in stance.plants)
+        else stance.let_go("left as it was when this clip was cleaned") for stance in stands
+    ]  # fmt: skip
+
+
+def _rise(
+    clip: Clip, rig: Rig, legs: Sequence[Foot], stands: Sequence[Stance], notes: list[Note], params: EnforceParams
+) -> Floats:
+    """(3,) [m] what takes a common error of height out of the tracks."""
+    if params.method == "root" or not clip.skeleton.translates[rig.root]:
+        return np.zeros(3)
     levelled = [
+        stance if stance.cleaned else
         replace(stance, level=level_of(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants))
         for stance in stands
-    ]
+    ]  # fmt: skip
     rise = ground.lift(levelled, legs, rig.leg_length, params.ground)
-    if rise and params.method != "root" and clip.skeleton.translates[rig.root]:
-        offset = offset + [0.0, rise, 0.0]
+    if rise:
         text = f"the whole figure is {'raised' if rise > 0 else 'lowered'} by {1000.0 * abs(rise):.0f} mm to its floor"
         notes.append(Note("height-moved", text))
-    return offset, tuple(notes)
+    return np.array([0.0, rise, 0.0])
 
 
 def _places_not_taken(contacts: Contacts, stands: Sequence[Stance]) -> list[Note]:
