@@ -142,29 +142,31 @@ def _pivots(stance: Stance, foot: Foot, flat: Bools, params: PlantParams) -> str
 def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: PlantParams) -> Stance:
     """The stance as it stands, kept, if it was cleaned before; otherwise the same value.
 
-    `rests` says of each sole point in which frames (F,) a program put it to rest. Some end of a cleaned foot
+    `rests` says of each sole point which of its steps from frame to frame (F - 1,) a program put to rest. Some end of a cleaned foot
     rests most of the time; what is left of its contacts lands or leaves, and was left to do so.
     """
     if any(plant.contact.position is not None or plant.contact.wish == "force" for plant in stance.plants):
         return stance
-    first = min(plant.contact.start for plant in stance.plants)
-    still = np.zeros(max(plant.contact.end for plant in stance.plants) - first, dtype=np.bool_)
-    for plant in stance.plants:
-        own = slice(plant.contact.start, plant.contact.end)
-        still[own.start - first : own.stop - first] |= rests[plant.effector][own]
-    if int(still.sum()) < max(params.cleaned * len(still), 3):
+    cores = [_core(plant, rests[plant.effector]) for plant in stance.plants]
+    frames = max(p.contact.end for p in stance.plants) - min(p.contact.start for p in stance.plants)
+    if len({t for core in cores for t in range(core.start, core.stop)}) < max(params.cleaned * frames, 3):
         return stance
-    plants = tuple(_as_held(plant, foot, rests[plant.effector]) for plant in stance.plants)
+    plants = tuple(_as_held(plant, foot, core) for plant, core in zip(stance.plants, cores, strict=True))
     heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants])
     return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
 
 
-def _as_held(plant: Plant, foot: Foot, rests: Bools) -> Plant:
+def _core(plant: Plant, rests: Bools) -> slice:
+    """The frames of a plant from the first to the last of the longest row of steps (F - 1,) at rest."""
     first = plant.contact.start
-    core = longest(rests[first : plant.contact.end])
-    start, end = (first + core.start, first + core.stop) if core.stop > core.start else (plant.start, plant.end)
-    target = np.median(foot.point(plant.part)[start:end], axis=0)
-    return replace(plant, start=start, end=end, target=target, kept=True)
+    core = longest(rests[first : plant.contact.end - 1])
+    return slice(first + core.start, first + core.stop + 1) if core.stop > core.start else slice(first, first)
+
+
+def _as_held(plant: Plant, foot: Foot, core: slice) -> Plant:
+    frames = core if core.stop > core.start else plant.frames
+    target = np.median(foot.point(plant.part)[frames], axis=0)
+    return replace(plant, start=frames.start, end=frames.stop, target=target, kept=True)
 
 
 def _stands_well(stance: Stance, foot: Foot, flat: Bools, leg_length: float, params: PlantParams) -> bool:

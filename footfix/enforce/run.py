@@ -212,7 +212,7 @@ def _ride(
 
 
 def _rests(pose: Pose, rig: Rig, contacts: Contacts, ride: Floats, params: PlantParams) -> dict[int, Bools]:
-    """For each sole point (F,) the frames in which a program put it to rest, on ground that rides (F, 3) [m]."""
+    """For each sole point (F - 1,) the steps that a program put to rest, on ground that rides (F, 3) [m]."""
     mask = contacts.mask()
     return {
         e: resting(
