@@ -139,6 +139,9 @@ def _pivots(stance: Stance, foot: Foot, flat: Bools, params: PlantParams) -> str
     return "heel" if travel[0] < travel[1] else "toe"
 
 
+LEFT = "left as it was when this clip was cleaned"
+
+
 def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: PlantParams) -> Stance:
     """The stance as it stands, kept, if it was cleaned before; otherwise the same value.
 
@@ -152,7 +155,7 @@ def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: P
     if len({t for core in cores for t in range(core.start, core.stop)}) < max(params.cleaned * frames, 3):
         return stance
     plants = tuple(_as_held(plant, foot, core) for plant, core in zip(stance.plants, cores, strict=True))
-    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants])
+    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants if plant.kept])
     return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
 
 
@@ -164,9 +167,10 @@ def _core(plant: Plant, rests: Bools) -> slice:
 
 
 def _as_held(plant: Plant, foot: Foot, core: slice) -> Plant:
-    frames = core if core.stop > core.start else plant.frames
-    target = np.median(foot.point(plant.part)[frames], axis=0)
-    return replace(plant, start=frames.start, end=frames.stop, target=target, kept=True)
+    if core.stop <= core.start:  # it only lands or leaves
+        return replace(plant, reason=LEFT)
+    target = np.median(foot.point(plant.part)[core], axis=0)
+    return replace(plant, start=core.start, end=core.stop, target=target, kept=True)
 
 
 def _stands_well(stance: Stance, foot: Foot, flat: Bools, leg_length: float, params: PlantParams) -> bool:

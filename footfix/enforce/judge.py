@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.plants import Stance
+from footfix.enforce.plants import PlantParams, Stance, longest
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 
@@ -30,7 +30,7 @@ class JudgeParams:
     peel_share: float = 0.3  # but no more of the plant than this
     softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
     around: float = 0.1  # [s] on either side of such a frame
-    let_go: float = 0.023  # leg lengths: what still slides farther than this (viewers notice 21 mm) is released
+    most: float = 1.6  # times as fast, at a plant, before that is released
 
 
 def peeled(stance: Stance, hurried: Bools, frame_time: float, judge: JudgeParams) -> Stance:
@@ -56,19 +56,31 @@ def peeled(stance: Stance, hurried: Bools, frame_time: float, judge: JudgeParams
 
 
 def let_go(
-    stance: Stance, points: Sequence[Floats], soft: Floats, leg_length: float, judge: JudgeParams
+    stance: Stance,
+    points: Sequence[Floats],
+    soft: Floats,
+    hurried: Bools,
+    leg_length: float,
+    params: PlantParams,
+    judge: JudgeParams,
 ) -> Stance:
-    """The stance with those plants released that still slide visibly, held as softly as they are."""
+    """The stance with those plants released that still slide, held as softly as they are, or still hurry the leg."""
     plants = []
     for plant in stance.plants:
-        moving = stance.pivots not in ("", plant.part)
         off = np.linalg.norm(points[plant.effector][plant.frames] - plant.target, axis=1)
         far = float(off.max())
-        if plant.contact.wish == "force" or moving or not np.any(soft[plant.frames]) or far < judge.let_go * leg_length:
+        held = longest(off <= params.holds * leg_length)
+        slides = bool(np.any(soft[plant.frames])) and far > params.holds * leg_length
+        slides = slides and held.stop - held.start < params.stands * (plant.contact.end - plant.contact.start)
+        hurries = bool(np.any(hurried[max(plant.start - 1, 0) : plant.end + 1]))
+        if plant.contact.wish == "force" or plant.kept or plant.reason or stance.pivots not in ("", plant.part):
             plants.append(plant)
+        elif hurries:
+            plants.append(replace(plant, reason=JERK))
+        elif slides:
+            plants.append(replace(plant, reason=f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"))
         else:
-            reason = f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"
-            plants.append(replace(plant, reason=reason))
+            plants.append(plant)
     if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
         return stance
     return replace(stance, plants=tuple(plants))

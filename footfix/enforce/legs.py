@@ -101,11 +101,16 @@ def enforced(
             if changed is not None:
                 stands, soft = changed
                 solved = _solve(clip, rig, pose, legs, stands, soft, params)
-        if any(np.any(each) for each in soft):
-            fewer = tuple(let_go(s, solved.points, soft[s.leg], rig.leg_length, params.judge) for s in stands)
-            if any(new is not old for new, old in zip(fewer, stands, strict=True)):
-                stands = fewer
-                solved = _solve(clip, rig, pose, legs, stands, soft, params)
+        for _ in range(2):
+            hurried = [hurry > params.judge.most * params.judge.speed for hurry in solved.hurry]
+            fewer = tuple(
+                let_go(s, solved.points, soft[s.leg], hurried[s.leg], rig.leg_length, params.plants, params.judge)
+                for s in stands
+            )
+            if all(new is old for new, old in zip(fewer, stands, strict=True)):
+                break
+            stands = fewer
+            solved = _solve(clip, rig, pose, legs, stands, soft, params)
     joints = tuple(sorted(solved.rotations))
     columns = [solved.rotations[joint] for joint in joints]
     rotations = np.stack(columns, axis=1) if columns else np.zeros((len(clip), 0, 4))

@@ -28,7 +28,7 @@ class PlantParams:
     asked: float = 0.12  # a place asked for that is farther away than this is not taken, but by a forced contact
     shortest: float = 0.04  # [s] a detected stand shorter than this is no plant
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
-    stands: float = 0.6  # of a plant's frames: where so many stand, those at its edges that don't are not held
+    stands: float = 0.5  # of a plant's frames: where so many stand, those at its edges that don't are not held
     holds: float = 0.0002  # a held plant is this near to its target
     places: int = 9  # places along a stance's slide that are tried where its leg would be stretched too far
     stretch: float = 0.98  # of the leg's length: up to here a leg may be stretched beyond the source

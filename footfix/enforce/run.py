@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground, outcomes, root
-from footfix.enforce.aims import aimed, as_cleaned, judged, level_of
+from footfix.enforce.aims import LEFT, aimed, as_cleaned, judged, level_of
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, can_turn, feet, posed
@@ -40,7 +40,7 @@ class EnforceParams:
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
     solver: Literal["closed", "priorities"] = "closed"  # two bones in closed form; or every joint that bends
     again: bool = False  # whether stands that a program has put to rest already are looked at again
-    passes: int = 4  # how often what could be held only in part is tried again on the result
+    passes: int = 1  # how often what could be held only in part is tried again on the result
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     plants: PlantParams = field(default_factory=PlantParams)
     ground: GroundParams = field(default_factory=GroundParams)
@@ -232,7 +232,7 @@ def _all_left(stands: Sequence[Stance], notes: list[Note]) -> list[Stance]:
     notes.append(Note("cleaned-before", text))
     return [
         stance if stance.cleaned or any(plant.contact.wish == "force" for plant in stance.plants)
-        else stance.let_go("left as it was when this clip was cleaned") for stance in stands
+        else stance.let_go(LEFT) for stance in stands
     ]  # fmt: skip
 
 
