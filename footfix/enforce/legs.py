@@ -95,20 +95,21 @@ def enforced(
     stands = tuple(stands)
     soft = tuple(np.zeros(len(clip)) for _ in legs)
     solved = _solve(clip, rig, pose, legs, stands, soft, params)
+    wide = replace(params.judge, peel_most=2.0 * params.judge.peel_most, peel_share=0.5)
     if params.ease.method == "smooth" and params.judge.speed > 0.0:
         for level in (None, None, *range(len(params.judge.softness))):
             changed = _given_way(clip, solved, stands, soft, level, params.judge)
             if changed is not None:
                 stands, soft = changed
                 solved = _solve(clip, rig, pose, legs, stands, soft, params)
-        for _ in range(2):
+        for last in (False, True, True):
             hurried = [hurry > params.judge.most * params.judge.speed for hurry in solved.hurry]
             fewer = tuple(
                 let_go(s, solved.points, soft[s.leg], hurried[s.leg], rig.leg_length, params.plants, params.judge)
-                for s in stands
+                if last else peeled(s, hurried[s.leg], clip.frame_time, wide) for s in stands
             )
             if all(new is old for new, old in zip(fewer, stands, strict=True)):
-                break
+                continue
             stands = fewer
             solved = _solve(clip, rig, pose, legs, stands, soft, params)
     joints = tuple(sorted(solved.rotations))

@@ -7,13 +7,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, sloped, within_reach
+from footfix.enforce.ease import EaseParams, displacement, fit, sloped, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.enforce.targets import Goals
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.contacts import runs
 from footfix.motion.kinematics import Pose
+from footfix.motion.segments import segments
 from footfix.rig.rig import Rig
 
 _UP = np.array([0.0, 1.0, 0.0])
@@ -66,36 +68,48 @@ def toe_of(clip: Clip, rig: Rig, pose: Pose, foot: Foot) -> Toe | None:
 def firm(
     toe: Toe, foot: Foot, stands: Sequence[Stance], frame_time: float, ease: EaseParams
 ) -> tuple[Toe, Foot]:
-    """Toes and foot with the ball held where it usually is in the foot, as long as that stands flat.
+    """Toes and foot with the ball held firmly in the foot as long as that stands on it.
 
-    Heel and ball of a flat foot stand still only if they are one rigid body. Toes that wriggle carry the ball to
-    and fro in it, by some millimetres; what of that a plant would slide, they are turned back.
+    Heel and ball of a flat foot stand still only if they are one rigid body; and a foot that rolls over its ball
+    shakes with each quiver of its toes. Toes that wriggle carry the ball to and fro in the foot, by some
+    millimetres: while it is flat the ball stays where it usually is, and later on it goes its way smoothly.
     """
     if not toe.carries_ball:
         return toe, foot
-    at = rotation.rotate(rotation.inverse(foot.turn), foot.ball - toe.place)  # (F, 3) [m] in the ankle's frame
-    flat = np.zeros(len(foot), dtype=np.bool_)
-    kept = np.zeros(len(foot), dtype=np.bool_)
-    vector = np.zeros((len(foot), 3))
-    for stance in stands:
-        on = stance.flat()
-        if stance.released or not np.any(on):
-            continue
-        own = np.arange(stance.frames.start, stance.frames.stop)[on]
-        flat[own] = True
-        if any(plant.kept for plant in stance.plants):
-            kept[own] = True
-        else:
-            vector[own] = rotation.to_rotation_vector(rotation.between(at[own], np.median(at[own], axis=0)))
-    if not np.any(vector):
+    on, flat, kept = _stood_on(stands, len(foot))
+    if not np.any(on & ~kept):
         return toe, foot
-    vector = displacement(flat, vector, within_reach(flat & ~kept, frame_time, ease.seconds), frame_time, ease)
+    at = rotation.rotate(rotation.inverse(foot.turn), foot.ball - toe.place)  # (F, 3) [m] in the ankle's frame
+    want = at.copy()
+    runs_of_flat = segments(runs(flat))
+    for axis in range(3):
+        column = at[runs_of_flat.frames, axis]
+        want[runs_of_flat.frames, axis] = runs_of_flat.median(column)[runs_of_flat.owner]
+    everywhere = np.ones(len(foot), dtype=np.bool_)
+    smooth = fit(on + 99.0 * flat, want, everywhere, frame_time, ease.toe_settle, ease.slack)
+    want = np.where(flat[:, None], want, smooth)
+    held = on & ~kept
+    vector = np.zeros((len(foot), 3))
+    vector[held] = rotation.to_rotation_vector(rotation.between(at[held], want[held]))
+    if not np.any(np.abs(vector) > 1e-9):
+        return toe, foot
+    vector = displacement(on, vector, within_reach(held, frame_time, ease.seconds), frame_time, ease)
     moved = np.any(vector != 0.0, axis=1)
     q = rotation.from_rotation_vector(rotation.rotate(foot.turn, vector))
     ball = toe.place + rotation.rotate(q, foot.ball - toe.place)
     tip = toe.place + rotation.rotate(q, toe.tip - toe.place)
     toe = replace(toe, turn=rotation.multiply(q, toe.turn), tip=tip, moved=moved)
     return toe, _with_ball(foot, ball, moved)
+
+
+def _stood_on(stands: Sequence[Stance], frames: int) -> tuple[Bools, Bools, Bools]:
+    """(F,) each: the ball is planted; the foot is flat; and it stands well enough as it is."""
+    heel, on, kept = (np.zeros(frames, dtype=np.bool_) for _ in range(3))
+    for stance in stands:
+        for plant in (plant for plant in stance.plants if not plant.reason):
+            (heel if plant.part == "heel" else on)[plant.frames] = True
+            kept[plant.frames] |= plant.kept
+    return on, heel & on, kept
 
 
 def _with_ball(foot: Foot, ball: Floats, where: Bools) -> Foot:
