@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, fit, sloped, within_reach
+from footfix.enforce.ease import EaseParams, fit, sloped, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.enforce.targets import Goals
@@ -93,7 +93,9 @@ def firm(
     vector[held] = rotation.to_rotation_vector(rotation.between(at[held], want[held]))
     if not np.any(np.abs(vector) > 1e-9):
         return toe, foot
-    vector = displacement(on, vector, within_reach(held, frame_time, ease.seconds), frame_time, ease)
+    near = within_reach(held, frame_time, ease.seconds)
+    eased = fit(on + 99.0 * flat, vector, near, frame_time, ease.toe_settle, 2.0 * ease.toe_settle)
+    vector = np.where(flat[:, None], vector, np.where(near[:, None] & (np.abs(eased) > 1e-7), eased, 0.0))
     moved = np.any(vector != 0.0, axis=1)
     q = rotation.from_rotation_vector(rotation.rotate(foot.turn, vector))
     ball = toe.place + rotation.rotate(q, foot.ball - toe.place)
