@@ -28,7 +28,7 @@ def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: P
 
 def judged(stance: Stance, foot: Foot, frame_time: float, leg_length: float, params: PlantParams) -> Stance:
     """The stance kept where it stands well enough, given up where a plant of it would have to move too far."""
-    if _stands_well(stance, foot, stance.flat(), leg_length, params):
+    if _stands_well(stance, foot, stance.flat(), frame_time, leg_length, params):
         return replace(stance, plants=tuple(replace(plant, kept=True) for plant in stance.plants))
     if any(plant.contact.wish == "force" for plant in stance.plants):
         return stance
@@ -173,11 +173,16 @@ def _as_held(plant: Plant, foot: Foot, core: slice) -> Plant:
     return replace(plant, start=core.start, end=core.stop, target=target, kept=True)
 
 
-def _stands_well(stance: Stance, foot: Foot, flat: Bools, leg_length: float, params: PlantParams) -> bool:
+def _stands_well(
+    stance: Stance, foot: Foot, flat: Bools, frame_time: float, leg_length: float, params: PlantParams
+) -> bool:
     for plant in stance.plants:
         off = foot.point(plant.part)[plant.frames] - plant.target
         moves = stance.pivots not in ("", plant.part)
         if not moves and np.hypot(off[:, 0], off[:, 2]).max() > params.keep_slide * leg_length:
+            return False
+        steps = np.diff(off[:, [0, 2]], axis=0)
+        if not moves and np.hypot(*steps.T).max(initial=0.0) > params.keep_speed * leg_length * frame_time:
             return False
         if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
             return False

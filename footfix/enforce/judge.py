@@ -23,13 +23,13 @@ class JudgeParams:
     """What holding a foot may do to the joints of its leg."""
 
     speed: float = 150.0  # [deg/s] by which a joint may turn faster than captured before a plant gives up its edges
-    soften: float = 1.4  # times as fast, before its hold softens
+    soften: float = 1.6  # times as fast, before its hold softens
     given: float = 4.0  # times as fast where the contacts were given, not detected
     peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
     peel_most: float = 0.12  # [s] and altogether,
     peel_share: float = 0.3  # but no more of the plant than this
     softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
-    around: float = 0.1  # [s] on either side of such a frame
+    around: float = 0.05  # [s] on either side of such a frame
     most: float = 1.6  # times as fast, at a plant, before that is released
 
 

@@ -75,9 +75,3 @@ def held(contacts: Contacts, rig: Rig, stands: Sequence[Stance]) -> Contacts:
             kept.append(replace(contact, start=start, end=end))
         effectors.append(replace(effector, contacts=tuple(kept)))
     return replace(contacts, effectors=tuple(effectors))
-
-
-def since(first: Footplant, last: Footplant) -> Footplant:
-    """What became of a plant over several passes: what stands at last was moved there if it did not stand at first."""
-    outcome = "pinned" if last.outcome == "kept" and first.outcome != "kept" else last.outcome
-    return replace(last, outcome=outcome)

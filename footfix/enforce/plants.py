@@ -18,6 +18,7 @@ class PlantParams:
 
     snap: float = 0.06  # a plant nearer than this to the rig's floor stands on it; else on its own level (stairs)
     keep_slide: float = 0.0008  # a plant that slides less, stands as level and turns as little, is left alone
+    keep_speed: float = 0.011  # [leg lengths/s] and is at no time faster than this,
     keep_height: float = 0.0055  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
     rest: float = 2e-5  # from frame to frame: what moves less was put to rest by a program; captured feet never are

@@ -10,12 +10,12 @@ import numpy as np
 
 from footfix.enforce import ground, outcomes, root
 from footfix.enforce.aims import LEFT, aimed, as_cleaned, judged, level_of
-from footfix.enforce.correction import Correction, apply
+from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
-from footfix.enforce.judge import JERK, JudgeParams
+from footfix.enforce.judge import JudgeParams
 from footfix.enforce.legs import LegParams, enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
@@ -40,7 +40,6 @@ class EnforceParams:
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
     solver: Literal["closed", "priorities"] = "closed"  # two bones in closed form; or every joint that bends
     again: bool = False  # whether stands that a program has put to rest already are looked at again
-    passes: int = 1  # how often what could be held only in part is tried again on the result
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     plants: PlantParams = field(default_factory=PlantParams)
     ground: GroundParams = field(default_factory=GroundParams)
@@ -85,32 +84,7 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     proper = motion_proper(clip)
     if (proper.start, proper.stop) != (0, len(clip)):
         return _within(clip, rig, contacts, params, proper)
-    return _settled(clip, rig, contacts, params)
-
-
-def _settled(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
-    """Enforcement, repeated on its own result while plants that were held in part may yet be held better.
-
-    A clip cleaned twice should be the clip cleaned once: what a second run would do is done in the first.
-    """
-    found = first = _on(clip, rig, contacts, params)
-    shift, joints, now = found.correction.root_shift, set(found.correction.joints), clip
-    for _ in range(params.passes - 1):
-        undecided = any(plant.outcome == "partly" or JERK in plant.reason for plant in found.plants)
-        if not undecided or params.method == "root" or params.strength < 1.0 or contacts.method in GIVEN:
-            break
-        now = apply(now, found.correction)
-        found = _on(now, rig, replace(found.contacts, method=contacts.method), params)
-        shift = shift + found.correction.root_shift
-        joints.update(found.correction.joints)
-    if now is clip:
-        return first
-    now = apply(now, found.correction)
-    correction = Correction(
-        rig.root, shift, tuple(sorted(joints)), now.rotations[:, sorted(joints)], found.correction.residual
-    )
-    plants = tuple(outcomes.since(a, b) for a, b in zip(first.plants, found.plants, strict=True))
-    return replace(found, plants=plants, correction=correction, notes=first.notes)
+    return _on(clip, rig, contacts, params)
 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
@@ -179,7 +153,7 @@ def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, pro
         inside = [replace(c, start=max(c.start, start) - start, end=min(c.end, end) - start) for c in effector.contacts]
         effectors.append(replace(effector, contacts=tuple(c for c in inside if c.end > c.start)))
     inner = replace(contacts, frames=end - start, effectors=tuple(effectors))
-    found = _settled(clip.frames(proper), rig, inner, params)
+    found = _on(clip.frames(proper), rig, inner, params)
     whole = found.correction
     around = ((start, len(clip) - end), (0, 0))
     rotations = clip.rotations[:, list(whole.joints)].copy()
