@@ -30,6 +30,7 @@ class JudgeParams:
     peel_share: float = 0.3  # but no more of the plant than this
     softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
     around: float = 0.05  # [s] on either side of such a frame
+    share: float = 0.25  # of the stands: where the legs would let go of more, the root moves with the feet
     most: float = 1.6  # times as fast, at a plant, before that is released
 
 

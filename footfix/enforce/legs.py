@@ -75,6 +75,11 @@ class Held:
     stands: tuple[Stance, ...]
     soft: tuple[Floats, ...]
 
+    @property
+    def let_go(self) -> int:
+        """How many stances have plants that were let go."""
+        return sum(stance.released for stance in self.stands)
+
 
 def enforced(
     clip: Clip, rig: Rig, pose: Pose, legs: Sequence[Foot], stands: Sequence[Stance], params: LegParams

@@ -131,6 +131,11 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
             ease=params.ease, reach=params.reach, root=params.root, judge=params.judge,
         )  # fmt: skip
         done = enforced(clip, rig, pose, legs, held, wanted)
+        if not wanted.shares and done.let_go > params.judge.share * len(held):
+            shared = enforced(clip, rig, pose, legs, held, replace(wanted, shares=True))
+            if shared.let_go < done.let_go:
+                done = shared
+                notes.append(Note("root-shares", "the legs alone could not hold most plants, so the root moves with them"))
         correction, points, soft = done.correction, done.points, done.soft
         stands = [*done.stands, *(stance for stance in stands if all(plant.reason for plant in stance.plants))]
         if np.any(rise):
