@@ -115,13 +115,15 @@ def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, held: Bools) -> K
     return Knee(axis, captured, np.where(backwards, -flexion, flexion))
 
 
-def not_too_straight(captured: Floats, wanted: Floats) -> Floats:
-    """(F,) [rad] the flexion wanted (F,), rounded off where the knee would be straighter than it ever was captured."""
+def not_too_straight(captured: Floats, more: Floats) -> Floats:
+    """(F,) [rad] a knee's flexion (F,) with so much more (F,), but no straighter than the straightest captured."""
     least = np.minimum(captured, max(float(captured.min()), 0.0))
-    over = wanted - least
-    # a parabola leads over from the bound to what is wanted
-    rounded = (over + _ROUND) ** 2 / (4.0 * _ROUND)
-    return np.asarray(least + np.where(over >= _ROUND, over, np.where(over <= -_ROUND, 0.0, rounded)))
+
+    def rounded(over: Floats) -> Floats:  # a parabola leads over from the bound to what is wanted
+        part = (over + _ROUND) ** 2 / (4.0 * _ROUND)
+        return np.where(over >= _ROUND, over, np.where(over <= -_ROUND, 0.0, part))
+
+    return np.asarray(captured + rounded(captured + more - least) - rounded(captured - least))
 
 
 def two_bones(foot: Foot, bent: Knee, hip: Floats, ankle: Floats) -> LegTurns:
@@ -131,9 +133,14 @@ def two_bones(foot: Foot, bent: Knee, hip: Floats, ankle: Floats) -> LegTurns:
     hip to ankle to the new one.
     """
     thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
-    bend = rotation.from_axis_angle(bent.axis, bent.flexion - bent.captured)
-    swing = rotation.between(thigh + rotation.rotate(bend, shank), ankle - hip)
-    return LegTurns(swing, bend)
+    bends = bend(bent)
+    swing = rotation.between(thigh + rotation.rotate(bends, shank), ankle - hip)
+    return LegTurns(swing, bends)
+
+
+def bend(bent: Knee) -> Floats:
+    """(F, 4) what turns the shank about the knee, in the world."""
+    return rotation.from_axis_angle(bent.axis, bent.flexion - bent.captured)
 
 
 def local_rotations(

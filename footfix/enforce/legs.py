@@ -178,10 +178,11 @@ def _solve(
         foot = aim.foot
         goal, ankle = _reached(foot, aim.goal, foot.hip + shift, limits[k], clip.frame_time, params, soft[k])
         turn = goal.foot_turn(foot)
-        changed = np.any(np.concatenate([goal.shift, goal.turn, shift], axis=1) != 0.0, axis=1)
         turned: dict[int, Floats] = {}
-        if able[k] and np.any(changed):
-            bent, ankle = _bent(pose, foot, goal, foot.hip + shift, ankle, clip.frame_time, rig.leg_length, params)
+        if able[k] and (np.any(goal.planted) or np.any(shift)):
+            bent, ankle, changed = _bent(
+                pose, foot, goal, foot.hip + shift, ankle, clip.frame_time, rig.leg_length, params
+            )
             turned = _turned(clip, pose, foot, turn, shift, bent, ankle, changed, params)
         new.update(turned)
         if aim.toe is not None and turned:
@@ -251,30 +252,32 @@ def _reached(
 def _bent(
     pose: Pose, foot: Foot, goal: Goals, hip: Floats, ankle: Floats, frame_time: float, leg_length: float,
     params: LegParams,
-) -> tuple[ik.Knee, Floats]:
-    """The knee, and the ankle (F, 3) [m] that it leads to.
+) -> tuple[ik.Knee, Floats, Bools]:  # fmt: skip
+    """The knee, the ankle (F, 3) [m] that it leads to, and the frames (F,) in which anything changes.
 
-    Where the foot is held the knee is bent as that needs. Elsewhere not the place of the foot but the bend of the
-    knee leads over: of a straight leg, some millimetres of the foot are many degrees of the knee.
+    Where the foot is held, the knee is bent as that needs. Elsewhere not the place of the foot leads over but the
+    bend of the knee: of a straight leg, some millimetres of the foot are many degrees of the knee.
     """
     bent = ik.knee(foot, ik.knee_axis(foot, pose.rotation(foot.leg.hip)), hip, ankle, goal.planted)
-    more = displacement(
-        goal.planted, (bent.flexion - bent.captured)[:, None], goal.near, frame_time, params.ease
-    )[:, 0]
-    eased = ik.not_too_straight(bent.captured, bent.captured + more)
-    bent = replace(bent, flexion=np.where(goal.planted, bent.flexion, eased))
+    moved = np.any((hip != foot.hip) | (goal.turn != 0.0) | (goal.shift != 0.0), axis=1)
+    if params.ease.method != "smooth":
+        return bent, ankle, moved
+    more = np.where(moved, bent.flexion - bent.captured, 0.0)
+    eased = displacement(goal.planted, more[:, None], goal.near, frame_time, params.ease)[:, 0]
+    free = ~goal.planted
+    bent = replace(bent, flexion=np.where(free, ik.not_too_straight(bent.captured, eased), bent.flexion))
     led = ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip)
     low = lacks(goal, foot, led, params.plants.sink * leg_length)
     if not np.any(low):
-        return bent, led
+        return bent, led, moved
     # raised along the leg, and as much around as keeps the knee's way smooth
     line = hip - led
     raised = led + line * (low / np.maximum(line[:, 1], 0.5 * ik.norm(line)))[:, None]
     lacking = np.where(low > 0.0, ik.knee(foot, bent.axis, hip, raised, goal.planted).flexion - bent.flexion, 0.0)
     cover = covered(np.maximum(lacking, 0.0), ease_frames(frame_time, 0.5 * params.ease.lead))
-    cover *= presence(goal.near & ~goal.planted, frame_time, params.ease.lead)
+    cover *= presence(goal.near & free, frame_time, params.ease.lead)
     bent = replace(bent, flexion=bent.flexion + cover)
-    return bent, ik.two_bones(foot, bent, hip, ankle).ankle(foot, hip)
+    return bent, ik.two_bones(foot, bent, hip, led).ankle(foot, hip), moved | (cover > 0.0)
 
 
 def _turned(

@@ -21,7 +21,6 @@ class Goals:
 
     Args:
         planted: (F,) some end of the foot is held.
-        pins: (F,) frames in which the ankle's place is known: planted ones, and those that are lifted.
         near: (F,) frames in which the foot may move.
         flat: (F,) both ends are.
         on_ball: (F,) of heel and ball, the ball carries.
@@ -31,7 +30,6 @@ class Goals:
     """
 
     planted: Bools
-    pins: Bools
     near: Bools
     flat: Bools
     on_ball: Bools
@@ -88,7 +86,7 @@ def goals(
     shift[kept] = 0.0
     on_ball = roll[:, 0] > 0.5
     shift = displacement(planted, shift, near, frame_time, params, soft, foot.ankle)
-    return Goals(planted, planted, near, flat, on_ball, _levels(stands, frames), turn, shift)
+    return Goals(planted, near, flat, on_ball, _levels(stands, frames), turn, shift)
 
 
 def _levels(stands: Sequence[Stance], frames: int) -> Floats:
@@ -158,7 +156,7 @@ def rolled(
     turn = displacement(goal.planted, turn, goal.near, frame_time, params, soft)
     ankle = pivot - rotation.rotate(rotation.multiply(rotation.from_rotation_vector(turn), foot.turn), in_foot)
     shift = np.where(goal.planted[:, None], ankle - foot.ankle, goal.shift)
-    shift = displacement(goal.pins, shift, goal.near, frame_time, params, soft)
+    shift = displacement(goal.planted, shift, goal.near, frame_time, params, soft)
     return replace(goal, turn=turn, shift=shift)
 
 
