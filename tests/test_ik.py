@@ -31,6 +31,12 @@ def pushed(rig: Rig, clip: Clip, amount: float, seed: int) -> tuple:  # type: ig
     return pose, foot, foot.hip + line * np.minimum(1.0, 0.995 * length / ik.norm(line))[:, None]
 
 
+def bent_to(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> ik.LegTurns:
+    """The leg held at `ankle` in every frame."""
+    held = np.ones(len(foot), dtype=bool)
+    return ik.two_bones(foot, ik.knee(foot, axis, hip, ankle, held), hip, ankle)
+
+
 @pytest.mark.parametrize("amount", [0.02, 0.1, 0.25])
 def test_two_bones_reach_any_place_and_keep_the_foot(amount: float) -> None:
     made = walk()
@@ -38,7 +44,7 @@ def test_two_bones_reach_any_place_and_keep_the_foot(amount: float) -> None:
     clip = made.clip
     pose, foot, ankle = pushed(rig, clip, amount, 3)
     axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
-    turns = ik.two_bones(foot, axis, foot.hip, ankle, np.ones(len(clip)))
+    turns = bent_to(foot, axis, foot.hip, ankle)
     rotations = clip.rotations.copy()
     for joint, q in ik.local_rotations(clip, pose, foot, turns, foot.turn).items():
         rotations[:, joint] = q
@@ -58,7 +64,7 @@ def test_the_knee_stays_in_its_plane() -> None:
     pose, foot, _ = pushed(rig, made.clip, 0.0, 0)
     axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
     nearer = foot.hip + 0.93 * (foot.ankle - foot.hip)  # along the captured line: the plane can't turn
-    turns = ik.two_bones(foot, axis, foot.hip, nearer, np.ones(len(foot)))
+    turns = bent_to(foot, axis, foot.hip, nearer)
     knee = foot.hip + rotation.rotate(turns.swing, foot.knee - foot.hip)
     normal = ik.unit(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip))
     bent = ik.norm(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip)) > 0.02
@@ -84,7 +90,7 @@ def test_a_knee_through_straight_does_not_flip() -> None:
     axis = ik.knee_axis(foot, still)
     assert np.all(ik.dot(axis, side) > 0.99)
     ankle = hip + [0.0, -0.86, 0.0]
-    turns = ik.two_bones(foot, axis, hip, ankle, np.ones(frames))
+    turns = bent_to(foot, axis, hip, ankle)
     flexion = bend + rotation.to_rotation_vector(turns.bend)[:, 0]
     assert flexion.min() > 0.2 and np.ptp(flexion) < 1e-6
 
@@ -95,7 +101,7 @@ def test_solver_and_closed_form_agree_on_a_plain_leg(amount: float) -> None:
     rig = rig_of(made)
     pose, foot, ankle = pushed(rig, made.clip, amount, 5)
     axis = ik.knee_axis(foot, pose.rotation(foot.leg.hip))
-    turns = ik.two_bones(foot, axis, foot.hip, ankle, np.ones(len(foot)))
+    turns = bent_to(foot, axis, foot.hip, ankle)
     knee = foot.hip + rotation.rotate(turns.swing, foot.knee - foot.hip)
     ball = ankle + rotation.rotate(foot.turn, foot.ball_in_foot)
     chain = leg_chain(made.clip, pose, foot, axis, np.ones(len(foot), dtype=bool))

@@ -142,11 +142,14 @@ def _pivots(stance: Stance, foot: Foot, flat: Bools, params: PlantParams) -> str
 LEFT = "left as it was when this clip was cleaned"
 
 
-def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: PlantParams) -> Stance:
+def as_cleaned(
+    stance: Stance, foot: Foot, rests: Mapping[int, Bools], floor: float, leg_length: float, params: PlantParams
+) -> Stance:
     """The stance as it stands, kept, if it was cleaned before; otherwise the same value.
 
-    `rests` says of each sole point which of its steps from frame to frame (F - 1,) a program put to rest. Some end of a cleaned foot
-    rests most of the time; what is left of its contacts lands or leaves, and was left to do so.
+    `rests` says of each sole point which of its steps from frame to frame (F - 1,) a program put to rest. Some end
+    of a cleaned foot rests most of the time, on the floor or a step away from it; what is left of its contacts lands
+    or leaves, and was left to do so.
     """
     if any(plant.contact.position is not None or plant.contact.wish == "force" for plant in stance.plants):
         return stance
@@ -156,7 +159,10 @@ def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: P
         return stance
     plants = tuple(_as_held(plant, foot, core) for plant, core in zip(stance.plants, cores, strict=True))
     heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants if plant.kept])
-    return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
+    level = float(np.median(heights))
+    if params.off_floor * leg_length < abs(level - floor) <= params.snap * leg_length:
+        return stance
+    return replace(stance, plants=plants, level=level, cleaned=True)
 
 
 def _core(plant: Plant, rests: Bools) -> slice:

@@ -123,7 +123,7 @@ def not_too_straight(captured: Floats, more: Floats) -> Floats:
         part = (over + _ROUND) ** 2 / (4.0 * _ROUND)
         return np.where(over >= _ROUND, over, np.where(over <= -_ROUND, 0.0, part))
 
-    return np.asarray(captured + rounded(captured + more - least) - rounded(captured - least))
+    return np.maximum(captured + rounded(captured + more - least) - rounded(captured - least), least)
 
 
 def two_bones(foot: Foot, bent: Knee, hip: Floats, ankle: Floats) -> LegTurns:

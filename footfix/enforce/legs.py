@@ -207,8 +207,9 @@ def _aim(
     clip: Clip, rig: Rig, pose: Pose, foot: Foot, own: list[Stance], soft: Floats, params: LegParams
 ) -> _Aim:
     toe, vector = toe_of(clip, rig, pose, foot), np.zeros((len(clip), 3))
-    if toe is not None:
-        toe, foot = firm(toe, foot, own, clip.frame_time, params.ease)
+    if toe is not None and params.strength > 0.0:
+        quiver = params.plants.quiver * rig.leg_length
+        toe, foot = firm(toe, foot, own, quiver, clip.frame_time, params.ease)
     goal = goals(foot, own, clip.frame_time, params.ease, soft)
     if toe is not None:
         depth = params.plants.toe_sink * rig.leg_length
@@ -275,7 +276,7 @@ def _bent(
     raised = led + line * (low / np.maximum(line[:, 1], 0.5 * ik.norm(line)))[:, None]
     lacking = np.where(low > 0.0, ik.knee(foot, bent.axis, hip, raised, goal.planted).flexion - bent.flexion, 0.0)
     cover = covered(np.maximum(lacking, 0.0), ease_frames(frame_time, 0.5 * params.ease.lead))
-    cover *= presence(goal.near & free, frame_time, params.ease.lead)
+    cover *= presence(goal.near & free, frame_time, 0.5 * params.ease.lead)
     bent = replace(bent, flexion=bent.flexion + cover)
     return bent, ik.two_bones(foot, bent, hip, led).ankle(foot, hip), moved | (cover > 0.0)
 

@@ -97,9 +97,9 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     notes = _places_not_taken(contacts, found)
     ride = _ride(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, ride) for foot in legs)
-    rests = _rests(pose, rig, contacts, ride, params.plants)
-    if not params.again:
-        found = [as_cleaned(stance, legs[stance.leg], rests, params.plants) for stance in found]
+    if not params.again and contacts.method not in GIVEN:
+        rests = _rests(pose, rig, contacts, ride, params.plants)
+        found = [as_cleaned(s, legs[s.leg], rests, rig.floor, rig.leg_length, params.plants) for s in found]
         found = _all_left(found, notes)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)

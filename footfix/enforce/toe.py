@@ -66,13 +66,14 @@ def toe_of(clip: Clip, rig: Rig, pose: Pose, foot: Foot) -> Toe | None:
 
 
 def firm(
-    toe: Toe, foot: Foot, stands: Sequence[Stance], frame_time: float, ease: EaseParams
+    toe: Toe, foot: Foot, stands: Sequence[Stance], tolerance: float, frame_time: float, ease: EaseParams
 ) -> tuple[Toe, Foot]:
     """Toes and foot with the ball held firmly in the foot as long as that stands on it.
 
     Heel and ball of a flat foot stand still only if they are one rigid body; and a foot that rolls over its ball
     shakes with each quiver of its toes. Toes that wriggle carry the ball to and fro in the foot, by some
-    millimetres: while it is flat the ball stays where it usually is, and later on it goes its way smoothly.
+    millimetres: while it is flat the ball stays where it usually is, and later on it goes its way smoothly. Toes
+    that carry it no farther than `tolerance` [m] are left as they are.
     """
     if not toe.carries_ball:
         return toe, foot
@@ -85,14 +86,16 @@ def firm(
     for axis in range(3):
         column = at[runs_of_flat.frames, axis]
         want[runs_of_flat.frames, axis] = runs_of_flat.median(column)[runs_of_flat.owner]
+    held = on & ~kept
+    wriggles = np.abs(at[held & flat] - want[held & flat]).max(initial=0.0) > tolerance
+    from_neighbours = np.abs(at[1:-1] - 0.5 * (at[2:] + at[:-2])).max(axis=1)[held[1:-1]]
+    if not wriggles and not (len(from_neighbours) and np.median(from_neighbours) > 0.2 * tolerance):
+        return toe, foot
     everywhere = np.ones(len(foot), dtype=np.bool_)
     smooth = fit(on + 99.0 * flat, want, everywhere, frame_time, ease.toe_settle, ease.slack)
     want = np.where(flat[:, None], want, smooth)
-    held = on & ~kept
     vector = np.zeros((len(foot), 3))
     vector[held] = rotation.to_rotation_vector(rotation.between(at[held], want[held]))
-    if not np.any(np.abs(vector) > 1e-9):
-        return toe, foot
     near = within_reach(held, frame_time, ease.seconds)
     eased = fit(on + 99.0 * flat, vector, near, frame_time, ease.toe_settle, 2.0 * ease.toe_settle)
     vector = np.where(flat[:, None], vector, np.where(near[:, None] & (np.abs(eased) > 1e-7), eased, 0.0))
