@@ -123,7 +123,10 @@ def not_too_straight(captured: Floats, more: Floats) -> Floats:
         part = (over + _ROUND) ** 2 / (4.0 * _ROUND)
         return np.where(over >= _ROUND, over, np.where(over <= -_ROUND, 0.0, part))
 
-    return np.maximum(captured + rounded(captured + more - least) - rounded(captured - least), least)
+    now, wanted = rounded(captured - least), rounded(captured + more - least)
+    # what the rounding itself adds to a knee of which nothing is asked is taken off again
+    added = (now - (captured - least)) * np.minimum(wanted / now, 1.0)
+    return np.asarray(least + wanted - added)
 
 
 def two_bones(foot: Foot, bent: Knee, hip: Floats, ankle: Floats) -> LegTurns:
