@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,16 +33,24 @@ def joint_channels(channels: Sequence[Channel], joints: int, kind: str) -> list[
     return found
 
 
-def position_base(skeleton: Skeleton, channels: Sequence[Channel], values: Floats) -> Floats:
+def position_base(
+    skeleton: Skeleton, channels: Sequence[Channel], column: Callable[[int], Floats], frames: int
+) -> Floats:
     """(J, 3) what position channels are counted from, in file units.
 
     Zero, for they take the place of the OFFSET. But where those of a joint below the root never leave zero, and
     its OFFSET is not zero, the exporter counts from the OFFSET: else the bone would have no length.
+
+    Args:
+        skeleton: in the file's units and axes.
+        channels: what each column is.
+        column: the numbers (F,) of a column.
+        frames: F.
     """
     base = np.zeros((len(skeleton), 3))
     for joint, columns in enumerate(joint_channels(channels, len(skeleton), "P")):
         below = columns and skeleton.parents[joint] >= 0 and skeleton.offsets[joint].any()
-        if below and len(values) and not any(values[0, c] or values[:, c].any() for c, _ in columns):
+        if below and frames and not any(column(c)[0] or column(c).any() for c, _ in columns):
             base[joint] = skeleton.offsets[joint]
     return base
 

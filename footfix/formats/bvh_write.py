@@ -8,7 +8,7 @@ from itertools import chain, pairwise
 import numpy as np
 
 from footfix.formats.bvh_channels import Change
-from footfix.formats.bvh_digits import Bytes, fixed
+from footfix.formats.bvh_digits import Bytes, fixed, meant
 from footfix.formats.bvh_numbers import decimals, token_chunks, tokens
 from footfix.formats.bvh_rows import Rows, consecutive
 from footfix.motion.clip import Bools, Floats, Ints
@@ -18,19 +18,24 @@ _LONGEST = 64  # [bytes] of a number that goes into a table of letters
 _WIDEST_GAP = 16  # [bytes] between numbers that are written together
 
 RowBlock = tuple[int, Ints, Ints]  # first frame; where each number starts and ends, (rows, C)
+Columns = dict[int, Floats]  # column -> (F,) its numbers
 
 
-def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> bytes:
+def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, Columns]:
     """The text with some of its numbers replaced.
 
     Args:
         text: the file.
         rows: where its numbers stand.
         changed: what is to stand there.
+
+    Returns:
+        The new text, and what it says in the columns that were to change; of rows that lack numbers, nothing.
     """
     changed = sorted((change for change in changed if change.frames.any()), key=lambda change: change.column)
+    said = {change.column: rows.values[:, change.column].copy() for change in changed}
     if not changed:
-        return text
+        return text, said
     some = np.flatnonzero(np.any([change.frames for change in changed], axis=0))
     first, last = int(some[0]), int(some[-1])
     pieces, done = list[bytes | memoryview](), 0
@@ -43,10 +48,10 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> bytes:
             pieces += [text[done : int(starts[0, 0])], _row_text(rows, frame, here)]
             done = int(ends[0, -1])
         elif here:
-            piece, done = _splice_block(text, rows, span, starts, ends, here, done)
+            piece, done = _splice_block(text, rows, span, starts, ends, here, done, said)
             pieces.append(piece)
     pieces.append(memoryview(text)[done:])
-    return b"".join(pieces)
+    return b"".join(pieces), said
 
 
 def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
@@ -81,9 +86,9 @@ def row_blocks(rows: Rows) -> Iterator[RowBlock]:
 
 
 def _splice_block(
-    text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int
+    text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int, said: Columns
 ) -> tuple[bytes, int]:
-    """The text from `done` up to the end of the block's last new number, and that place."""
+    """The text from `done` up to the end of the block's last new number, and that place; `said` is told the numbers."""
     columns = np.array([change.column for change in changed])
     mask = np.stack([change.frames[span] for change in changed], axis=1)
     values = np.stack([change.values[span] for change in changed], axis=1)
@@ -96,6 +101,7 @@ def _splice_block(
         return b"", done
     if len(used) < len(starts):
         starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
+    _tell(said, columns, span.start + used, mask, meant(values[mask], places))
     if (ends - starts).max() > _LONGEST or text.find(b"\0", int(starts[0, 0]), int(ends[-1, -1])) >= 0:
         words = (starts[:, columns][mask], ends[:, columns][mask])
         return _one_by_one(text, rows.comma, *words, fixed(values[mask], places), done)
@@ -104,8 +110,8 @@ def _splice_block(
     new, bounds = list[list[bytes]](), list[Ints]()
     for group in np.split(np.arange(len(columns)), np.flatnonzero(~joined) + 1):
         which = slice(int(columns[group[0]]), int(columns[group[-1]]) + 1)
-        run = _run_text(text, rows.comma, starts[:, which], ends[:, which], mask[:, group], values[:, group], places)
-        new.append(run)
+        letters = fixed(values[:, group][mask[:, group]], places)
+        new.append(_run_text(text, rows.comma, starts[:, which], ends[:, which], mask[:, group], letters))
         bounds += [starts[:, which.start], ends[:, which.stop - 1]]
     # kept text, new numbers, kept text, new numbers, ... row by row
     cuts = [done, *np.stack(bounds, axis=1).ravel().tolist()]
@@ -124,13 +130,17 @@ def _one_by_one(text: bytes, comma: bool, starts: Ints, ends: Ints, new: Bytes, 
     return b"".join(pieces), done
 
 
-def _run_text(
-    text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, values: Floats, places: int
-) -> list[bytes]:
+def _tell(said: Columns, columns: Ints, frames: Ints, mask: Bools, new: Floats) -> None:
+    numbers = np.empty(mask.shape)
+    numbers[mask] = new
+    for k, column in enumerate(columns.tolist()):
+        said[column][frames[mask[:, k]]] = numbers[mask[:, k], k]
+
+
+def _run_text(text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, formatted: Bytes) -> list[bytes]:
     """The text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
     count, n = starts.shape
     raw = np.frombuffer(text, np.uint8)
-    formatted = fixed(values[mask], places)
     if comma:
         formatted[formatted == ord(".")] = ord(",")
     gaps = starts[:, 1:] - ends[:, :-1]
