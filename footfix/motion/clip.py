@@ -131,4 +131,12 @@ class Clip:
 
     def frames(self, which: slice | Ints) -> Clip:
         """The clip of some frames only; the frame time stays as it is."""
-        return replace(self, positions=self.positions[which], rotations=self.rotations[which])
+        return replace(self, positions=_some(self.positions, which), rotations=_some(self.rotations, which))
+
+
+def _some(array: Floats, frames: slice | Ints) -> Floats:
+    """Some frames of (F, J, n); the frames of each number stay side by side in memory, for kinematics is twice as
+    slow where they do not."""
+    if isinstance(frames, slice):
+        return array[frames]
+    return np.take(array.transpose(1, 2, 0), frames, axis=-1).transpose(2, 0, 1)
