@@ -88,7 +88,8 @@ def meant(values: Floats, places: int) -> Floats:
         return _read(fixed(values, places))
     # Both are whole numbers below 2^53, so their quotient is rounded once, as a reader rounds the decimals. It takes
     # a twentieth of the time that reading takes.
-    whole, hard = _scaled(values, places)
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole, hard = _scaled(values, places)
     said = whole / 10.0**places
     np.negative(said, out=said, where=(values < 0.0) & (whole > 0.0))
     if hard.any():
