@@ -86,7 +86,9 @@ class Document:
         """The motion in metres, y up. With `unit_m` and `up` as they come, it is the `file_clip`."""
         if self.unit_m == 1.0 and self.up == "y":
             return self.file_clip
-        return bvh_channels.placed(self.file_clip, self.unit_m, self.up)
+        found = bvh_channels.placed(self.file_clip, self.unit_m, self.up)
+        self.__dict__.pop("file_clip", None)  # hardly asked for again, and half as large as the file
+        return found
 
     def in_file(self, clip: Clip) -> Clip:
         """A clip in metres, y up, in the file's units and axes."""
@@ -185,8 +187,9 @@ def _spliced(document: Document, clip: Clip) -> tuple[bytes, Columns]:
     old, rows = document.clip, document.rows
     if clip is old:
         return document.text, {}
-    if clip.positions.shape != old.positions.shape:
-        raise ValueError(f"the clip is {clip.positions.shape}, the file {old.positions.shape}")
+    if (len(clip), len(clip.skeleton)) != (len(old), len(old.skeleton)):
+        of = [f"{len(each)} frames of {len(each.skeleton)} joints" for each in (clip, old)]
+        raise ValueError(f"the clip has {of[0]}, the file {of[1]}")
     with np.errstate(invalid="ignore"):  # numbers that are none stay as they stand
         found = bvh_channels.changes(
             document.channels, rows.values, document.base, old, clip, document.unit_m, document.up

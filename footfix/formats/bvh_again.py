@@ -6,7 +6,6 @@ Reading is the slowest step of all, and the writer knows what it wrote: fixed de
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,25 +40,18 @@ def said_again(document: Document, said: Mapping[int, Floats]) -> Clip | None:
     base = bvh_channels.position_base(document.skeleton, document.channels, column, len(rows.values))
     if not np.array_equal(base, document.base):
         return None
-    clip = document.clip
-    positions, rotations = clip.positions, clip.rotations
-    owners = {kind: {document.channels[k].joint for k in said if document.channels[k].kind == kind} for kind in "PR"}
-    if owners["P"]:
-        positions = positions.copy(order="K")
-    if owners["R"]:
-        rotations = rotations.copy(order="K")
+    clip, channels = document.clip, document.channels
+    owners = {kind: {channels[k].joint for k in said if channels[k].kind == kind} for kind in "PR"}
     changed = sorted(owners["P"] | owners["R"])
     roots = [joint for joint in changed if clip.skeleton.parents[joint] < 0]
     others = [joint for joint in changed if clip.skeleton.parents[joint] >= 0]
+    places, turns = dict[int, Floats](), dict[int, Floats]()
     for joints, up in ((roots, document.up), (others, "y")):  # below the roots there are no axes of the file
         if joints:
             alone = bvh_channels.placed(_alone(document, joints, column), document.unit_m, up)
-            for k, joint in enumerate(joints):
-                if joint in owners["P"]:
-                    positions[:, joint] = alone.positions[:, k]
-                if joint in owners["R"]:
-                    rotations[:, joint] = alone.rotations[:, k]
-    return replace(clip, positions=positions, rotations=rotations)
+            places |= {joint: alone.place(k) for k, joint in enumerate(joints) if joint in owners["P"]}
+            turns |= {joint: alone.turn(k) for k, joint in enumerate(joints) if joint in owners["R"]}
+    return clip.with_joints(places, turns)
 
 
 def _alone(document: Document, joints: Sequence[int], column: Column) -> Clip:

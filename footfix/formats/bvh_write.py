@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from io import BytesIO
 from itertools import chain
 
 import numpy as np
@@ -40,20 +41,20 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, C
         return text, said
     some = np.flatnonzero(np.any([change.frames for change in changed], axis=0))
     first, last = int(some[0]), int(some[-1])
-    pieces, done = list[bytes | memoryview](), 0
+    out, done = BytesIO(), 0  # not a list of pieces: joining them takes the memory of the file once more
     for frame, starts, ends in row_blocks(rows):
         if frame > last:
             break
         span = slice(frame, frame + len(starts))
         here = [change for change in changed if change.frames[span].any()] if span.stop > first else []
         if here and starts.shape[1] < rows.values.shape[1]:
-            pieces += [text[done : int(starts[0, 0])], _row_text(rows, frame, here)]
+            out.write(text[done : int(starts[0, 0])] + _row_text(rows, frame, here))
             done = int(ends[0, -1])
         elif here:
             piece, done = _splice_block(text, rows, span, starts, ends, here, done, said)
-            pieces.append(piece)
-    pieces.append(memoryview(text)[done:])
-    return b"".join(pieces), said
+            out.write(piece)
+    out.write(memoryview(text)[done:])
+    return out.getvalue(), said
 
 
 def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
