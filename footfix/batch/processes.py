@@ -7,7 +7,6 @@ Here every worker has a pipe of its own: what it works on is known, so its end c
 from __future__ import annotations
 
 import gc
-import multiprocessing
 import os
 import signal
 import sys
@@ -16,14 +15,16 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from footfix.batch.work import FileResult, Task
 from footfix.errors import FootfixError
 from footfix.files import remove_leftovers
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
 
 Work = Callable[[Task], FileResult]
 Results = Generator[tuple[int, FileResult], None, None]  # index and result, as they come
@@ -124,6 +125,8 @@ def _way() -> Literal["fork", "spawn"]:
 
 
 def _hire(work: Work, crew: Sequence[_Worker]) -> _Worker:
+    import multiprocessing  # for several clips; one need not wait for it
+
     ours, theirs = multiprocessing.Pipe()
     process: BaseProcess
     if _way() == "fork":
@@ -188,6 +191,8 @@ def _hand_out(
 
 def _heard(crew: Sequence[_Worker], timeout: float | None) -> list[_Worker]:
     """The workers that have something to say, have died, or are out of time."""
+    from multiprocessing.connection import wait
+
     by_handle: dict[Any, _Worker] = {}
     for worker in crew:
         by_handle[worker.pipe] = worker

@@ -9,7 +9,6 @@ from io import BytesIO
 import numpy as np
 
 from footfix.formats.bvh_numbers import number
-from footfix.formats.bvh_ragged import read_ragged
 from footfix.formats.bvh_rows import Rows
 from footfix.formats.bvh_text import Cursor
 
@@ -80,6 +79,8 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
     if layouts[0] and text[start : start + 1_000_000].strip():
         rows = _read_regular(text, start, layouts)
     if rows is None:
+        from footfix.formats.bvh_ragged import read_ragged  # most files never need it
+
         rows = read_ragged(cursor, layouts, declared)
     if len(rows.values) > max_frames:
         what = f"{len(rows.values)} frames, more than {max_frames}"

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from footfix.motion.clip import Floats
+from footfix.motion.segments import distinct
 from footfix.report.markup import text
 from footfix.report.motion import Motion, side_of
 
@@ -56,7 +57,7 @@ def _bars(effector: Mapping[str, Any], frames: int, y: float) -> str:
 
 
 def _path(series: Floats, motion: Motion, base: float, scale: float) -> str:
-    pick = np.unique(np.linspace(0, len(series) - 1, min(_POINTS, len(series))).astype(np.intp))
+    pick = distinct(np.linspace(0, len(series) - 1, min(_POINTS, len(series))).astype(np.intp))
     return "M" + " ".join(
         f"{_x(frame, motion.frames):.1f} {height:.1f}"
         for frame, height in zip(pick * motion.step, base - scale * series[pick], strict=True)
