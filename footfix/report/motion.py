@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -139,10 +138,8 @@ def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
     if len(clip) < 2 or not rig.soles:
         return np.zeros((len(shown), len(rig.soles)))
     behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)
-    tracks: Sequence[Sequence[Floats]] = [
-        rig.tracks(rig.pose(clip.frames(frames))) for frames in (behind, ahead)
-    ]
-    steps = np.stack([b - a for a, b in zip(*tracks, strict=True)], axis=1)  # (D, E, 3) [m]
+    tracks = rig.tracks(rig.pose(clip.frames(np.concatenate([behind, ahead]))))
+    steps = np.stack([each[len(shown) :] - each[: len(shown)] for each in tracks], axis=1)  # (D, E, 3) [m]
     speeds: Floats = np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]
     return speeds
 
