@@ -15,7 +15,7 @@ from footfix import version
 from footfix.detect.run import detect
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
-from footfix.formats.bvh import Document, decode, encode
+from footfix.formats.bvh import Document, decode, rewrite
 from footfix.formats.contacts import Labels
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
@@ -134,10 +134,7 @@ def clean_file(
 
     def as_written(corrected: Clip) -> Clip:
         nonlocal written, again
-        written = encode(document, corrected)
-        if written != data:
-            reread = decode(written, name=name, limits=settings.limits)
-            again = reread.placed(unit_m=document.unit_m, up=document.up).clip
+        written, again = rewrite(document, corrected, limits=settings.limits)
         return again
 
     with about(name):

@@ -73,7 +73,7 @@ def redraw(
     except (KeyError, TypeError, ValueError):
         raise InputError("the report does not say the clip's unit and up axis") from None
     before, after = (decode(data).placed(unit_m=unit_m, up=up).clip for data in (source, written))
-    if before.positions.shape != after.positions.shape:
+    if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params)[0]

@@ -28,7 +28,8 @@ class Result:
     """What cleaning a clip gives.
 
     Args:
-        clip: the corrected motion; the very clip that came in where nothing needed changing.
+        clip: the corrected motion, as a file says it where one was written; the very clip that came in where nothing
+            needed changing.
         rig: legs, soles, scale and floor it was cleaned with.
         contacts: which sole points are planted when.
         plants: what became of each contact, and the frames of it that were held. A foot that lands or leaves is in
@@ -66,7 +67,7 @@ def clean(
         settings: the parameters of all steps.
         rig: legs and soles; found where it is not given.
         contacts: which sole points are planted when; detected where they are not given.
-        as_written: what a file makes of the corrected clip; `after` is measured on that.
+        as_written: what a file makes of the corrected clip; that is the result, and `after` is measured on it.
 
     Returns:
         The corrected clip and all that was found on the way.
@@ -85,10 +86,11 @@ def clean(
     corrected = apply(smoothed, enforcement.correction)
     held, levels, belt = enforcement.contacts, plant_levels(enforcement), enforcement.belt
     before, plants_before = measure(clip, rig, held, levels=levels, belt=belt)
-    written = as_written(corrected) if as_written else corrected
+    if as_written:
+        corrected = as_written(corrected)
     after, plants_after = before, plants_before
-    if written is not clip:
-        after, plants_after = measure(written, rig, held, levels=levels, belt=belt)
+    if corrected is not clip:
+        after, plants_after = measure(corrected, rig, held, levels=levels, belt=belt)
     return Result(
         clip=corrected,
         rig=rig,

@@ -28,6 +28,8 @@ def act(task: Task) -> FileResult:
         time.sleep(60.0)
     if name.startswith("nap"):
         time.sleep(0.3)
+    if name.startswith("stand"):
+        time.sleep(2.0)
     return FileResult(name, "done")
 
 

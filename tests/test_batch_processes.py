@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -18,12 +19,22 @@ from conftest import ROOT
 from walker import make
 from walker_plan import Gait
 
+from footfix.batch import processes
 from footfix.batch.processes import Stop, on_processes
 from footfix.batch.run import Crew, run
 from footfix.batch.work import FileResult
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX systems")
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+
+@pytest.fixture(params=["spawn", "fork"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Both ways in which workers start, whichever this process would choose."""
+    if request.param not in multiprocessing.get_all_start_methods():
+        pytest.skip(f"no {request.param} on this system")
+    monkeypatch.setattr(processes, "_way", lambda: request.param)
+    return str(request.param)
 
 
 def results(names: list[str], *, workers: int = 2, timeout: float | None = None) -> dict[str, FileResult]:
@@ -33,6 +44,7 @@ def results(names: list[str], *, workers: int = 2, timeout: float | None = None)
 
 
 @POSIX
+@pytest.mark.usefixtures("way")
 def test_a_killed_worker_costs_its_clip_alone_and_is_named() -> None:
     found = results(["a", "die1", "b", "leave", "c", "d"])
     assert [name for name, each in found.items() if each.status == "failed"] == ["die1", "leave"]
@@ -40,6 +52,7 @@ def test_a_killed_worker_costs_its_clip_alone_and_is_named() -> None:
     assert "exit code 7" in found["leave"].error
 
 
+@pytest.mark.usefixtures("way")
 def test_a_clip_that_takes_too_long_is_stopped() -> None:
     begun = time.monotonic()
     found = results(["a", "sleep", "b", "c"], timeout=3.0)
@@ -48,6 +61,7 @@ def test_a_clip_that_takes_too_long_is_stopped() -> None:
     assert all(found[name].status == "done" for name in "abc")
 
 
+@pytest.mark.usefixtures("way")
 def test_a_stop_lets_running_clips_finish_and_begins_no_others() -> None:
     stop, begun = Stop(), []
 
@@ -59,6 +73,32 @@ def test_a_stop_lets_running_clips_finish_and_begins_no_others() -> None:
     ended = list(on_processes(batch_tasks.act, tasks, workers=2, timeout=None, stop=stop, starting=starting))
     assert 1 <= len(begun) <= 2 and sorted(index for index, _ in ended) == begun
     assert all(result.status == "done" for _, result in ended)
+
+
+@POSIX
+def test_workers_end_when_their_parent_is_killed(way: str, tmp_path: Path) -> None:
+    program = (
+        "import sys, batch_tasks\n"
+        "from footfix.batch import processes\n"
+        f"processes._way = lambda: {way!r}\n"
+        "tasks = [batch_tasks.task(name) for name in ('a', 'b', 'c', 'stand', 'stand')]\n"
+        "if __name__ == '__main__':\n"
+        "    ended = processes.on_processes(batch_tasks.act, tasks, workers=3, timeout=None, stop=processes.Stop(),\n"
+        "                                   starting=lambda index: None)\n"
+        "    for index, result in ended:\n"
+        "        print(index, flush=True)\n"
+    )
+    script = tmp_path / "parent.py"
+    script.write_text(program)
+    environment = {**ENVIRONMENT, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+    command = [sys.executable, str(script)]
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, start_new_session=True)
+    assert process.stdout is not None
+    for _ in range(3):
+        process.stdout.readline()
+    process.kill()
+    process.wait()
+    process.stdout.read()  # until nobody holds its other end
 
 
 @pytest.fixture(scope="module")

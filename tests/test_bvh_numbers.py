@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from footfix.formats.bvh_digits import fixed
+from footfix.formats.bvh_digits import fixed, meant
 from footfix.formats.bvh_numbers import decimals, number, token_chunks, tokens, words
 
 VALUES = st.floats(allow_nan=False, allow_infinity=False, width=64) | st.floats(-1e4, 1e4)
@@ -36,6 +36,21 @@ def test_formatting_is_exact_near_ties(scale: float, places: int) -> None:
     values[:1000] = np.round(values[:1000], places) + 0.5 * 10.0**-places
     got = [row.tobytes().translate(None, b"\0").decode() for row in fixed(values, places)]
     assert got == [printed(value, places) for value in values.tolist()]
+
+
+@given(st.lists(VALUES | TIES, min_size=1, max_size=40), st.integers(0, 20))
+def test_what_is_written_means_what_is_read(values: list[float], places: int) -> None:
+    said = meant(np.array(values), places)
+    assert said.tobytes() == np.array([float(printed(value, places)) for value in values]).tobytes()
+
+
+@pytest.mark.parametrize("places", [1, 6, 9, 10, 15])
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 180.0, 1e4, 1e7, 1e12])
+def test_what_is_written_means_what_is_read_near_ties(scale: float, places: int) -> None:
+    values = np.random.default_rng(places).normal(0.0, scale, 2000)
+    values[:1000] = np.round(values[:1000], places) + 0.5 * 10.0**-places
+    said = [float(printed(value, places)) for value in values.tolist()]
+    assert meant(values, places).tobytes() == np.array(said).tobytes()
 
 
 @given(st.binary(max_size=300))

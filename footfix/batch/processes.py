@@ -6,21 +6,25 @@ Here every worker has a pipe of its own: what it works on is known, so its end c
 
 from __future__ import annotations
 
-import multiprocessing
+import gc
+import os
 import signal
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from footfix.batch.work import FileResult, Task
 from footfix.errors import FootfixError
 from footfix.files import remove_leftovers
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
 
 Work = Callable[[Task], FileResult]
 Results = Generator[tuple[int, FileResult], None, None]  # index and result, as they come
@@ -81,7 +85,9 @@ def on_processes(
         FootfixError: processes can't be started here.
     """
     waiting = deque(range(len(tasks)))
-    crew = [_hire(work) for _ in range(max(min(workers, len(tasks)), 1))]
+    crew: list[_Worker] = []
+    for _ in range(max(min(workers, len(tasks)), 1)):
+        crew.append(_hire(work, crew))
     stillborn = 0
     try:
         while waiting or any(worker.task is not None for worker in crew):
@@ -100,17 +106,43 @@ def on_processes(
                         raise FootfixError("worker processes end as soon as they start; -j1 works without them")
                     crew.remove(worker)
                     if waiting:
-                        crew.append(_hire(work))
+                        crew.append(_hire(work, crew))
     finally:
         for worker in crew:
             _dismiss(worker, tasks)
 
 
-def _hire(work: Work) -> _Worker:
-    # spawn: the same on every system, and a worker inherits neither threads nor open files
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=_serve, args=(theirs, work), daemon=True)
+def _way() -> Literal["fork", "spawn"]:
+    """How workers start.
+
+    A fork begins with all that is loaded here, where a process that is spawned takes half a second of its processor
+    to load it again: as long as ten clips of 300 frames. It copies no threads, so it is for a process without any;
+    and only Linux lets them be counted, and has system libraries that bear it.
+    """
+    tasks = Path("/proc/self/task")
+    alone = sys.platform == "linux" and tasks.is_dir() and len(list(tasks.iterdir())) == 1
+    return "fork" if alone else "spawn"
+
+
+def _hire(work: Work, crew: Sequence[_Worker]) -> _Worker:
+    import multiprocessing  # for several clips; one need not wait for it
+
+    ours, theirs = multiprocessing.Pipe()
+    process: BaseProcess
+    if _way() == "fork":
+        import footfix.job  # noqa: F401  # what all workers need is loaded once, before they part
+
+        gc.freeze()  # what is here now is not looked at again, by which a worker would copy it
+        not_theirs = (ours, *(worker.pipe for worker in crew))
+        process = multiprocessing.get_context("fork").Process(
+            target=_serve, args=(theirs, work, not_theirs), daemon=True
+        )
+    else:
+        process = multiprocessing.get_context("spawn").Process(target=_serve, args=(theirs, work), daemon=True)
+        if os.name == "posix":
+            from multiprocessing import resource_tracker
+
+            resource_tracker.ensure_running()  # it lets interrupts through again when it starts, so it starts before
     with _no_interrupts():
         process.start()
     theirs.close()
@@ -123,9 +155,6 @@ def _no_interrupts() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    from multiprocessing import resource_tracker  # of POSIX systems
-
-    resource_tracker.ensure_running()  # it lets interrupts through again when it starts, so it starts before
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -133,10 +162,13 @@ def _no_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _serve(pipe: Connection, work: Work) -> None:
+def _serve(pipe: Connection, work: Work, not_mine: Sequence[Connection] = ()) -> None:
     """What a worker does: a task, its result, the next one, until the pipe closes."""
     # Ctrl-C reaches every process of a terminal; it is for the parent to say what ends
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # not the parent's way of ending
+    for other in not_mine:  # while one process holds the other end of a pipe, nobody hears that it was closed
+        other.close()
     with suppress(EOFError, OSError):
         pipe.send(None)
         while True:
@@ -159,6 +191,8 @@ def _hand_out(
 
 def _heard(crew: Sequence[_Worker], timeout: float | None) -> list[_Worker]:
     """The workers that have something to say, have died, or are out of time."""
+    from multiprocessing.connection import wait
+
     by_handle: dict[Any, _Worker] = {}
     for worker in crew:
         by_handle[worker.pipe] = worker

@@ -14,6 +14,7 @@ import numpy as np
 
 from footfix.errors import InputError
 from footfix.formats import bvh_channels
+from footfix.formats.bvh_again import said_again
 from footfix.formats.bvh_compose import compose
 from footfix.formats.bvh_doubts import frame_time, look_over
 from footfix.formats.bvh_hierarchy import read_hierarchy
@@ -22,7 +23,7 @@ from footfix.formats.bvh_numbers import number
 from footfix.formats.bvh_rows import Rows
 from footfix.formats.bvh_text import Cursor, Limits, Notes, refuse_strangers, unmask
 from footfix.formats.bvh_tree import Channel, Hierarchy
-from footfix.formats.bvh_write import splice
+from footfix.formats.bvh_write import Columns, splice
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.notes import Note
 
@@ -85,7 +86,9 @@ class Document:
         """The motion in metres, y up. With `unit_m` and `up` as they come, it is the `file_clip`."""
         if self.unit_m == 1.0 and self.up == "y":
             return self.file_clip
-        return bvh_channels.placed(self.file_clip, self.unit_m, self.up)
+        found = bvh_channels.placed(self.file_clip, self.unit_m, self.up)
+        self.__dict__.pop("file_clip", None)  # hardly asked for again, and half as large as the file
+        return found
 
     def in_file(self, clip: Clip) -> Clip:
         """A clip in metres, y up, in the file's units and axes."""
@@ -148,16 +151,50 @@ def encode(document: Document, clip: Clip | None = None) -> bytes:
         document: the file.
         clip: F frames of its joints [m], y up; by default nothing changes.
     """
-    text = document.text
-    if clip is not None and clip is not document.clip:
-        if clip.positions.shape != document.clip.positions.shape:
-            raise ValueError(f"the clip is {clip.positions.shape}, the file {document.clip.positions.shape}")
-        with np.errstate(invalid="ignore"):  # numbers that are none stay as they stand
-            found = bvh_channels.changes(
-                document.channels, document.values, document.base, document.clip, clip, document.unit_m, document.up
-            )
-            text = splice(text, document.rows, list(found))
+    text = document.text if clip is None else _spliced(document, clip)[0]
+    return _encoded(document, text)
+
+
+def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tuple[bytes, Clip]:
+    """Writes the file with the motion of `clip`, as `encode` does, and says what reading it again will find.
+
+    Args:
+        document: the file.
+        clip: F frames of its joints [m], y up.
+        limits: beyond these it can't be read again.
+
+    Returns:
+        The file, and the motion in it [m], y up; `document.clip` itself where nothing changed.
+    """
+    text, said = _spliced(document, clip)
+    written = _encoded(document, text)
+    if text == document.text:
+        return written, document.clip
+    with np.errstate(invalid="ignore"):
+        again = said_again(document, said)
+    if again is None:
+        read = decode(written, name=document.name, limits=limits)
+        again = read.placed(unit_m=document.unit_m, up=document.up).clip
+    return written, again
+
+
+def _encoded(document: Document, text: bytes) -> bytes:
     return text.decode("utf-8").encode(document.encoding) if document.encoding else text
+
+
+def _spliced(document: Document, clip: Clip) -> tuple[bytes, Columns]:
+    """The text with the motion of `clip`, and what it says in the columns that changed."""
+    old, rows = document.clip, document.rows
+    if clip is old:
+        return document.text, {}
+    if (len(clip), len(clip.skeleton)) != (len(old), len(old.skeleton)):
+        of = [f"{len(each)} frames of {len(each.skeleton)} joints" for each in (clip, old)]
+        raise ValueError(f"the clip has {of[0]}, the file {of[1]}")
+    with np.errstate(invalid="ignore"):  # numbers that are none stay as they stand
+        found = bvh_channels.changes(
+            document.channels, rows.values, document.base, old, clip, document.unit_m, document.up
+        )
+        return splice(document.text, rows, list(found))
 
 
 def _decode(data: bytes, name: str, limits: Limits) -> Document:
@@ -173,7 +210,9 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
     rows = _fit(cursor, tree, headings, limits)
     seconds = frame_time(headings, notes)
     skeleton = tree.skeleton()
-    base = bvh_channels.position_base(skeleton, tree.channels, rows.values)
+    base = bvh_channels.position_base(
+        skeleton, tree.channels, lambda column: rows.values[:, column], len(rows.values)
+    )
     look_over(tree, skeleton, headings, rows, base, notes)
     return Document(
         name=name,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from footfix.formats.bvh_tree import Channel
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats, Skeleton
+from footfix.motion.clip import Bools, Clip, Floats, Skeleton, held, in_every_frame, same_track
 
 _BLOCK = 1 << 14  # rotations worked on together: their arrays stay in the cache of a core
 
@@ -33,16 +33,24 @@ def joint_channels(channels: Sequence[Channel], joints: int, kind: str) -> list[
     return found
 
 
-def position_base(skeleton: Skeleton, channels: Sequence[Channel], values: Floats) -> Floats:
+def position_base(
+    skeleton: Skeleton, channels: Sequence[Channel], column: Callable[[int], Floats], frames: int
+) -> Floats:
     """(J, 3) what position channels are counted from, in file units.
 
     Zero, for they take the place of the OFFSET. But where those of a joint below the root never leave zero, and
     its OFFSET is not zero, the exporter counts from the OFFSET: else the bone would have no length.
+
+    Args:
+        skeleton: in the file's units and axes.
+        channels: what each column is.
+        column: the numbers (F,) of a column.
+        frames: F.
     """
     base = np.zeros((len(skeleton), 3))
     for joint, columns in enumerate(joint_channels(channels, len(skeleton), "P")):
         below = columns and skeleton.parents[joint] >= 0 and skeleton.offsets[joint].any()
-        if below and len(values) and not any(values[0, c] or values[:, c].any() for c, _ in columns):
+        if below and frames and not any(column(c)[0] or column(c).any() for c, _ in columns):
             base[joint] = skeleton.offsets[joint]
     return base
 
@@ -62,27 +70,28 @@ def to_clip(
         frame_time: [s].
     """
     joints, frames = len(skeleton), len(values)
-    positions = np.empty((joints, 3, frames))
-    positions[...] = skeleton.offsets[:, :, None]
+    moves = [(column, c.joint, c.axis) for column, c in enumerate(channels) if c.kind == "P"]
+    places = [held(offset, frames) for offset in skeleton.offsets]
+    for moved in {joint for _, joint, _ in moves}:
+        places[moved] = np.array(places[moved], order="F")
     rotations = np.empty((joints, 4, frames))
     orders: dict[tuple[int, ...], list[int]] = {}
     turns = joint_channels(channels, joints, "R")
     for joint, columns in enumerate(turns):
         orders.setdefault(tuple(axis for _, axis in columns), []).append(joint)
-    moves = [(column, c.joint, c.axis) for column, c in enumerate(channels) if c.kind == "P"]
     size = max(64, _BLOCK // joints)
     for start in range(0, frames, size):
         block = np.ascontiguousarray(values[start : start + size].T)  # (C, frames of the block)
         span = slice(start, start + block.shape[1])
         for column, joint, axis in moves:
-            positions[joint, axis, span] = block[column] + base[joint, axis]
+            places[joint][span, axis] = block[column] + base[joint, axis]
         for order, group in orders.items():
             if not order:
                 rotations[group, :, span] = rotation.identity()[:, None]
             else:
                 which = np.array([[column for column, _ in turns[joint]] for joint in group])
                 _euler(np.deg2rad(block[which.T]), order, rotations, group, span)
-    return Clip(skeleton, positions.transpose(2, 0, 1), rotations.transpose(2, 0, 1), frame_time)
+    return Clip.of_tracks(skeleton, places, rotations.transpose(2, 0, 1), frame_time)
 
 
 def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int], span: slice) -> None:
@@ -116,19 +125,19 @@ def displaced(clip: Clip, unit_m: float, up: str) -> Clip:
 def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
     """The figure turned at its roots; below them only lengths change, and arrays that don't change are the same."""
     skeleton, roots = clip.skeleton, np.flatnonzero(clip.skeleton.parents < 0)
-    positions, rotations, offsets = clip.positions, clip.rotations, skeleton.offsets
+    places, rotations, offsets = [clip.place(j) for j in range(len(skeleton))], clip.rotations, skeleton.offsets
     if unit_m != 1.0:
-        positions, offsets = positions * unit_m, offsets * unit_m
+        places = [in_every_frame(lambda place: place * unit_m, each) for each in places]
+        offsets = offsets * unit_m
     if not np.array_equal(axes, AXES["y"]):
         turn = rotation.from_matrix(axes)
-        positions, rotations = positions.copy(order="K"), rotations.copy(order="K")
-        offsets = offsets.copy()
+        rotations, offsets = rotations.copy(order="K"), offsets.copy()
         for root in roots.tolist():
-            positions[:, root] = _permute(positions[:, root], axes)
+            places[root] = in_every_frame(lambda place: _permute(place, axes), places[root])
             offsets[root] = _permute(offsets[root], axes)
             rotations[:, root] = rotation.multiply(turn, rotations[:, root])
     skeleton = replace(skeleton, offsets=offsets, end_offsets=skeleton.end_offsets * unit_m)
-    return Clip(skeleton, positions, rotations, clip.frame_time)
+    return Clip.of_tracks(skeleton, places, rotations, clip.frame_time)
 
 
 def _permute(vectors: Floats, axes: Floats) -> Floats:
@@ -174,13 +183,13 @@ def changes(
     moves, turns = joint_channels(channels, joints, "P"), joint_channels(channels, joints, "R")
     for joint in range(joints):
         axes = AXES[up] if old.skeleton.parents[joint] < 0 else AXES["y"]
-        if moves[joint] and new.positions is not old.positions:
-            for change in _moved(moves[joint], old.positions[:, joint], new.positions[:, joint], unit_m, axes):
+        if moves[joint] and not same_track(old.place(joint), new.place(joint)):
+            for change in _moved(moves[joint], old.place(joint), new.place(joint), unit_m, axes):
                 yield replace(change, values=change.values - base[joint, channels[change.column].axis])
-        if turns[joint] and new.rotations is not old.rotations:
-            turned: Bools = np.asarray(_differs(old.rotations[:, joint], new.rotations[:, joint]).any(axis=1))
+        if turns[joint] and not same_track(old.turn(joint), new.turn(joint)):
+            turned: Bools = np.asarray(_differs(old.turn(joint), new.turn(joint)).any(axis=1))
             if turned.any():
-                yield from _turned(turns[joint], values, turned, new.rotations[turned, joint], axes)
+                yield from _turned(turns[joint], values, turned, new.turn(joint)[turned], axes)
 
 
 def _differs(old: Floats, new: Floats) -> Bools:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from io import BytesIO
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -80,18 +82,44 @@ def fixed(values: Floats, places: int) -> Bytes:
     return letters
 
 
-def _short(values: Floats, places: int) -> Digits:
-    """Up to nine decimals: the digits before the point, those after it, and which numbers need more care."""
+def meant(values: Floats, places: int) -> Floats:
+    """(N,) the numbers that the text says which `fixed` makes of values (N,)."""
+    if not 0 < places <= _NINE:
+        return _read(fixed(values, places))
+    # Both are whole numbers below 2^53, so their quotient is rounded once, as a reader rounds the decimals. It takes
+    # a twentieth of the time that reading takes.
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole, hard = _scaled(values, places)
+    said = whole / 10.0**places
+    np.negative(said, out=said, where=(values < 0.0) & (whole > 0.0))
+    if hard.any():
+        said[hard] = _read(_one_by_one(values[hard], places))
+    return said
+
+
+def _read(letters: Bytes) -> Floats:
+    lines = np.pad(letters, ((0, 0), (0, 1)), constant_values=ord("\n")).tobytes().translate(None, b"\0")
+    return np.loadtxt(BytesIO(lines), ndmin=1) if lines else np.zeros(0)
+
+
+def _scaled(values: Floats, places: int) -> tuple[Floats, Bools]:
+    """Up to nine decimals: size in units of the last one, as a whole number; and which numbers need more care."""
     scaled = np.abs(values) * 10.0**places
     nearest = np.rint(scaled)
     # The product is off by at most 2^-53 of itself: below 2^42 that is 2^-11, so only what lies closer to a
     # tie than 2^-10 can round otherwise than its exact decimal expansion.
     hard: Bools = (np.abs(scaled - nearest) > 0.5 - 2.0**-10) | (scaled >= 2.0**42)
-    largest = float(scaled.max(initial=0.0))
-    if largest >= 2.0**42:
+    if float(scaled.max(initial=0.0)) >= 2.0**42:
         nearest[hard] = 0.0
+    return nearest, hard
+
+
+def _short(values: Floats, places: int) -> Digits:
+    """Up to nine decimals: the digits before the point, those after it, and which numbers need more care."""
+    nearest, hard = _scaled(values, places)
     # 32 bits divide much faster
-    number: Numbers = nearest.astype(np.uint32) if largest < 2.0**31 else nearest.astype(np.uint64)
+    small = float(nearest.max(initial=0.0)) < 2.0**31
+    number: Numbers = nearest.astype(np.uint32) if small else nearest.astype(np.uint64)
     whole = number // number.dtype.type(10**places)
     return whole, [number - whole * number.dtype.type(10**places)], hard
 

@@ -9,7 +9,7 @@ from io import BytesIO
 import numpy as np
 
 from footfix.formats.bvh_numbers import number
-from footfix.formats.bvh_ragged import read_ragged
+from footfix.formats.bvh_plain import read_plain
 from footfix.formats.bvh_rows import Rows
 from footfix.formats.bvh_text import Cursor
 
@@ -80,6 +80,8 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
     if layouts[0] and text[start : start + 1_000_000].strip():
         rows = _read_regular(text, start, layouts)
     if rows is None:
+        from footfix.formats.bvh_ragged import read_ragged  # most files never need it
+
         rows = read_ragged(cursor, layouts, declared)
     if len(rows.values) > max_frames:
         what = f"{len(rows.values)} frames, more than {max_frames}"
@@ -88,11 +90,13 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
 
 
 def _read_regular(text: bytes, start: int, layouts: list[int]) -> Rows | None:
-    """Rows as they should be: one a line, all equally long. numpy's reader is the fastest exact one."""
-    try:
-        stream = BytesIO(text)  # shares the bytes with the text
-        stream.seek(start)
-        values = np.loadtxt(stream, comments=None, ndmin=2)
-    except ValueError:
-        return None
+    """Rows as they should be: one a line, all equally long."""
+    values = read_plain(text, start)
+    if values is None:
+        try:
+            stream = BytesIO(text)  # shares the bytes with the text
+            stream.seek(start)
+            values = np.loadtxt(stream, comments=None, ndmin=2)
+        except ValueError:
+            return None
     return Rows(values, text, start, len(text)) if values.shape[1] in layouts else None

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import chain, pairwise
+from io import BytesIO
+from itertools import chain
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from footfix.formats.bvh_channels import Change
-from footfix.formats.bvh_digits import Bytes, fixed
+from footfix.formats.bvh_digits import Bytes, fixed, meant
 from footfix.formats.bvh_numbers import decimals, token_chunks, tokens
 from footfix.formats.bvh_rows import Rows, consecutive
 from footfix.motion.clip import Bools, Floats, Ints
@@ -16,37 +18,43 @@ from footfix.motion.clip import Bools, Floats, Ints
 LEAST_DECIMALS = 6  # of a number that changes: a micrometre in a file in metres
 _LONGEST = 64  # [bytes] of a number that goes into a table of letters
 _WIDEST_GAP = 16  # [bytes] between numbers that are written together
+_ROW_END = b"\xff"  # between rows of new numbers; no number and hardly a blank has it
 
 RowBlock = tuple[int, Ints, Ints]  # first frame; where each number starts and ends, (rows, C)
+Columns = dict[int, Floats]  # column -> (F,) its numbers
 
 
-def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> bytes:
+def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, Columns]:
     """The text with some of its numbers replaced.
 
     Args:
         text: the file.
         rows: where its numbers stand.
         changed: what is to stand there.
+
+    Returns:
+        The new text, and what it says in the columns that were to change; of rows that lack numbers, nothing.
     """
     changed = sorted((change for change in changed if change.frames.any()), key=lambda change: change.column)
+    said = {change.column: rows.values[:, change.column].copy() for change in changed}
     if not changed:
-        return text
+        return text, said
     some = np.flatnonzero(np.any([change.frames for change in changed], axis=0))
     first, last = int(some[0]), int(some[-1])
-    pieces, done = list[bytes | memoryview](), 0
+    out, done = BytesIO(), 0  # not a list of pieces: joining them takes the memory of the file once more
     for frame, starts, ends in row_blocks(rows):
         if frame > last:
             break
         span = slice(frame, frame + len(starts))
         here = [change for change in changed if change.frames[span].any()] if span.stop > first else []
         if here and starts.shape[1] < rows.values.shape[1]:
-            pieces += [text[done : int(starts[0, 0])], _row_text(rows, frame, here)]
+            out.write(text[done : int(starts[0, 0])] + _row_text(rows, frame, here))
             done = int(ends[0, -1])
         elif here:
-            piece, done = _splice_block(text, rows, span, starts, ends, here, done)
-            pieces.append(piece)
-    pieces.append(memoryview(text)[done:])
-    return b"".join(pieces)
+            piece, done = _splice_block(text, rows, span, starts, ends, here, done, said)
+            out.write(piece)
+    out.write(memoryview(text)[done:])
+    return out.getvalue(), said
 
 
 def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
@@ -81,32 +89,32 @@ def row_blocks(rows: Rows) -> Iterator[RowBlock]:
 
 
 def _splice_block(
-    text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int
+    text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int, said: Columns
 ) -> tuple[bytes, int]:
-    """The text from `done` up to the end of the block's last new number, and that place."""
+    """The text from `done` up to the end of the block's last new number, and that place; `said` is told the numbers."""
     columns = np.array([change.column for change in changed])
     mask = np.stack([change.frames[span] for change in changed], axis=1)
     values = np.stack([change.values[span] for change in changed], axis=1)
-    places = max(LEAST_DECIMALS, int(decimals(rows.text, starts, ends)[:, columns].max(where=mask, initial=0)))
+    starts, ends = starts[:, columns], ends[:, columns]
+    places = max(LEAST_DECIMALS, int(decimals(rows.text, starts, ends).max(where=mask, initial=0)))
     # A number that would say the same at the decimals written stays as it is.
     mask &= np.isfinite(values)
-    mask &= np.abs(values - rows.values[span][:, columns]) > 0.5 * 10.0**-places
+    mask &= np.abs(values - rows.values[span, columns]) > 0.5 * 10.0**-places
     used = np.flatnonzero(mask.any(axis=1))
     if not len(used):
         return b"", done
     if len(used) < len(starts):
         starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
-    if (ends - starts).max() > _LONGEST or text.find(b"\0", int(starts[0, 0]), int(ends[-1, -1])) >= 0:
-        words = (starts[:, columns][mask], ends[:, columns][mask])
-        return _one_by_one(text, rows.comma, *words, fixed(values[mask], places), done)
-    gaps = (starts[:, 1:] - ends[:, :-1]).max(axis=0)
-    joined = (np.diff(columns) == 1) & (gaps[columns[:-1]] <= _WIDEST_GAP)
+    _tell(said, columns, span.start + used, mask, meant(values[mask], places))
+    low, high = int(starts[0, 0]), int(ends[-1, -1])
+    if (ends - starts).max() > _LONGEST or any(text.find(own, low, high) >= 0 for own in (b"\0", _ROW_END)):
+        return _one_by_one(text, rows.comma, starts[mask], ends[mask], fixed(values[mask], places), done)
+    joined = (np.diff(columns) == 1) & ((starts[:, 1:] - ends[:, :-1]).max(axis=0) <= _WIDEST_GAP)
     new, bounds = list[list[bytes]](), list[Ints]()
     for group in np.split(np.arange(len(columns)), np.flatnonzero(~joined) + 1):
-        which = slice(int(columns[group[0]]), int(columns[group[-1]]) + 1)
-        run = _run_text(text, rows.comma, starts[:, which], ends[:, which], mask[:, group], values[:, group], places)
-        new.append(run)
-        bounds += [starts[:, which.start], ends[:, which.stop - 1]]
+        letters = fixed(values[:, group][mask[:, group]], places)
+        new.append(_run_text(text, rows.comma, starts[:, group], ends[:, group], mask[:, group], letters))
+        bounds += [starts[:, group[0]], ends[:, group[-1]]]
     # kept text, new numbers, kept text, new numbers, ... row by row
     cuts = [done, *np.stack(bounds, axis=1).ravel().tolist()]
     kept = [text[a:b] for a, b in zip(cuts[0:-1:2], cuts[1::2], strict=True)]
@@ -124,30 +132,39 @@ def _one_by_one(text: bytes, comma: bool, starts: Ints, ends: Ints, new: Bytes, 
     return b"".join(pieces), done
 
 
-def _run_text(
-    text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, values: Floats, places: int
-) -> list[bytes]:
+def _tell(said: Columns, columns: Ints, frames: Ints, mask: Bools, new: Floats) -> None:
+    numbers = np.empty(mask.shape)
+    numbers[mask] = new
+    for k, column in enumerate(columns.tolist()):
+        said[column][frames[mask[:, k]]] = numbers[mask[:, k], k]
+
+
+def _words(text: bytes, starts: Ints, ends: Ints) -> Bytes:
+    """(N, longest) the letters of words, NUL behind them."""
+    sizes = ends - starts
+    low, longest = int(starts[0]), int(sizes.max())
+    raw = np.frombuffer(text, np.uint8, min(len(text), int(starts[-1]) + longest) - low, low)
+    raw = np.append(raw, np.zeros(longest, np.uint8))  # the last words of a text are looked at beyond its end
+    letters = sliding_window_view(raw, longest)[starts - low]
+    letters[np.arange(longest) >= sizes[:, None]] = 0
+    return letters
+
+
+def _run_text(text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, formatted: Bytes) -> list[bytes]:
     """The text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
     count, n = starts.shape
     raw = np.frombuffer(text, np.uint8)
-    formatted = fixed(values[mask], places)
     if comma:
         formatted[formatted == ord(".")] = ord(",")
     gaps = starts[:, 1:] - ends[:, :-1]
-    sizes, gap = ends - starts, int(gaps.max(initial=0))
-    if mask.all():
-        cells = np.zeros((count, n, formatted.shape[1] + gap), dtype=np.uint8)
-        cells[:, :, : formatted.shape[1]] = formatted.reshape(count, n, -1)
-    else:
-        longest = int(sizes[~mask].max(initial=0))
-        cells = np.zeros((count, n, max(formatted.shape[1], longest) + gap), dtype=np.uint8)
-        cells[:, :, : formatted.shape[1]][mask] = formatted
-        for k in range(longest):
-            which = ~mask & (sizes > k)
-            cells[..., k][which] = raw[starts[which] + k]
+    longest, gap = int((ends - starts).max(where=~mask, initial=0)), int(gaps.max(initial=0))
+    width = max(formatted.shape[1], longest) + max(gap, 1)
+    cells = np.zeros((count, n, width), dtype=np.uint8)
+    cells[:, :, : formatted.shape[1]][mask] = formatted
+    if longest:
+        cells[:, :, :longest][~mask] = _words(text, starts[~mask], ends[~mask])
     for k in range(gap):
         which = gaps > k
         cells[:, :-1, k - gap][which] = raw[ends[:, :-1][which] + k]
-    cuts = np.cumsum(np.count_nonzero(cells.reshape(count, -1), axis=1)).tolist()
-    run = cells.tobytes().translate(None, b"\0")
-    return [run[a:b] for a, b in pairwise([0, *cuts])]
+    cells[:, -1, -1] = ord(_ROW_END)
+    return cells.tobytes().translate(None, b"\0").split(_ROW_END)[:-1]

@@ -10,7 +10,7 @@ import numpy as np
 from footfix.measure.plants import AT_REST, NOTICED_MM, PlantMeasure, floor_levels, measure_plants
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
-from footfix.motion.kinematics import Pose, forward
+from footfix.motion.kinematics import Pose, places
 from footfix.rig.rig import Rig
 
 
@@ -186,7 +186,7 @@ def jitter(clip: Clip, block: int = 4096) -> float:
     """
     total, count = 0.0, 0
     for start in range(0, len(clip) - 3, block):
-        place = forward(clip.frames(slice(start, start + block + 3))).positions
+        place = places(clip.frames(slice(start, start + block + 3)))
         jerk = place[3:] - place[:-3] + 3.0 * (place[1:-2] - place[2:-1])
         total += float(np.sum(np.sqrt(jerk[..., 0] ** 2 + jerk[..., 1] ** 2 + jerk[..., 2] ** 2)))
         count += jerk.shape[0] * jerk.shape[1]

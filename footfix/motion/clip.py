@@ -5,8 +5,8 @@ Euler angles, channel orders, units and axes exist only in `footfix.formats`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -121,8 +121,63 @@ class Clip:
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "rotations", rotations)
 
+    @classmethod
+    def of_tracks(
+        cls, skeleton: Skeleton, places: Floats | Sequence[Floats], turns: Floats | Sequence[Floats], frame_time: float
+    ) -> Clip:
+        """A clip of tracks that may be another clip's, so that clips that differ in a few joints share the others.
+
+        Most joints of most clips never leave their rest offset, and an hour of 200 joints takes 5 GB as whole arrays.
+
+        Args:
+            skeleton: the joints, at least one.
+            places: for each joint (F, 3) [m], or all of them as `positions`.
+            turns: for each joint (F, 4), or all of them as `rotations`.
+            frame_time: [s] between frames.
+        """
+        clip: Clip = object.__new__(cls)
+        clip.__dict__.update(skeleton=skeleton, frame_time=frame_time)
+        for whole, parts, given in (("positions", "_places", places), ("rotations", "_turns", turns)):
+            is_whole = isinstance(given, np.ndarray)
+            clip.__dict__[whole if is_whole else parts] = frozen(given) if is_whole else tuple(map(frozen, given))
+        return clip
+
+    def __getattr__(self, name: str) -> Floats:
+        # Asked where there is no such attribute: arrays of all joints are made of tracks when somebody wants them.
+        tracks = self.__dict__.pop({"positions": "_places", "rotations": "_turns"}.get(name, ""), None)
+        if tracks is None:
+            raise AttributeError(name)
+        whole = frozen(np.stack([track.T for track in tracks]).transpose(2, 0, 1))
+        self.__dict__[name] = whole
+        return whole
+
+    def place(self, joint: int) -> Floats:
+        """(F, 3) [m] the track of one joint in its parent's frame."""
+        tracks = self.__dict__.get("_places")
+        return self.positions[:, joint] if tracks is None else tracks[joint]
+
+    def turn(self, joint: int) -> Floats:
+        """(F, 4) the rotations of one joint in its parent's frame."""
+        tracks = self.__dict__.get("_turns")
+        return self.rotations[:, joint] if tracks is None else tracks[joint]
+
+    def with_joints(self, places: Mapping[int, Floats], turns: Mapping[int, Floats]) -> Clip:
+        """The clip with other tracks of some joints; those of the others are shared, not copied.
+
+        Args:
+            places: joint -> (F, 3) [m].
+            turns: joint -> (F, 4).
+        """
+        joints = range(len(self.skeleton))
+        return Clip.of_tracks(
+            self.skeleton,
+            [places[joint] if joint in places else self.place(joint) for joint in joints],
+            [turns[joint] if joint in turns else self.turn(joint) for joint in joints],
+            self.frame_time,
+        )
+
     def __len__(self) -> int:
-        return int(self.positions.shape[0])
+        return len(self.place(0)) if len(self.skeleton) else len(self.positions)
 
     @property
     def fps(self) -> float:
@@ -131,4 +186,37 @@ class Clip:
 
     def frames(self, which: slice | Ints) -> Clip:
         """The clip of some frames only; the frame time stays as it is."""
-        return replace(self, positions=self.positions[which], rotations=self.rotations[which])
+        joints = range(len(self.skeleton))
+        return Clip.of_tracks(
+            self.skeleton,
+            [_some(self.place(joint), which) for joint in joints],
+            [_some(self.turn(joint), which) for joint in joints],
+            self.frame_time,
+        )
+
+
+def held(value: ArrayLike, frames: int) -> Floats:
+    """A track (F, n) that is the same in every frame, in the memory of one."""
+    return np.broadcast_to(np.asarray(value, dtype=np.float64), (frames, np.size(value)))
+
+
+def same_track(one: Floats, other: Floats) -> bool:
+    """Whether two tracks (F, n) lie in the same memory, so that their numbers need not be looked at."""
+    where = [(each.__array_interface__["data"], each.strides, each.shape) for each in (one, other)]
+    return where[0] == where[1]
+
+
+def in_every_frame(function: Callable[[Floats], Floats], track: Floats) -> Floats:
+    """A function of the frames of a track (F, n), called for one where all are the same."""
+    if len(track) and track.strides[0] == 0:
+        return np.broadcast_to(function(track[:1]), track.shape)
+    return function(track)
+
+
+def _some(track: Floats, frames: slice | Ints) -> Floats:
+    """Some frames of a track; they stay side by side in memory, for kinematics is twice as slow where they do not."""
+    if isinstance(frames, slice):
+        return track[frames]
+    if len(track) and track.strides[0] == 0:
+        return np.broadcast_to(track[:1], (len(frames), track.shape[1]))
+    return np.take(track.T, frames, axis=-1).T

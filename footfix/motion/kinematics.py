@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,20 +57,43 @@ def forward(clip: Clip, joints: Iterable[int] | None = None) -> Pose:
     slots: dict[int, list[int]] = {}
     for slot, joint in enumerate(wanted):
         slots.setdefault(joint, []).append(slot)
-    needed = skeleton.with_ancestors(wanted)
-    last_use = {int(skeleton.parents[joint]): joint for joint in needed}
+    for joint, place, turn in _walk(clip, skeleton.with_ancestors(wanted), slots):
+        for slot in slots.get(joint, ()):
+            places[slot], turns[slot] = place.T, turn.T
+    return Pose(wanted, frozen(places.transpose(2, 0, 1)), frozen(turns.transpose(2, 0, 1)))
+
+
+def places(clip: Clip) -> Floats:
+    """(F, J, 3) [m] where all joints are in the world: the positions of `forward`, in half its time."""
+    out = np.empty((len(clip.skeleton), 3, len(clip)))
+    for joint, place, _ in _walk(clip, range(len(clip.skeleton)), ()):
+        out[joint] = place.T
+    return frozen(out.transpose(2, 0, 1))
+
+
+def _walk(clip: Clip, needed: Sequence[int], turned: Container[int]) -> Iterator[tuple[int, Floats, Floats]]:
+    """Joints from the roots down, each with its place and its rotation in the world.
+
+    Args:
+        clip: F frames.
+        needed: some joints and all above them, in the order of the file.
+        turned: those whose rotation matters; of others that bear none it is not worked out.
+
+    Yields:
+        The joint, (F, 3) [m], and (F, 4), in the parent's frame where it was not worked out.
+    """
+    last_use = {int(clip.skeleton.parents[joint]): joint for joint in needed}
     world: dict[int, tuple[Floats, Floats]] = {}
     for joint in needed:  # parents stand before children
-        parent = int(skeleton.parents[joint])
-        place, turn = clip.positions[:, joint], clip.rotations[:, joint]
+        parent = int(clip.skeleton.parents[joint])
+        place, turn = clip.place(joint), clip.turn(joint)
         if parent >= 0:
             parent_place, parent_turn = world[parent]
             place = parent_place + rotation.rotate(parent_turn, place)
-            turn = rotation.multiply(parent_turn, turn)
+            if joint in last_use or joint in turned:
+                turn = rotation.multiply(parent_turn, turn)
             if last_use[parent] == joint:
                 del world[parent]  # memory stays at the width of the tree, not at its size
         if joint in last_use:
             world[joint] = (place, turn)
-        for slot in slots.get(joint, ()):
-            places[slot], turns[slot] = place.T, turn.T
-    return Pose(wanted, frozen(places.transpose(2, 0, 1)), frozen(turns.transpose(2, 0, 1)))
+        yield joint, place, turn

@@ -7,10 +7,13 @@ off, as at both ends of many takes, makes no jump: that is motion, and stays.
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
+from footfix.motion.segments import distinct
 
 LONGEST = 4  # steps that lead in; a held pose before them may be longer
 _JUMP, _REST_JUMP = 4.0, 1.5  # times the clip's own quickest steps; less does from what is plainly the rest pose
@@ -22,6 +25,10 @@ _FEWEST = 12  # frames from which on a clip has steps of its own to compare with
 _MOST_STEPS = 400  # steps looked at to know the clip's own
 
 
+# Four steps ask it of the same clip; it takes as long as reading a hundred frames.
+_known: WeakKeyDictionary[Clip, slice] = WeakKeyDictionary()
+
+
 def motion_proper(clip: Clip) -> slice:
     """The frames of a clip without what leads in and out of it.
 
@@ -31,6 +38,12 @@ def motion_proper(clip: Clip) -> slice:
     Returns:
         The slice `[start, stop)` of its motion; all of it where nothing jumps.
     """
+    if clip not in _known:
+        _known[clip] = _motion_proper(clip)
+    return _known[clip]
+
+
+def _motion_proper(clip: Clip) -> slice:
     frames = len(clip)
     if frames < 3:
         return slice(0, frames)
@@ -83,16 +96,15 @@ def _steps(clip: Clip, order: Ints) -> tuple[Floats, Floats]:
 def _between(clip: Clip, firsts: Ints, seconds: Ints) -> tuple[Floats, Floats]:
     a, b = clip.rotations[firsts], clip.rotations[seconds]
     angles = np.nan_to_num(rotation.angle(rotation.multiply(rotation.inverse(a), b)))
-    places = np.nan_to_num(
-        clip.positions[:, clip.skeleton.parents < 0][np.stack([firsts, seconds])], posinf=0.0, neginf=0.0
-    )
+    both, roots = np.stack([firsts, seconds]), np.flatnonzero(clip.skeleton.parents < 0).tolist()
+    places = np.nan_to_num(np.stack([clip.place(root)[both] for root in roots], axis=2), posinf=0.0, neginf=0.0)
     shifts = np.linalg.norm(places[1] - places[0], axis=-1).max(axis=1, initial=0.0)
     return np.sqrt(np.mean(angles**2, axis=1)), shifts
 
 
 def _own(clip: Clip, inner: Ints) -> tuple[float, float]:
     """The quickest steps that the clip makes inside: the 90th percentile, which glitches do not move."""
-    firsts = inner[np.unique(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
+    firsts = inner[distinct(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
     turns, shifts = _between(clip, firsts, firsts + int(inner[1] - inner[0]))
     return float(np.quantile(turns, 0.9)), float(np.quantile(shifts, 0.9))
 

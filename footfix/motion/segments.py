@@ -52,6 +52,11 @@ class Segments:
         return self.starts + self.lengths // 2
 
 
+def distinct(ascending: Ints) -> Ints:
+    """An ascending array (N,) without repetitions; `np.unique` loads numpy's masked arrays to do that, for 10 ms."""
+    return ascending[np.diff(ascending, prepend=ascending[:1] - 1) > 0]
+
+
 def segments(spans: Sequence[tuple[int, int]]) -> Segments:
     """The stretches of a clip, ready to be reduced over."""
     ends = np.array(spans, dtype=np.intp).reshape(-1, 2)

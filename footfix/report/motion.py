@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, frozen
 from footfix.motion.kinematics import forward
 from footfix.report.pack import pack, quantize
@@ -123,13 +121,16 @@ def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
     """(D, J, 3) joints and End Sites, and (D, E, 3) sole points, in the world [m]."""
     pose = forward(clip)
     skeleton = clip.skeleton
-    ends = [
-        pose.point(int(parent), offset)
-        for parent, offset in zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
-    ]
-    joints = np.concatenate([pose.positions, *(end[:, None] for end in ends)], axis=1)
-    soles = [pose.position(s.joint) + rotation.rotate(pose.rotation(s.joint), np.array(s.offset)) for s in rig.soles]
-    return joints, np.stack(soles, axis=1) if soles else np.zeros((len(clip), 0, 3))
+    count = len(skeleton)
+    # laid out as they are packed, series by series: packing takes half the time
+    joints = np.empty((count + len(skeleton.end_parents), 3, len(clip)))
+    joints[:count] = pose.positions.transpose(1, 2, 0)
+    for k, (parent, offset) in enumerate(zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True)):
+        joints[count + k] = pose.point(parent, offset).T
+    soles = np.empty((len(rig.soles), 3, len(clip)))
+    for k, track in enumerate(rig.tracks(pose)):
+        soles[k] = track.T
+    return joints.transpose(2, 0, 1), soles.transpose(2, 0, 1)
 
 
 def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
@@ -137,10 +138,8 @@ def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
     if len(clip) < 2 or not rig.soles:
         return np.zeros((len(shown), len(rig.soles)))
     behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)
-    tracks: Sequence[Sequence[Floats]] = [
-        rig.tracks(rig.pose(clip.frames(frames))) for frames in (behind, ahead)
-    ]
-    steps = np.stack([b - a for a, b in zip(*tracks, strict=True)], axis=1)  # (D, E, 3) [m]
+    tracks = rig.tracks(rig.pose(clip.frames(np.concatenate([behind, ahead]))))
+    steps = np.stack([each[len(shown) :] - each[: len(shown)] for each in tracks], axis=1)  # (D, E, 3) [m]
     speeds: Floats = np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]
     return speeds
 

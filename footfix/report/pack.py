@@ -33,7 +33,7 @@ def pack(steps: NDArray[np.int32]) -> str:
         Base64 of, series after series, the second differences (the samples before the first taken as 0),
         zigzag-folded, in 7-bit groups, lowest first, the high bit set on all but the last group.
     """
-    series = np.ascontiguousarray(steps.reshape(len(steps), -1).T)
+    series = np.ascontiguousarray(np.moveaxis(steps, 0, -1)).reshape(-1, len(steps))
     if not series.size:
         return ""
     bend = np.diff(series, n=2, axis=1, prepend=np.zeros((len(series), 2), np.int32)).ravel()

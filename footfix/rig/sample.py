@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton
 from footfix.motion.kinematics import forward
+from footfix.motion.segments import distinct
 
 MOST_FRAMES = 240  # pairs of frames looked at; statistics of a rig change little with more
 STEP = 1.0 / 30.0  # [s] between the two frames of a pair, long against the noise of one frame
@@ -119,7 +120,7 @@ def _evenly(clip: Clip, frames: Ints, step: int) -> tuple[Ints, Ints]:
     if not len(frames):
         return frames, frames
     count = max(1, len(frames) - step)
-    at = np.unique(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))
+    at = distinct(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))
     first, second = frames[at], frames[np.minimum(at + step, len(frames) - 1)]
     sound = _sound(clip, np.concatenate([first, second])).reshape(2, -1).all(axis=0)
     return first[sound], second[sound]
@@ -129,8 +130,9 @@ def _sound(clip: Clip, frames: Ints) -> Bools:
     """Which frames hold finite numbers of a size that motion has."""
     if not len(frames):
         return np.zeros(0, np.bool_)
-    extent = np.abs(clip.positions[frames]).reshape(len(frames), -1).max(axis=1, initial=0.0)
-    finite = np.isfinite(extent) & np.isfinite(clip.rotations[frames]).reshape(len(frames), -1).all(axis=1)
+    some = clip.frames(frames)
+    extent = np.abs(some.positions).reshape(len(frames), -1).max(axis=1, initial=0.0)
+    finite = np.isfinite(extent) & np.isfinite(some.rotations).reshape(len(frames), -1).all(axis=1)
     if not finite.any():
         return np.asarray(finite, dtype=np.bool_)
     usual = float(np.median(extent[finite]))
@@ -141,7 +143,7 @@ def _drawn_out(clip: Clip, frame: int) -> Clip:
     """The clip with bones as long as at rest where position channels near zero have drawn most to nothing."""
     rest = np.abs(clip.skeleton.offsets).max(axis=1)
     bones = (clip.skeleton.parents >= 0) & (rest > 0.0)
-    nothing = bones & (np.abs(clip.positions[frame]).max(axis=1) < 1e-3 * rest)
+    nothing = bones & (np.abs(clip.frames(slice(frame, frame + 1)).positions[0]).max(axis=1) < 1e-3 * rest)
     if nothing.sum() <= 0.3 * bones.sum():
         return clip
     return replace(clip, positions=np.where(nothing[:, None], clip.skeleton.offsets, clip.positions))
