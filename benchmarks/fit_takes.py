@@ -38,7 +38,7 @@ RATE = 300.0  # [Hz]
 POINTS = ("pelvis", "hip", "ankle", "heel", "toe")
 CALM = ("stand", "squat", "sit")  # kinds of motion in which the figure goes nowhere
 SWIFT = ("run", "jump", "sprint")  # kinds of which few were recorded
-PUSH = 0.025  # [s] for which in these the toes may still push when the ball of a walker, which has none, is up
+PUSH = 0.012  # [s] for which in these the toes may still push when the ball of a walker, which has none, is up
 
 
 @dataclass(frozen=True, eq=False)
