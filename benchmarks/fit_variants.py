@@ -80,7 +80,7 @@ def _changed(take: Take, random: Random, weight: float) -> tuple[Take, float, fl
     if take.kind == "jump" and now(0.5):
         take = on_one_foot(take, random)
     stairs = now(0.25)
-    if now(0.5 if stairs else 0.4 if "run" in take.kind else 0.1) and take.subject != "walker":
+    if now(0.5 if stairs else 0.4 if "run" in take.kind else 0.1) and take.subject != "walker" and not take.calm:
         take = on_forefoot(take, random)
     if stairs:
         take = on_stairs(take, random)
@@ -165,7 +165,8 @@ def with_wrong_soles(take: Take, random: Random) -> Take:
 def on_forefoot(take: Take, random: Random) -> Take:
     """With feet that land on the ball, the heel sinking later or not at all, as down stairs and in a sprint."""
     times = np.arange(len(take.pelvis)) / RATE
-    landing, held = random.uniform(0.2, 0.8), random.uniform(0.0, 0.25) * (random.random() < 0.4)  # [rad]
+    # a heel held up less than this may as well be a sole point that was guessed too high
+    landing, held = random.uniform(0.2, 0.8), random.uniform(0.12, 0.3) * (random.random() < 0.25)  # [rad]
     before, after = random.uniform(0.1, 0.25), random.uniform(0.06, 0.25)  # [s]
     feet: dict[str, Any] = {p: np.array(getattr(take, p)) for p in ("ankle", "heel", "toe")}
     allowed = take.allowed.copy()
