@@ -28,6 +28,7 @@ from footfix.detect.tracks import Tracks, tracks_of
 from footfix.formats.bvh import decode
 from footfix.measure import agreement
 from footfix.motion.clip import Bools, Clip, Floats, Skeleton
+from footfix.motion.contacts import runs
 from footfix.motion.kinematics import forward
 from footfix.motion.smoothing import savgol
 from footfix.rig.find import find_rig
@@ -37,6 +38,7 @@ RATE = 300.0  # [Hz]
 POINTS = ("pelvis", "hip", "ankle", "heel", "toe")
 CALM = ("stand", "squat", "sit")  # kinds of motion in which the figure goes nowhere
 SWIFT = ("run", "jump", "sprint")  # kinds of which few were recorded
+PUSH = 0.012  # [s] for which in these the toes may still push when the ball of a walker, which has none, is up
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +160,7 @@ def _allowed(side: dict[str, Any], fps: float, frames: int, heel: Floats, toe: F
         stands |= stance
         at = np.flatnonzero(stance & told)
         if len(at) > 2:
-            allowed[at] = _parts(heel[at], toe[at])
+            allowed[at] = parts(heel[at], toe[at])
     allowed[told & ~stands] = [True, False, False, False]
     return allowed
 
@@ -171,7 +173,7 @@ def _event(frame: int, known: Bools, fps: float, events: list[float]) -> float:
     return float(near[0]) if near else (frame - 0.5) / fps
 
 
-def _parts(heel: Floats, toe: Floats) -> Bools:
+def parts(heel: Floats, toe: Floats) -> Bools:
     """(n, 4) which parts of the foot may stand, over one stance, from the heights of heel and toe [leg lengths]."""
     allowed = np.tile([False, True, True, True], (len(heel), 1))
     heel_rests, toe_rests = np.quantile(heel, 0.2), np.quantile(toe, 0.2)
@@ -232,7 +234,7 @@ def _gait(name: str, speed: float, random: np.random.Generator) -> walker_plan.G
 
 _FACTOR = {
     "strike_rate": 0.3, "flat_at": 0.25, "off_pitch": 0.15, "off_rate": 0.2, "hump": 0.35, "clearance": 0.35,
-    "touchdown": 0.4, "brake": 0.4, "push": 0.4, "sway": 0.3, "flight": 0.3, "twist": 0.4,
+    "touchdown": 0.4, "brake": 0.4, "push": 0.4, "sway": 0.3, "flight": 0.3, "twist": 0.4, "mid_pitch": 0.2,
 }  # fmt: skip
 _SHIFT = {"duty": 0.025, "over": 0.03, "strike_pitch": 0.1, "lift_at": 0.07, "half_width": 0.02, "tilt": 0.03}
 _WITHIN = {"duty": (0.15, 0.85), "over": (0.3, 0.6), "flat_at": (0.06, 0.4), "lift_at": (0.46, 0.85)}
@@ -263,6 +265,10 @@ def _made(name: str, walk: walker.Walk) -> Take:
         down[:, 0::2].astype(np.intp), down[:, 1::2].astype(np.intp)
     ]  # (N, 2)
     allowed: NDArray[np.bool_] = state[:, :, None] == np.arange(4)
+    if any(word in name for word in SWIFT):
+        for k in (0, 1):
+            for _, off in runs(state[:, k] != SWING):
+                allowed[off : off + round(PUSH * RATE), k, TOE] = True
     return Take(
         name, "walker", name.split()[0], pose.position(names.index("Hips")) / leg, both("UpLeg"), both("Foot"),
         np.stack([walk.tracks[0], walk.tracks[2]], axis=1) / leg,

@@ -97,9 +97,10 @@ STYLES: dict[str, Style] = {
     "curve": Style(speed=1.25),
     "treadmill": Style(speed=1.2),
     "run": _RUN,
-    "sprint": replace(
-        _RUN, speed=6.5, walk_ratio=0.50, duty=0.23, strike_pitch=0.10, strike_rate=-2.0, mid_pitch=0.03, flat_at=0.3,
-        lift_at=0.5, off_rate=14.0, hump=0.34, clearance=0.22, lean=0.2, tilt=0.2, arm_swing=1.1,
+    "sprint": replace(  # on the ball for a tenth of a second, the heel just off the floor
+        _RUN, speed=8.5, walk_ratio=0.47, duty=0.235, over=0.38, strike_pitch=0.18, strike_rate=-2.0, mid_pitch=0.10,
+        flat_at=0.3, lift_at=0.5, off_rate=18.0, hump=0.42, clearance=0.30, touchdown=(0.25, -0.15), brake=90.0,
+        push=60.0, half_width=0.03, bob=-0.18, lean=0.2, tilt=0.2, arm_swing=1.1,
     ),
     "forefoot-run": replace(_RUN, strike_pitch=0.16, strike_rate=-3.0, flat_at=0.3),
     "backwards": replace(

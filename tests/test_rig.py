@@ -156,7 +156,7 @@ def test_soles_and_floor_are_where_the_walker_has_them(name: str) -> None:
     for sole, (joint, offset) in zip(rig.soles, made.soles, strict=True):
         assert names[sole.joint] == joint
         # one who never lies a heel down does not show how it would lie
-        assert np.linalg.norm(np.array(sole.offset) - offset) < (0.03 if name == "tiptoe" else 0.015)
+        assert np.linalg.norm(np.array(sole.offset) - offset) < (0.03 if name in ("tiptoe", "sprint") else 0.015)
 
 
 @pytest.mark.parametrize("name", ["stairs", "stairs-down"])
