@@ -10,12 +10,13 @@ import pytest
 from walks import cleaned, rig_of, slides, walk
 
 from footfix.enforce import ik
-from footfix.enforce.foot import feet, posed
+from footfix.enforce.foot import Foot, feet, posed
 from footfix.enforce.priorities import Chain, leg_chain, solve
 from footfix.enforce.run import EnforceParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward
+from footfix.motion.vectors import dot, norm, unit
 from footfix.rig.rig import Rig
 
 E = tuple(np.eye(3))
@@ -27,8 +28,8 @@ def pushed(rig: Rig, clip: Clip, amount: float, seed: int) -> tuple:  # type: ig
     foot = feet(rig, pose)[0]
     ankle = foot.ankle + amount * np.random.default_rng(seed).uniform(-1, 1, foot.ankle.shape)
     line = ankle - foot.hip
-    length = ik.norm(foot.knee - foot.hip) + ik.norm(foot.ankle - foot.knee)
-    return pose, foot, foot.hip + line * np.minimum(1.0, 0.995 * length / ik.norm(line))[:, None]
+    length = norm(foot.knee - foot.hip) + norm(foot.ankle - foot.knee)
+    return pose, foot, foot.hip + line * np.minimum(1.0, 0.995 * length / norm(line))[:, None]
 
 
 def bent_to(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> ik.LegTurns:
@@ -66,11 +67,11 @@ def test_the_knee_stays_in_its_plane() -> None:
     nearer = foot.hip + 0.93 * (foot.ankle - foot.hip)  # along the captured line: the plane can't turn
     turns = bent_to(foot, axis, foot.hip, nearer)
     knee = foot.hip + rotation.rotate(turns.swing, foot.knee - foot.hip)
-    normal = ik.unit(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip))
-    bent = ik.norm(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip)) > 0.02
-    assert np.abs(ik.dot(knee - foot.hip, normal))[bent].max() < 0.004
-    before = ik.dot(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip), normal)
-    after = ik.dot(np.cross(knee - foot.hip, nearer - foot.hip), normal)
+    normal = unit(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip))
+    bent = norm(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip)) > 0.02
+    assert np.abs(dot(knee - foot.hip, normal))[bent].max() < 0.004
+    before = dot(np.cross(foot.knee - foot.hip, foot.ankle - foot.hip), normal)
+    after = dot(np.cross(knee - foot.hip, nearer - foot.hip), normal)
     assert np.all(before[bent] * after[bent] > 0.0)
 
 
@@ -88,7 +89,7 @@ def test_a_knee_through_straight_does_not_flip() -> None:
         foot, hip=hip, knee=hip + thigh, ankle=hip + thigh + shank, turn=still, heel=hip, ball=hip + [0.0, 0.0, 0.1]
     )
     axis = ik.knee_axis(foot, still)
-    assert np.all(ik.dot(axis, side) > 0.99)
+    assert np.all(dot(axis, side) > 0.99)
     ankle = hip + [0.0, -0.86, 0.0]
     turns = bent_to(foot, axis, hip, ankle)
     flexion = bend + rotation.to_rotation_vector(turns.bend)[:, 0]

@@ -8,10 +8,10 @@ from walks import cleaned, extension, rig_of, walk
 
 from footfix.enforce import reach
 from footfix.enforce.foot import feet, posed
-from footfix.enforce.ik import norm
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.run import EnforceParams
 from footfix.motion import rotation
+from footfix.motion.vectors import norm
 
 
 def test_what_is_captured_is_allowed_and_no_more_than_the_source_reaches() -> None:

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Plant, PlantParams, Stance, centre, longest
+from footfix.enforce.plants import Plant, PlantParams, Stance, longest
 from footfix.motion.clip import Bools, Floats
+from footfix.motion.segments import centres, distinct, middle, segments
+from footfix.motion.vectors import norm
 
 
-def aimed(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> Stance:
-    """The stance with its level and its plants' targets."""
+def aimed(
+    stance: Stance,
+    foot: Foot,
+    spot: Mapping[tuple[int, int], Floats],
+    floor: float,
+    leg_length: float,
+    params: PlantParams,
+) -> Stance:
+    """The stance with its level and its plants' targets; `spot` is from `spots`."""
     level = level_of(stance, foot, floor, leg_length, params)
     flat = stance.flat()
     pivots = _pivots(stance, foot, flat, params)
-    plants = [replace(plant, target=_place(plant, stance, foot, flat, level)) for plant in stance.plants]
+    plants = [replace(plant, target=_place(plant, spot[plant.effector, plant.start], level)) for plant in stance.plants]
     if not pivots:
         plants = _rigid(plants, foot)
     stance = replace(stance, plants=tuple(plants), level=level, pivots=pivots)
@@ -38,7 +47,7 @@ def judged(stance: Stance, foot: Foot, frame_time: float, leg_length: float, par
     for plant in stance.plants:
         if stance.pivots and plant.part != stance.pivots:
             continue
-        far = float(np.linalg.norm(foot.point(plant.part)[plant.frames] - plant.target, axis=1).max())
+        far = float(norm(foot.point(plant.part)[plant.frames] - plant.target).max())
         if far > params.max_shift * leg_length:
             return stance.let_go(f"slides so far that it seems meant: {far:.2f} m from where it would stand")
     return stance
@@ -50,19 +59,35 @@ def level_of(stance: Stance, foot: Foot, floor: float, leg_length: float, params
     if asked:
         return float(np.median(asked))
     heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants])
-    own = float(np.median(heights))
+    own = middle(heights)
     return floor if abs(own - floor) <= params.snap * leg_length else own
 
 
-def _place(plant: Plant, stance: Stance, foot: Foot, flat: Bools, level: float) -> Floats:
+def spots(stances: Sequence[Stance], feet: Sequence[Foot]) -> dict[tuple[int, int], Floats]:
+    """For each plant, by effector and start, the middle (2,) [m] of where it was on the floor, flat if ever it was."""
+    found = {}
+    for k, foot in enumerate(feet):
+        ends: dict[str, list[Plant]] = {"heel": [], "toe": []}
+        on = {part: np.zeros(len(foot), dtype=np.bool_) for part in ends}
+        for plant in (plant for stance in stances if stance.leg == k for plant in stance.plants):
+            ends[plant.part].append(plant)
+            on[plant.part][plant.frames] = True
+        flat = on["heel"] & on["toe"]
+        for part, plants in ends.items():
+            if not plants:
+                continue
+            parts = segments([(plant.start, plant.end) for plant in plants])
+            on_sole = flat[parts.frames].astype(np.float64)
+            share = np.where(parts.largest(on_sole)[parts.owner] > 0.0, on_sole, 1.0)
+            middles = centres(foot.point(part)[parts.frames][:, [0, 2]], parts, share)
+            found.update({(plant.effector, plant.start): middles[n] for n, plant in enumerate(plants)})
+    return found
+
+
+def _place(plant: Plant, spot: Floats, level: float) -> Floats:
     """Where one end stands when it stands alone: asked for, or the middle of where it was, on the floor."""
-    if plant.contact.position is not None:
-        return np.array([plant.contact.position[0], level, plant.contact.position[2]])
-    track = foot.point(plant.part)[plant.frames]
-    first = stance.frames.start
-    on_sole = flat[plant.start - first : plant.end - first]
-    whole = track[on_sole] if np.any(on_sole) else track
-    x, z = centre(whole[:, [0, 2]])
+    asked = plant.contact.position
+    x, z = spot if asked is None else (asked[0], asked[2])
     return np.array([x, level, z])
 
 
@@ -82,7 +107,7 @@ def _rigid(plants: list[Plant], foot: Foot) -> list[Plant]:
             other = plants[j]
             both = slice(max(plant.start, other.start), min(plant.end, other.end))
             span = foot.point(plant.part)[both] - foot.point(other.part)[both]
-            length = float(np.median(np.linalg.norm(span, axis=1)))
+            length = middle(norm(span))
             asked = plant.contact.position is not None and other.contact.position is not None
             heading = (plant.target - other.target)[[0, 2]] if asked else span[:, [0, 2]].sum(axis=0)
             heading /= max(float(np.linalg.norm(heading)), 1e-300)
@@ -107,17 +132,17 @@ def _within_reach(stance: Stance, foot: Foot, leg_length: float, params: PlantPa
         ends[own] += 1.0
     off /= np.maximum(ends, 1.0)[:, None]
     line = foot.ankle[frames] - foot.hip[frames]
-    captured = np.linalg.norm(line, axis=1)
+    captured = norm(line)
     thigh, shank = foot.knee[frames] - foot.hip[frames], foot.ankle[frames] - foot.knee[frames]
-    length = np.linalg.norm(thigh, axis=1) + np.linalg.norm(shank, axis=1)
+    length = norm(thigh) + norm(shank)
     free = np.maximum(captured, params.stretch * length)
-    if np.max(np.linalg.norm(line + off, axis=1) - free) < 0.001 * leg_length:
+    if np.max(norm(line + off) - free) < 0.001 * leg_length:
         return stance
-    picks = np.unique(np.linspace(0, len(off) - 1, params.places).round().astype(np.intp))
+    picks = distinct(np.linspace(0, len(off) - 1, params.places).round().astype(np.intp))
     moves = np.concatenate([np.zeros((1, 3)), -off[picks] * [1.0, 0.0, 1.0]])
     wanted = off + moves[:, None]  # (places, n, 3)
-    beyond = np.maximum(np.linalg.norm(line + wanted, axis=2) - free, 0.0).max(axis=1)
-    cost = params.stretch_cost * beyond + np.linalg.norm(wanted, axis=2).max(axis=1)
+    beyond = np.maximum(norm(line + wanted) - free, 0.0).max(axis=1)
+    cost = params.stretch_cost * beyond + norm(wanted).max(axis=1)
     move = moves[int(np.argmin(cost))]
     return replace(stance, plants=tuple(replace(plant, target=plant.target + move) for plant in stance.plants))
 

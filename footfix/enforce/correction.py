@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class Correction:
 
 def apply(clip: Clip, correction: Correction) -> Clip:
     """The corrected clip. Frames and joints that the correction leaves alone keep their very numbers."""
-    positions, rotations = clip.positions, clip.rotations
+    places: dict[int, Floats] = {}
     moved = np.any(correction.root_shift != 0.0, axis=1)
     if np.any(moved):
         shift = correction.root_shift[moved]
@@ -45,10 +45,7 @@ def apply(clip: Clip, correction: Correction) -> Clip:
         if parent >= 0:  # the shift is in the world, the channel in the parent's frame
             turn = forward(clip.frames(np.flatnonzero(moved)), [parent]).rotation(parent)
             shift = rotation.rotate(rotation.inverse(turn), shift)
-        positions = positions.copy(order="K")
-        positions[moved, correction.root] += shift
-    if correction.joints:
-        rotations = rotations.copy(order="K")
-        for k, joint in enumerate(correction.joints):
-            rotations[:, joint] = correction.rotations[:, k]
-    return replace(clip, positions=positions, rotations=rotations)
+        places[correction.root] = np.array(clip.place(correction.root), order="F")
+        places[correction.root][moved] += shift
+    turns = {joint: correction.rotations[:, k] for k, joint in enumerate(correction.joints)}
+    return clip.with_joints(places, turns) if places or turns else clip

@@ -93,7 +93,7 @@ def displacement(
             weights *= (params.settle / np.maximum(soft, params.settle)) ** 4
         eased = fit(weights, values, near, frame_time, params.settle, params.slack)
         # what that leaves at the edges of plants is led over in as short a time
-        eased += fit(_FIRM * exact, values - eased, near, frame_time, params.settle, params.settle)
+        eased += fit(_FIRM * exact.astype(np.float64), values - eased, near, frame_time, params.settle, params.settle)
     elif params.method == "hermite" and track is not None:
         eased = _hermite(pinned, values, track, frame_time, params.seconds)
     else:

@@ -15,6 +15,7 @@ import numpy as np
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance, centre
 from footfix.motion.clip import Floats
+from footfix.motion.segments import middle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,15 +63,15 @@ def belt(
 def lift(stands: Sequence[Stance], legs: Sequence[Foot], leg_length: float, params: GroundParams) -> float:
     """[m] by which the whole figure is to be raised: what all its plants lack to their floors, if they agree."""
     lacks = np.array([
-        stance.level - float(np.median(legs[stance.leg].point(plant.part)[plant.frames, 1]))
+        stance.level - middle(legs[stance.leg].point(plant.part)[plant.frames, 1])
         for stance in stands
         for plant in stance.plants
     ])  # fmt: skip
     if len(lacks) < 3:
         return 0.0
-    middle = float(np.median(lacks))
-    agreeing = float(np.mean(np.abs(lacks - middle) < 0.5 * abs(middle)))
-    return middle if abs(middle) > params.lift * leg_length and agreeing >= params.agree else 0.0
+    common = float(np.median(lacks))
+    agreeing = float(np.mean(np.abs(lacks - common) < 0.5 * abs(common)))
+    return common if abs(common) > params.lift * leg_length and agreeing >= params.agree else 0.0
 
 
 def _weighted_median(values: Floats, weights: Floats) -> float:

@@ -15,26 +15,12 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.kinematics import Pose
+from footfix.motion.vectors import cross, dot, norm, unit
 
 # Up to which bend the captured leg is too straight to say about which axis its knee flexes [sine].
 _STRAIGHT = 0.4
 _BACKWARDS = 0.3  # a knee that was captured bent backwards by less [rad] is overstretched, by more it is meant
 _ROUND = 0.02  # [rad] on either side of the least flexion over which a knee's way is rounded off
-
-
-def dot(a: Floats, b: Floats) -> Floats:
-    """(...) scalar products of (..., 3)."""
-    return np.asarray(np.einsum("...i,...i->...", a, b))
-
-
-def norm(a: Floats) -> Floats:
-    """(...) lengths of (..., 3)."""
-    return np.sqrt(dot(a, a))
-
-
-def unit(a: Floats) -> Floats:
-    """(..., 3) the same directions with length 1; zero stays zero."""
-    return a / np.maximum(norm(a), 1e-300)[..., None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +48,13 @@ def knee_axis(foot: Foot, hip_turn: Floats) -> Floats:
     nothing, and the axis the knee has on the whole, fixed in the thigh, leads over.
     """
     thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
-    normal = np.cross(unit(thigh), unit(shank))  # as long as the sine of the flexion
+    normal = cross(unit(thigh), unit(shank))  # as long as the sine of the flexion
     in_thigh = rotation.rotate(rotation.inverse(hip_turn), normal)
     usual = in_thigh.sum(axis=0)
     if np.linalg.norm(usual) > 0.01 * len(foot):
         usual_in_world = rotation.rotate(hip_turn, unit(usual))
     else:  # a leg that is never bent: a knee bends so that the shank goes away from the toes
-        usual_in_world = unit(np.cross(thigh, foot.heel - foot.ball))
+        usual_in_world = unit(cross(thigh, foot.heel - foot.ball))
     # through a straight leg the normal swings round: only as much of it counts as lies along the usual axis
     c = dot(normal, usual_in_world)
     aside = normal - c[:, None] * usual_in_world
@@ -102,7 +88,7 @@ def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, held: Bools) -> K
     """
     thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
     in_plane = shank - dot(shank, axis)[:, None] * axis
-    captured = np.arctan2(dot(axis, np.cross(thigh, in_plane)), dot(thigh, in_plane))
+    captured = np.arctan2(dot(axis, cross(thigh, in_plane)), dot(thigh, in_plane))
     reach = norm(ankle - hip)
     # law of cosines: reach^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
     cosine = (reach**2 - dot(thigh, thigh) - dot(shank, shank)) / np.maximum(

@@ -36,6 +36,8 @@ class JudgeParams:
 
 def peeled(stance: Stance, hurried: Bools, frame_time: float, judge: JudgeParams) -> Stance:
     """The stance without the edges of its plants at which the leg hurries; the same value where none does."""
+    if not np.any(hurried[max(stance.frames.start - 1, 0) : stance.frames.stop + 1]):
+        return stance
     plants = []
     for plant in stance.plants:
         contact = plant.contact
@@ -67,6 +69,9 @@ def let_go(
 ) -> Stance:
     """The stance with those plants released that still slide, held as softly as they are, or still hurry the leg."""
     plants = []
+    around = slice(max(stance.frames.start - 1, 0), stance.frames.stop + 1)
+    if not np.any(hurried[around]) and not np.any(soft[around]):
+        return stance
     for plant in stance.plants:
         off = np.linalg.norm(points[plant.effector][plant.frames] - plant.target, axis=1)
         far = float(off.max())
@@ -91,7 +96,7 @@ def hurry_of(clip: Clip, turned: dict[int, Floats]) -> Floats:
     """(F,) [deg/s] by which a joint turns faster, to or from each frame, than it did thereabouts as captured."""
     fastest = np.zeros(len(clip))
     for joint, q in turned.items():
-        before, after = _steps(clip.rotations[:, joint]), _steps(q)
+        before, after = _steps(clip.turn(joint)), _steps(q)
         around = np.maximum(before, np.maximum(np.append(before[1:], 0.0), np.append(0.0, before[:-1])))
         more = np.degrees(after - around) / clip.frame_time
         fastest[1:] = np.maximum(fastest[1:], more)

@@ -25,6 +25,7 @@ from footfix.enforce.toe import Toe, bend, firm, local_rotation, toe_of, with_to
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
+from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
 
@@ -273,7 +274,7 @@ def _bent(
         return bent, led, moved
     # raised along the leg, and as much around as keeps the knee's way smooth
     line = hip - led
-    raised = led + line * (low / np.maximum(line[:, 1], 0.5 * ik.norm(line)))[:, None]
+    raised = led + line * (low / np.maximum(line[:, 1], 0.5 * norm(line)))[:, None]
     lacking = np.where(low > 0.0, ik.knee(foot, bent.axis, hip, raised, goal.planted).flexion - bent.flexion, 0.0)
     cover = covered(np.maximum(lacking, 0.0), ease_frames(frame_time, 0.5 * params.ease.lead))
     cover *= presence(goal.near & free, frame_time, 0.5 * params.ease.lead)
@@ -297,7 +298,7 @@ def _turned(
         return _by_priorities(clip, pose, foot, bent.axis, foot.hip + shift, ankle, turn, changed)
     turns = ik.two_bones(foot, bent, foot.hip + shift, ankle)
     local = ik.local_rotations(clip, pose, foot, turns, turn)
-    return {joint: np.where(changed[:, None], q, clip.rotations[:, joint]) for joint, q in local.items()}
+    return {joint: np.where(changed[:, None], q, clip.turn(joint)) for joint, q in local.items()}
 
 
 def _by_priorities(
@@ -319,6 +320,6 @@ def _by_priorities(
         local = found.locals_[:, k]
         if joint == foot.leg.ankle:  # what is left of the foot's turn, about the line from ankle to ball
             local = rotation.multiply(rotation.inverse(above), foot_turn)
-        new[joint] = clip.rotations[:, joint].copy()
+        new[joint] = clip.turn(joint).copy()
         new[joint][changed] = rotation.normalize(local)
     return new

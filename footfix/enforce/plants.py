@@ -10,6 +10,8 @@ import numpy as np
 from footfix.enforce.foot import Foot
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Contact, Contacts, runs
+from footfix.motion.segments import centres, segments
+from footfix.motion.vectors import norm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,11 +124,10 @@ def stances(
         plants = []
         for part, e in zip(("heel", "toe"), foot.effectors, strict=True):
             track = foot.point(part)
-            for contact in contacts.effectors[e].contacts:
-                if contact.wish != "forbid" and contact.end > contact.start:
-                    start, end = _still(contact, track, frame_time, leg_length, params)
-                    contact = _at_hand(contact, track, leg_length, params)
-                    plants.append(Plant(e, part, contact, start, end, np.zeros(3)))
+            own = [c for c in contacts.effectors[e].contacts if c.wish != "forbid" and c.end > c.start]
+            for contact, (start, end) in zip(own, _still(own, track, frame_time, leg_length, params), strict=True):
+                contact = _at_hand(contact, track, leg_length, params)
+                plants.append(Plant(e, part, contact, start, end, np.zeros(3)))
         plants.sort(key=lambda plant: (plant.start, plant.part))
         group: list[Plant] = []
         end = -1
@@ -153,47 +154,41 @@ def _at_hand(contact: Contact, track: Floats, leg_length: float, params: PlantPa
 
 
 def _still(
-    contact: Contact, track: Floats, frame_time: float, leg_length: float, params: PlantParams
-) -> tuple[int, int]:
-    """The frames `[start, end)` of a contact without those at its edges in which the point is still landing or gone.
+    contacts: Sequence[Contact], track: Floats, frame_time: float, leg_length: float, params: PlantParams
+) -> list[tuple[int, int]]:
+    """The frames `[start, end)` of each contact without those at its edges in which the point still lands or is gone.
 
     A label one frame too long at 30 frames a second is a foot pulled back by a hand's breadth.
     """
-    start, end = contact.start, contact.end
-    if contact.wish == "force" or end - start < 3 or not np.isfinite(params.edge_speed):
-        return start, end
-    places = track[start:end]
-    away = np.linalg.norm(places - centre(places), axis=1)
-    stands = longest(away < params.keep_slide * leg_length)
-    if stands.stop - stands.start >= params.stands * len(places):  # all but held: what does not stand is no plant
-        return start + stands.start, start + stands.stop
-    speed = np.linalg.norm(np.diff(places, axis=0), axis=1) / (frame_time * leg_length)
+    spans = [(contact.start, contact.end) for contact in contacts]
+    able = [k for k, c in enumerate(contacts) if c.wish != "force" and c.end - c.start >= 3]
+    if not able or not np.isfinite(params.edge_speed):
+        return spans
+    parts, steps = segments([spans[k] for k in able]), segments([(spans[k][0] + 1, spans[k][1]) for k in able])
+    places = track[parts.frames]
+    away = norm(places - centres(places, parts)[parts.owner])
+    # all but held: what does not stand is no plant
+    stands, stood = parts.longest(away < params.keep_slide * leg_length)
+    holds = stood - stands >= params.stands * parts.lengths
+    speed = norm(track[steps.frames] - track[steps.frames - 1]) / (frame_time * leg_length)
+    usual = (params.edge_factor * steps.median(speed))[steps.owner]
     far = away > params.edge_distance * leg_length
-    usual = params.edge_factor * float(np.median(speed))
-    landing = speed > max(params.edge_speed, usual)
-    drifting = speed > max(params.edge_speed / 5.0, usual)
-    moving_on = landing | (drifting & far[:-1])  # from this frame to the next
-    moving_off = landing | (drifting & far[1:])  # to this frame from the one before
-    head = int(np.argmin(np.append(moving_on, False)))
-    tail = int(np.argmin(np.append(moving_off[::-1], False)))
-    if end - start - head - tail < 2:
-        return start, end
-    return start + head, end - tail
+    landing = speed > np.maximum(params.edge_speed, usual)
+    drifting = speed > np.maximum(params.edge_speed / 5.0, usual)
+    to = np.arange(len(steps.frames)) + steps.owner + 1  # where each step ends among the places
+    head = steps.leading(landing | (drifting & far[to - 1]))
+    tail = steps.trailing(landing | (drifting & far[to]))
+    leaves = parts.lengths - head - tail >= 2
+    first = np.where(holds, stands, np.where(leaves, head, 0))
+    last = np.where(holds, stood, np.where(leaves, parts.lengths - tail, parts.lengths))
+    for k, begin, end in zip(able, first.tolist(), last.tolist(), strict=True):
+        spans[k] = (spans[k][0] + begin, spans[k][0] + end)
+    return spans
 
 
 def centre(points: Floats, weights: Floats | None = None) -> Floats:
-    """The place (D,) with the least sum of distances to points (N, D): a median that knows no axes.
-
-    A few steps of Weiszfeld's way from the mean, with distances never counted as less than a hundredth of the usual.
-    """
-    share = np.ones(len(points)) if weights is None else weights
-    place = share @ points / share.sum()
-    for _ in range(5):
-        off = points - place
-        away = np.sqrt(np.einsum("ij,ij->i", off, off))
-        closeness = share / np.maximum(away, 0.01 * away.sum() / len(away) + 1e-9)
-        place = closeness @ points / closeness.sum()
-    return np.asarray(place)
+    """The place (D,) with the least sum of distances to points (N, D)."""
+    return np.asarray(centres(points, segments([(0, len(points))]), weights)[0])
 
 
 def longest(mask: Bools) -> slice:

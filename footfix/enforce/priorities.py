@@ -86,7 +86,7 @@ def leg_chain(clip: Clip, pose: Pose, foot: Foot, axis: Floats, which: Bools) ->
     joints = foot.leg.chain
     above = int(clip.skeleton.parents[joints[0]])
     turn = pose.rotation(above)[which] if above >= 0 else rotation.identity((int(which.sum()),))
-    bones = [clip.positions[which, joint] for joint in joints[1:]]
+    bones = [clip.place(joint)[which] for joint in joints[1:]]
     every = tuple(np.eye(3))
     free: list[tuple[Floats, ...]] = [every]
     for k, joint in enumerate(joints[1:-1]):
@@ -99,7 +99,7 @@ def leg_chain(clip: Clip, pose: Pose, foot: Foot, axis: Floats, which: Bools) ->
         free.append((hinge,) if bends else ())
     return Chain(
         foot.hip[which], turn, (*bones, foot.ball_in_foot[which]),
-        clip.rotations[which][:, list(joints)], (*free, every), (None,) * len(joints),
+        np.stack([clip.turn(joint)[which] for joint in joints], axis=1), (*free, every), (None,) * len(joints),
     )  # fmt: skip
 
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from footfix.enforce.ease import covered, ease_frames
 from footfix.enforce.foot import Foot
-from footfix.enforce.ik import dot, norm
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
+from footfix.motion.vectors import cross, dot, norm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +93,7 @@ def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bool
     # law of cosines in the triangle of pivot, hip and ankle
     cosine = np.clip((a * a + d * d - limit**2) / np.maximum(2.0 * a * d, 1e-300), -1.0, 1.0)
     angle = np.arccos(cosine_now) - np.arccos(np.maximum(cosine, cosine_now))
-    axis = np.cross(arm, line)
+    axis = cross(arm, line)
     length = norm(axis)
     angle = np.where(where & (length > 1e-12), np.maximum(angle, 0.0), 0.0)
     half = 0.5 * most

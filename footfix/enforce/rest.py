@@ -57,4 +57,4 @@ def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_len
     if np.linalg.norm(delta) > _FAR * leg_length or int(rests.sum()) < max(4, _SHARE * len(few)):
         return none
     point = place + rotation.rotate(turn, offset + delta)
-    return planted[1:] & planted[:-1] & (np.linalg.norm(np.diff(point, axis=0), axis=1) <= still)
+    return np.asarray(planted[1:] & planted[:-1] & (np.linalg.norm(np.diff(point, axis=0), axis=1) <= still))

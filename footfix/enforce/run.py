@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground, outcomes, root
-from footfix.enforce.aims import LEFT, aimed, as_cleaned, judged, level_of
+from footfix.enforce.aims import LEFT, aimed, as_cleaned, judged, level_of, spots
 from footfix.enforce.correction import Correction
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, can_turn, feet, posed
@@ -105,12 +105,12 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
-    stands = []
+    stands, spot = [], spots(found, legs)
     for stance in found:
         if stance.cleaned or stance.released:
             stands.append(stance)
             continue
-        stance = aimed(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants)
+        stance = aimed(stance, legs[stance.leg], spot, rig.floor, rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
         stance = judged(stance, legs[stance.leg], clip.frame_time, rig.leg_length, params.plants)
         if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
@@ -135,7 +135,8 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
             shared = enforced(clip, rig, pose, legs, held, replace(wanted, shares=True))
             if shared.let_go < done.let_go:
                 done = shared
-                notes.append(Note("root-shares", "the legs alone could not hold most plants, so the root moves with them"))
+                text = "the legs alone could not hold many plants, so the root moves with the feet"
+                notes.append(Note("root-shares", text))
         correction, points, soft = done.correction, done.points, done.soft
         stands = [*done.stands, *(stance for stance in stands if all(plant.reason for plant in stance.plants))]
         if np.any(rise):
@@ -161,7 +162,9 @@ def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, pro
     found = _on(clip.frames(proper), rig, inner, params)
     whole = found.correction
     around = ((start, len(clip) - end), (0, 0))
-    rotations = clip.rotations[:, list(whole.joints)].copy()
+    rotations = np.zeros((len(clip), 0, 4))
+    if whole.joints:
+        rotations = np.stack([clip.turn(joint) for joint in whole.joints], axis=1)
     rotations[proper] = whole.rotations
     correction = replace(
         whole, rotations=rotations, root_shift=np.pad(whole.root_shift, around), residual=np.pad(whole.residual, around)

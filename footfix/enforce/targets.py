@@ -13,6 +13,7 @@ from footfix.enforce.plants import Stance
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
+from footfix.motion.vectors import cross, norm
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,10 +120,10 @@ def lifted(
     deep = np.where(on_one & goal.near, np.maximum(goal.level - hangs[:, 1] - tolerance, 0.0), 0.0)
     arm = hangs - stands
     up = np.array([0.0, 1.0, 0.0])
-    axis = np.cross(arm, up)
-    length = np.linalg.norm(arm, axis=1)
+    axis = cross(arm, up)
+    length = norm(arm)
     angle = np.arcsin(np.clip(deep / np.maximum(length, 1e-300), 0.0, 1.0))
-    roll = rotation.from_axis_angle(axis / np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None], angle)
+    roll = rotation.from_axis_angle(axis / np.maximum(norm(axis), 1e-300)[:, None], angle)
     return rolled(goal, foot, roll, frame_time, params, soft)
 
 
@@ -134,7 +135,7 @@ def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
     turned = goal.foot_turn(foot)
     heel, ball = (rotation.rotate(turned, each) for each in (foot.heel_in_foot, foot.ball_in_foot))
     deep = goal.level - tolerance - ankle[:, 1] - np.minimum(heel[:, 1], ball[:, 1])
-    deep = np.where(goal.near & ~goal.planted & (deep < np.linalg.norm(ball - heel, axis=1)), deep, 0.0)
+    deep = np.where(goal.near & ~goal.planted & (deep < norm(ball - heel)), deep, 0.0)
     return np.maximum(deep, 0.0)
 
 
@@ -164,7 +165,7 @@ def _carried(foot: Foot, at: dict[str, Floats], stance: Stance, other: str) -> F
     """Where the end that moves goes while a flat foot pivots: around the end that stands, as captured."""
     span = foot.point(other)[stance.frames] - foot.point(stance.pivots)[stance.frames]
     level = span * np.array([1.0, 0.0, 1.0])
-    length = np.linalg.norm(span, axis=1) / np.maximum(np.linalg.norm(level, axis=1), 1e-300)
+    length = norm(span) / np.maximum(norm(level), 1e-300)
     return np.asarray(at[stance.pivots][stance.frames] + length[:, None] * level)
 
 

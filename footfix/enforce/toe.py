@@ -16,6 +16,7 @@ from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.kinematics import Pose
 from footfix.motion.segments import segments
+from footfix.motion.vectors import cross, norm
 from footfix.rig.rig import Rig
 
 _UP = np.array([0.0, 1.0, 0.0])
@@ -140,13 +141,13 @@ def bend(
     reach = rotation.rotate(turned, toe.tip - toe.place)
     over = joint[:, 1] + reach[:, 1] - goal.level
     lies = min(float(np.median(over[goal.flat])), 0.0) if np.any(goal.flat) else 0.0
-    length = np.maximum(np.linalg.norm(reach, axis=1), 1e-300)
+    length = np.maximum(norm(reach), 1e-300)
     deep = np.where(goal.planted & goal.near, np.maximum(lies - over - tolerance, 0.0), 0.0)
     sines = np.clip(np.stack([reach[:, 1] + deep, reach[:, 1]]) / length, -1.0, 1.0)
     angle = np.where(deep > 0.0, np.arcsin(sines[0]) - np.arcsin(sines[1]), 0.0)
     if not np.any(angle):
         return np.zeros((len(foot), 3))
-    axis = rotation.rotate(rotation.inverse(goal.foot_turn(foot)), angle[:, None] * np.cross(reach, _UP))
+    axis = rotation.rotate(rotation.inverse(goal.foot_turn(foot)), angle[:, None] * cross(reach, _UP))
     hinge = axis.sum(axis=0) / max(float(np.linalg.norm(axis.sum(axis=0))), 1e-300)
     rate = max(np.radians(ease.toe_speed), float(angle.max()) / (0.9 * ease.seconds)) * frame_time
     eased = np.where(goal.near, sloped(angle, rate), 0.0)
@@ -171,4 +172,4 @@ def local_rotation(clip: Clip, toe: Toe, foot_turn: Floats, foot: Foot, vector: 
         rotation.from_rotation_vector(rotation.rotate(foot_turn, vector)), rotation.multiply(turned, toe.turn)
     )
     local = rotation.normalize(rotation.multiply(rotation.inverse(above), now))
-    return np.asarray(np.where(bent[:, None], local, clip.rotations[:, toe.joint]))
+    return np.asarray(np.where(bent[:, None], local, clip.turn(toe.joint)))

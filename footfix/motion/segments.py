@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.motion.clip import Floats, Ints, frozen
+from footfix.motion.clip import Bools, Floats, Ints, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +47,62 @@ class Segments:
         low, high = self.starts + (self.lengths - 1) // 2, self.starts + self.lengths // 2
         return np.asarray(0.5 * (ordered[low] + ordered[high]))
 
+    def leading(self, mask: Bools) -> Ints:
+        """(S,) how many values of a mask (N,) are True from each stretch's start on."""
+        ends = np.append(np.flatnonzero(~mask), len(mask))
+        return np.minimum(ends[np.searchsorted(ends, self.starts)] - self.starts, self.lengths)
+
+    def trailing(self, mask: Bools) -> Ints:
+        """(S,) how many values of a mask (N,) are True up to each stretch's end."""
+        last = self.starts + self.lengths - 1
+        ends = np.append(-1, np.flatnonzero(~mask))
+        return np.minimum(last - ends[np.searchsorted(ends, last, side="right") - 1], self.lengths)
+
+    def longest(self, mask: Bools) -> tuple[Ints, Ints]:
+        """(S,), (S,) where in each stretch the longest row of True in a mask (N,) starts and ends; 0, 0 for none."""
+        edge = np.zeros(len(mask) + 1, dtype=np.bool_)
+        edge[self.starts] = edge[-1] = True
+        begins = np.flatnonzero(mask & (edge[:-1] | ~np.append(False, mask[:-1])))
+        ends = np.flatnonzero(mask & (edge[1:] | ~np.append(mask[1:], False))) + 1
+        start, stop = np.zeros(len(self), dtype=np.intp), np.zeros(len(self), dtype=np.intp)
+        owner = self.owner[begins]
+        order = np.lexsort((-begins, ends - begins, owner))  # of each stretch the longest row last, of equals the first
+        start[owner[order]] = begins[order] - self.starts[owner[order]]
+        stop[owner[order]] = ends[order] - self.starts[owner[order]]
+        return start, stop
+
     def middle(self) -> Ints:
         """(S,) the place of each stretch's middle frame in the arrays laid end to end."""
         return self.starts + self.lengths // 2
 
 
+def centres(points: Floats, parts: Segments, weights: Floats | None = None) -> Floats:
+    """The places (S, D) with the least sum of distances to the points (N, D) of each stretch: medians without axes.
+
+    A few steps of Weiszfeld's way from the mean, with distances never counted as less than a hundredth of the usual.
+    """
+    share = np.ones(len(points)) if weights is None else weights
+    total = np.add.reduceat(share, parts.starts)
+    place = np.add.reduceat(share[:, None] * points, parts.starts) / total[:, None]
+    for _ in range(5):
+        off = points - place[parts.owner]
+        away = np.sqrt(np.einsum("ij,ij->i", off, off))
+        least = 0.01 * np.add.reduceat(share * away, parts.starts) / total + 1e-9
+        closeness = share / np.maximum(away, least[parts.owner])
+        place = np.add.reduceat(closeness[:, None] * points, parts.starts)
+        place /= np.add.reduceat(closeness, parts.starts)[:, None]
+    return place
+
+
+def middle(values: Floats) -> float:
+    """The median of a few values (N,); a tenth of what `np.median` takes for that."""
+    ordered = np.sort(values)
+    return float(0.5 * (ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]))
+
+
 def distinct(ascending: Ints) -> Ints:
     """An ascending array (N,) without repetitions; `np.unique` loads numpy's masked arrays to do that, for 10 ms."""
-    return ascending[np.diff(ascending, prepend=ascending[:1] - 1) > 0]
+    return np.asarray(ascending[np.diff(ascending, prepend=ascending[:1] - 1) > 0])
 
 
 def segments(spans: Sequence[tuple[int, int]]) -> Segments:
