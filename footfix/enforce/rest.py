@@ -7,11 +7,18 @@ point in every joint that was held, and it can be solved for.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 
+from footfix.enforce.foot import Foot
+from footfix.enforce.plants import Plant, PlantParams, Stance, longest
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
+
+LEFT = "left as it was when this clip was cleaned"  # the reason of plants that are
 
 _ROUNDS = 15  # of reweighting, some more than exact solutions have needed,
 _COARSE = 0.003  # [leg lengths] from what a captured foot moves in a frame downwards
@@ -58,3 +65,40 @@ def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_len
         return none
     point = place + rotation.rotate(turn, offset + delta)
     return np.asarray(planted[1:] & planted[:-1] & (np.linalg.norm(np.diff(point, axis=0), axis=1) <= still))
+
+
+def as_cleaned(
+    stance: Stance, foot: Foot, rests: Mapping[int, Bools], floor: float, leg_length: float, params: PlantParams
+) -> Stance:
+    """The stance as it stands, kept, if it was cleaned before; otherwise the same value.
+
+    `rests` says of each sole point which of its steps from frame to frame (F - 1,) a program put to rest. Some end
+    of a cleaned foot rests most of the time, on the floor or a step away from it; what is left of its contacts lands
+    or leaves, and was left to do so.
+    """
+    if any(plant.contact.position is not None or plant.contact.wish == "force" for plant in stance.plants):
+        return stance
+    cores = [_core(plant, rests[plant.effector]) for plant in stance.plants]
+    frames = max(p.contact.end for p in stance.plants) - min(p.contact.start for p in stance.plants)
+    if len({t for core in cores for t in range(core.start, core.stop)}) < max(params.cleaned * frames, 3):
+        return stance
+    plants = tuple(_as_held(plant, foot, core) for plant, core in zip(stance.plants, cores, strict=True))
+    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants if plant.kept])
+    level = float(np.median(heights))
+    if params.off_floor * leg_length < abs(level - floor) <= params.snap * leg_length:
+        return stance
+    return replace(stance, plants=plants, level=level, cleaned=True)
+
+
+def _core(plant: Plant, rests: Bools) -> slice:
+    """The frames of a plant from the first to the last of the longest row of steps (F - 1,) at rest."""
+    first = plant.contact.start
+    core = longest(rests[first : plant.contact.end - 1])
+    return slice(first + core.start, first + core.stop + 1) if core.stop > core.start else slice(first, first)
+
+
+def _as_held(plant: Plant, foot: Foot, core: slice) -> Plant:
+    if core.stop <= core.start:  # it only lands or leaves
+        return replace(plant, reason=LEFT)
+    target = np.median(foot.point(plant.part)[core], axis=0)
+    return replace(plant, start=core.start, end=core.stop, target=target, kept=True)

@@ -9,8 +9,9 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground, outcomes, root
-from footfix.enforce.aims import LEFT, aimed, as_cleaned, judged, level_of, spots
+from footfix.enforce.aims import aimed, judged, level_of
 from footfix.enforce.correction import Correction
+from footfix.enforce.course import courses
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant
@@ -19,7 +20,7 @@ from footfix.enforce.judge import JudgeParams
 from footfix.enforce.legs import LegParams, enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
-from footfix.enforce.rest import resting
+from footfix.enforce.rest import LEFT, as_cleaned, resting
 from footfix.enforce.root import RootParams
 from footfix.enforce.style import StyleParams, styled
 from footfix.motion.clip import Bools, Clip, Floats
@@ -105,14 +106,14 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
-    stands, spot = [], spots(found, legs)
+    stands, ways = [], courses(found, legs, params.plants)
     for stance in found:
         if stance.cleaned or stance.released:
             stands.append(stance)
             continue
-        stance = aimed(stance, legs[stance.leg], spot, rig.floor, rig.leg_length, params.plants)
+        stance = aimed(stance, ways[stance.leg], rig.floor, rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
-        stance = judged(stance, legs[stance.leg], clip.frame_time, rig.leg_length, params.plants)
+        stance = judged(stance, ways[stance.leg], clip.frame_time, rig.leg_length, params.plants)
         if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
             stance = stance.let_go("the file has no rotation channels for a joint of this leg")
         stands.append(stance)

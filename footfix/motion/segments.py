@@ -50,13 +50,13 @@ class Segments:
     def leading(self, mask: Bools) -> Ints:
         """(S,) how many values of a mask (N,) are True from each stretch's start on."""
         ends = np.append(np.flatnonzero(~mask), len(mask))
-        return np.minimum(ends[np.searchsorted(ends, self.starts)] - self.starts, self.lengths)
+        return np.asarray(np.minimum(ends[np.searchsorted(ends, self.starts)] - self.starts, self.lengths))
 
     def trailing(self, mask: Bools) -> Ints:
         """(S,) how many values of a mask (N,) are True up to each stretch's end."""
         last = self.starts + self.lengths - 1
         ends = np.append(-1, np.flatnonzero(~mask))
-        return np.minimum(last - ends[np.searchsorted(ends, last, side="right") - 1], self.lengths)
+        return np.asarray(np.minimum(last - ends[np.searchsorted(ends, last, side="right") - 1], self.lengths))
 
     def longest(self, mask: Bools) -> tuple[Ints, Ints]:
         """(S,), (S,) where in each stretch the longest row of True in a mask (N,) starts and ends; 0, 0 for none."""
