@@ -35,7 +35,8 @@ def pushed(rig: Rig, clip: Clip, amount: float, seed: int) -> tuple:  # type: ig
 def bent_to(foot: Foot, axis: Floats, hip: Floats, ankle: Floats) -> ik.LegTurns:
     """The leg held at `ankle` in every frame."""
     held = np.ones(len(foot), dtype=bool)
-    return ik.two_bones(foot, ik.knee(foot, axis, hip, ankle, held), hip, ankle)
+    hinge = ik.hinge(foot, axis)
+    return ik.two_bones(foot, hinge, ik.flexion(hinge, hip, ankle, held), hip, ankle)
 
 
 @pytest.mark.parametrize("amount", [0.02, 0.1, 0.25])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Clip, Floats, Ints, some
 from footfix.motion.kinematics import Pose, forward
 from footfix.rig.rig import Leg, Rig
 
@@ -40,9 +40,16 @@ class Foot:
     def __len__(self) -> int:
         return len(self.ankle)
 
+    def frames(self, which: Ints) -> Foot:
+        """The leg in some frames only."""
+        return Foot(self.leg, self.effectors, *(some(getattr(self, name), which) for name in _TRACKS))
+
     def point(self, part: str) -> Floats:
         """(F, 3) [m] track of "heel" or "toe"."""
         return self.heel if part == "heel" else self.ball
+
+
+_TRACKS = ("hip", "knee", "ankle", "turn", "heel", "ball", "heel_in_foot", "ball_in_foot")
 
 
 def feet(rig: Rig, pose: Pose) -> tuple[Foot, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from footfix.enforce.foot import Foot
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats, Ints, some
 from footfix.motion.contacts import runs
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import cross, dot, norm, unit
@@ -65,45 +65,61 @@ def knee_axis(foot: Foot, hip_turn: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class Knee:
-    """How a knee is bent, over F frames.
+class Hinge:
+    """A knee as captured, over F frames: what does not change however its leg is held.
 
     Args:
         axis: (F, 3) it flexes about, from `knee_axis`.
-        captured: (F,) [rad] its flexion as captured; negative where it bends backwards.
-        flexion: (F,) [rad] as it is to be.
+        flexion: (F,) [rad] how far it is bent; negative where it bends backwards.
+        bones: (F,) [m^2] the squares of thigh and shank, together.
+        lever: (F,) [m^2] twice the product of the thigh and the part of the shank that swings about the axis.
+        least: [rad] the straightest it is in the clip.
     """
 
     axis: Floats
-    captured: Floats
     flexion: Floats
+    bones: Floats
+    lever: Floats
+    least: float
+
+    def frames(self, which: Ints) -> Hinge:
+        """The knee in some frames only; its straightest stays that of the clip."""
+        axis, flexion, bones, lever = (
+            some(each.reshape(len(each), -1), which) for each in (self.axis, self.flexion, self.bones, self.lever)
+        )
+        return Hinge(axis, flexion[:, 0], bones[:, 0], lever[:, 0], self.least)
 
 
-def knee(foot: Foot, axis: Floats, hip: Floats, ankle: Floats, held: Bools) -> Knee:
-    """The knee of the leg that reaches from `hip` (F, 3) to `ankle` (F, 3) [m].
+def hinge(foot: Foot, axis: Floats) -> Hinge:
+    """The knee of a leg that flexes about an axis (F, 3)."""
+    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
+    in_plane = shank - dot(shank, axis)[:, None] * axis
+    flexion = np.arctan2(dot(axis, cross(thigh, in_plane)), dot(thigh, in_plane))
+    lever = np.maximum(2.0 * norm(thigh) * norm(in_plane), 1e-300)
+    least = max(float(flexion.min(initial=np.inf)), 0.0)
+    return Hinge(axis, flexion, dot(thigh, thigh) + dot(shank, shank), lever, least)
+
+
+def flexion(hinge: Hinge, hip: Floats, ankle: Floats, held: Bools) -> Floats:
+    """(F,) [rad] how far the knee of the leg that reaches from `hip` (F, 3) to `ankle` (F, 3) [m] is bent.
 
     Out of reach, the leg is as straight or as bent as it goes. Many clips overstretch a straight knee by some
     degrees: such a one bends forwards; one that is bent backwards farther stays on its side. As long as the foot is
     held (F,) it does not change sides.
     """
-    thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
-    in_plane = shank - dot(shank, axis)[:, None] * axis
-    captured = np.arctan2(dot(axis, cross(thigh, in_plane)), dot(thigh, in_plane))
-    reach = norm(ankle - hip)
+    line = ankle - hip
     # law of cosines: reach^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
-    cosine = (reach**2 - dot(thigh, thigh) - dot(shank, shank)) / np.maximum(
-        2.0 * norm(thigh) * norm(in_plane), 1e-300
-    )
-    backwards = captured < -_BACKWARDS
+    bent = np.arccos(np.clip((dot(line, line) - hinge.bones) / hinge.lever, -1.0, 1.0))
+    backwards = hinge.flexion < -_BACKWARDS
     for start, end in runs(held) if np.any(backwards) else []:
-        backwards[start:end] = np.median(captured[start:end]) < -_BACKWARDS
-    flexion = np.arccos(np.clip(cosine, -1.0, 1.0))
-    return Knee(axis, captured, np.where(backwards, -flexion, flexion))
+        backwards[start:end] = np.median(hinge.flexion[start:end]) < -_BACKWARDS
+    return np.where(backwards, -bent, bent)
 
 
-def not_too_straight(captured: Floats, more: Floats) -> Floats:
-    """(F,) [rad] a knee's flexion (F,) with so much more (F,), but no straighter than the straightest captured."""
-    least = np.minimum(captured, max(float(captured.min()), 0.0))
+def not_too_straight(hinge: Hinge, more: Floats) -> Floats:
+    """(F,) [rad] a knee's flexion with so much more (F,), but no straighter than the straightest captured."""
+    captured = hinge.flexion
+    least = np.minimum(captured, hinge.least)
 
     def rounded(over: Floats) -> Floats:  # a parabola leads over from the bound to what is wanted
         part = (over + _ROUND) ** 2 / (4.0 * _ROUND)
@@ -115,21 +131,16 @@ def not_too_straight(captured: Floats, more: Floats) -> Floats:
     return np.asarray(least + wanted - added)
 
 
-def two_bones(foot: Foot, bent: Knee, hip: Floats, ankle: Floats) -> LegTurns:
-    """The leg from `hip` (F, 3) towards `ankle` (F, 3) [m], its knee bent as said.
+def two_bones(foot: Foot, hinge: Hinge, bent: Floats, hip: Floats, ankle: Floats) -> LegTurns:
+    """The leg from `hip` (F, 3) towards `ankle` (F, 3) [m], its knee bent as said (F,) [rad].
 
     The knee stays in the captured leg's plane, carried along by the smallest turn that takes the captured line from
     hip to ankle to the new one.
     """
     thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
-    bends = bend(bent)
-    swing = rotation.between(thigh + rotation.rotate(bends, shank), ankle - hip)
-    return LegTurns(swing, bends)
-
-
-def bend(bent: Knee) -> Floats:
-    """(F, 4) what turns the shank about the knee, in the world."""
-    return rotation.from_axis_angle(bent.axis, bent.flexion - bent.captured)
+    bend = rotation.from_axis_angle(hinge.axis, bent - hinge.flexion)
+    swing = rotation.between(thigh + rotation.rotate(bend, shank), ankle - hip)
+    return LegTurns(swing, bend)
 
 
 def local_rotations(

@@ -25,17 +25,26 @@ class ReachParams:
     root_ease: float = 0.15  # [s] how early the root begins to give way
 
 
-def allowed(foot: Foot, hip: Floats, ankle: Floats, params: ReachParams) -> Floats:
+def reserve(foot: Foot) -> Floats:
+    """(F,) what a leg as captured lacks to its full length, as a share of it."""
+    return np.asarray(1.0 - norm(foot.ankle - foot.hip) / (norm(foot.knee - foot.hip) + norm(foot.ankle - foot.knee)))
+
+
+def allowed(
+    foot: Foot, hip: Floats, ankle: Floats, params: ReachParams, straightest: float | None = None
+) -> Floats:
     """(F,) [m] how far the ankle may be from the hip, when it is wanted at `ankle` (F, 3).
 
     With x = 1 - distance / length, the leg's reserve: a leg may use up the reserve x0 it had when captured only
     by and by, x0 exp((x - x0) / x0), so that its knee is never quicker than the source's own at that bend; and
-    never below what the straightest source frame leaves, nor below that of `extension`.
+    never below what the straightest source frame leaves (`straightest`, the least of `reserve` over the clip, if
+    `foot` is not all of it), nor below that of `extension`.
     """
     length = norm(foot.knee - foot.hip) + norm(foot.ankle - foot.knee)
     captured = 1.0 - norm(foot.ankle - foot.hip) / length
+    straightest = float(captured.min()) if straightest is None else straightest
     wanted = 1.0 - norm(ankle - hip) / length
-    least = max(1.0 - params.extension, float(captured.min()))
+    least = max(1.0 - params.extension, straightest)
     spare = np.maximum(captured - least, 1e-9)
     limited = np.minimum(least, captured) + spare * np.exp(np.minimum((wanted - captured) / spare, 0.0))
     reserve = np.where(wanted >= captured, wanted, np.minimum(limited, captured))

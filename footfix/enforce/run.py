@@ -17,11 +17,12 @@ from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.judge import JudgeParams
-from footfix.enforce.legs import LegParams, enforced
+from footfix.enforce.legs import enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.rest import LEFT, as_cleaned, resting
 from footfix.enforce.root import RootParams
+from footfix.enforce.solve import LegParams
 from footfix.enforce.style import StyleParams, styled
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Contacts

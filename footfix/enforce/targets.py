@@ -48,11 +48,12 @@ class Goals:
 
 
 def goals(
-    foot: Foot, stands: Sequence[Stance], frame_time: float, params: EaseParams, soft: Floats | None = None
+    foot: Foot, stands: Sequence[Stance], level: Floats, frame_time: float, params: EaseParams, soft: Floats
 ) -> Goals:
     """The goals of one leg from its stances; released ones are not among them.
 
-    `soft` (F,) [s] says where the foot is held only as far as its slide is slower than that.
+    `level` (F,) [m] is the height of the floor, from `levels`; `soft` (F,) [s] says where the foot is held only as
+    far as its slide is slower than that.
     """
     frames = len(foot)
     on = {part: np.zeros(frames, dtype=np.bool_) for part in ("heel", "toe")}
@@ -72,12 +73,16 @@ def goals(
     planted = on["heel"] | on["toe"]
     near = within_reach(planted & ~kept, frame_time, params.seconds)
     flat = on["heel"] & on["toe"]
-    # 1. the foot's turn: known where both ends stand
+    # 1. the foot's turn: known where both ends stand; a foot that never lies flat is not turned
+    known = flat | kept
+    for stance in stands:
+        if not np.any(flat[stance.frames]):
+            known[stance.frames] = planted[stance.frames]
     turn = np.zeros((frames, 3))
     aligned = rotation.between(foot.ball[flat] - foot.heel[flat], at["toe"][flat] - at["heel"][flat])
     turn[flat] = rotation.to_rotation_vector(aligned)
     turn[kept] = 0.0
-    turn = displacement(flat | kept, turn, near, frame_time, params, soft)
+    turn = displacement(known, turn, near, frame_time, params, soft)
     # 2. the ankle's place: on the end that stands; from heel to ball over the time both do
     turned = rotation.multiply(rotation.from_rotation_vector(turn), foot.turn)
     from_heel = at["heel"] - rotation.rotate(turned, foot.heel_in_foot)
@@ -87,10 +92,10 @@ def goals(
     shift[kept] = 0.0
     on_ball = roll[:, 0] > 0.5
     shift = displacement(planted, shift, near, frame_time, params, soft, foot.ankle)
-    return Goals(planted, near, flat, on_ball, _levels(stands, frames), turn, shift)
+    return Goals(planted, near, flat, on_ball, level, turn, shift)
 
 
-def _levels(stands: Sequence[Stance], frames: int) -> Floats:
+def levels(stands: Sequence[Stance], frames: int) -> Floats:
     """(F,) [m] height of the floor: that of the stance, and before and after it of the lower of its neighbours."""
     order = sorted(stands, key=lambda stance: stance.frames.start)
     level = np.full(frames, -np.inf)

@@ -12,7 +12,7 @@ from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.enforce.targets import Goals
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats, Ints, some
 from footfix.motion.contacts import runs
 from footfix.motion.kinematics import Pose
 from footfix.motion.segments import segments
@@ -33,6 +33,9 @@ class Toe:
         turn, above_turn: (F, 4) frames of the two.
         tip: (F, 3) [m] their end.
         carries_ball: whether the foot's ball moves with them.
+        hinge: (3,) the axis in the ankle's frame about which they turn up.
+        lies: [m] how much lower than the ball their end is while the foot is flat; negative, or zero.
+        quiver: whether they carry the ball to and fro in a foot that stands on it.
         moved: (F,) or () where they are no longer as captured.
     """
 
@@ -43,11 +46,25 @@ class Toe:
     above_turn: Floats
     tip: Floats
     carries_ball: bool
+    hinge: Floats
+    lies: float
+    quiver: bool
     moved: Bools = field(default_factory=lambda: np.zeros((), dtype=np.bool_))
 
 
-def toe_of(clip: Clip, rig: Rig, pose: Pose, foot: Foot) -> Toe | None:
-    """The toes of a leg; None where the file has none that could bend."""
+    def frames(self, which: Ints) -> Toe:
+        """The toes in some frames only; what was measured on the whole clip stays."""
+        place, turn, above, tip = (some(each, which) for each in (self.place, self.turn, self.above_turn, self.tip))
+        return replace(self, place=place, turn=turn, above_turn=above, tip=tip)
+
+
+def toe_of(
+    clip: Clip, rig: Rig, pose: Pose, foot: Foot, stands: Sequence[Stance], tolerance: float
+) -> Toe | None:
+    """The toes of a leg; None where the file has none that could bend.
+
+    Toes that carry the ball of a foot that stands on it no farther than `tolerance` [m] are still.
+    """
     joint, skeleton = foot.leg.toe, clip.skeleton
     if joint is None or not skeleton.rotates[joint]:
         return None
@@ -60,38 +77,49 @@ def toe_of(clip: Clip, rig: Rig, pose: Pose, foot: Foot) -> Toe | None:
     if np.linalg.norm(offset) < 0.02 * rig.leg_length and not carries_ball:
         return None
     ground = foot.ankle - pose.position(foot.leg.ankle)  # (F, 3) [m] the leg's tracks may stand on one of their own
+    place, tip = pose.position(joint) + ground, pose.point(joint, offset) + ground
+    on, flat, kept = _stood_on(stands, len(foot))
+    some_on = on if np.any(on) else np.ones_like(on)
+    axes = rotation.rotate(rotation.inverse(foot.turn[some_on]), cross((tip - place)[some_on], _UP[None])).sum(axis=0)
+    lies = min(float(np.median((tip - foot.ball)[flat, 1])), 0.0) if np.any(flat) else 0.0
     return Toe(
-        joint, above, pose.position(joint) + ground, pose.rotation(joint), pose.rotation(above),
-        pose.point(joint, offset) + ground, carries_ball,
+        joint, above, place, pose.rotation(joint), pose.rotation(above), tip, carries_ball,
+        axes / max(float(np.linalg.norm(axes)), 1e-300), lies,
+        carries_ball and _quivers(_in_ankle(foot, place), on & ~kept, flat, tolerance),
     )  # fmt: skip
 
 
-def firm(
-    toe: Toe, foot: Foot, stands: Sequence[Stance], tolerance: float, frame_time: float, ease: EaseParams
-) -> tuple[Toe, Foot]:
+def _in_ankle(foot: Foot, place: Floats) -> Floats:
+    """(F, 3) [m] from the toe joint at (F, 3) to the ball, in the ankle's frame."""
+    return rotation.rotate(rotation.inverse(foot.turn), foot.ball - place)
+
+
+def _quivers(at: Floats, held: Bools, flat: Bools, tolerance: float) -> bool:
+    wriggle = np.abs(at[held & flat] - _usual(at, flat)[held & flat]).max(initial=0.0)
+    from_neighbours = np.abs(at[1:-1] - 0.5 * (at[2:] + at[:-2])).max(axis=1)[held[1:-1]]
+    return bool(wriggle > tolerance or (len(from_neighbours) and np.median(from_neighbours) > 0.2 * tolerance))
+
+
+def _usual(at: Floats, flat: Bools) -> Floats:
+    """(F, 3) [m] places, but where the foot is flat the median of as long as it is."""
+    usual, parts = at.copy(), segments(runs(flat))
+    for axis in range(3):
+        usual[parts.frames, axis] = parts.median(at[parts.frames, axis])[parts.owner]
+    return usual
+
+
+def firm(toe: Toe, foot: Foot, stands: Sequence[Stance], frame_time: float, ease: EaseParams) -> tuple[Toe, Foot]:
     """Toes and foot with the ball held firmly in the foot as long as that stands on it.
 
     Heel and ball of a flat foot stand still only if they are one rigid body; and a foot that rolls over its ball
     shakes with each quiver of its toes. Toes that wriggle carry the ball to and fro in the foot, by some
-    millimetres: while it is flat the ball stays where it usually is, and later on it goes its way smoothly. Toes
-    that carry it no farther than `tolerance` [m] are left as they are.
+    millimetres: while it is flat the ball stays where it usually is, and later on it goes its way smoothly.
     """
-    if not toe.carries_ball:
-        return toe, foot
     on, flat, kept = _stood_on(stands, len(foot))
-    if not np.any(on & ~kept):
+    if not toe.quiver or not np.any(on & ~kept):
         return toe, foot
-    at = rotation.rotate(rotation.inverse(foot.turn), foot.ball - toe.place)  # (F, 3) [m] in the ankle's frame
-    want = at.copy()
-    runs_of_flat = segments(runs(flat))
-    for axis in range(3):
-        column = at[runs_of_flat.frames, axis]
-        want[runs_of_flat.frames, axis] = runs_of_flat.median(column)[runs_of_flat.owner]
-    held = on & ~kept
-    wriggles = np.abs(at[held & flat] - want[held & flat]).max(initial=0.0) > tolerance
-    from_neighbours = np.abs(at[1:-1] - 0.5 * (at[2:] + at[:-2])).max(axis=1)[held[1:-1]]
-    if not wriggles and not (len(from_neighbours) and np.median(from_neighbours) > 0.2 * tolerance):
-        return toe, foot
+    at, held = _in_ankle(foot, toe.place), on & ~kept
+    want = _usual(at, flat)
     everywhere = np.ones(len(foot), dtype=np.bool_)
     smooth = fit(on + 99.0 * flat, want, everywhere, frame_time, ease.toe_settle, ease.slack)
     want = np.where(flat[:, None], want, smooth)
@@ -140,18 +168,15 @@ def bend(
     joint = goal.ankle(foot) + rotation.rotate(turned, toe.place - foot.ankle)
     reach = rotation.rotate(turned, toe.tip - toe.place)
     over = joint[:, 1] + reach[:, 1] - goal.level
-    lies = min(float(np.median(over[goal.flat])), 0.0) if np.any(goal.flat) else 0.0
     length = np.maximum(norm(reach), 1e-300)
-    deep = np.where(goal.planted & goal.near, np.maximum(lies - over - tolerance, 0.0), 0.0)
+    deep = np.where(goal.planted & goal.near, np.maximum(toe.lies - over - tolerance, 0.0), 0.0)
     sines = np.clip(np.stack([reach[:, 1] + deep, reach[:, 1]]) / length, -1.0, 1.0)
     angle = np.where(deep > 0.0, np.arcsin(sines[0]) - np.arcsin(sines[1]), 0.0)
     if not np.any(angle):
         return np.zeros((len(foot), 3))
-    axis = rotation.rotate(rotation.inverse(goal.foot_turn(foot)), angle[:, None] * cross(reach, _UP))
-    hinge = axis.sum(axis=0) / max(float(np.linalg.norm(axis.sum(axis=0))), 1e-300)
     rate = max(np.radians(ease.toe_speed), float(angle.max()) / (0.9 * ease.seconds)) * frame_time
     eased = np.where(goal.near, sloped(angle, rate), 0.0)
-    return np.asarray(eased[:, None] * hinge)
+    return np.asarray(eased[:, None] * toe.hinge)
 
 
 def with_toe_bent(foot: Foot, toe: Toe, vector: Floats) -> Foot:

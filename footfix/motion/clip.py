@@ -189,8 +189,8 @@ class Clip:
         joints = range(len(self.skeleton))
         return Clip.of_tracks(
             self.skeleton,
-            [_some(self.place(joint), which) for joint in joints],
-            [_some(self.turn(joint), which) for joint in joints],
+            [some(self.place(joint), which) for joint in joints],
+            [some(self.turn(joint), which) for joint in joints],
             self.frame_time,
         )
 
@@ -213,7 +213,7 @@ def in_every_frame(function: Callable[[Floats], Floats], track: Floats) -> Float
     return function(track)
 
 
-def _some(track: Floats, frames: slice | Ints) -> Floats:
+def some(track: Floats, frames: slice | Ints) -> Floats:
     """Some frames of a track; they stay side by side in memory, for kinematics is twice as slow where they do not."""
     if isinstance(frames, slice):
         return track[frames]

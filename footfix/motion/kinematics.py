@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats, frozen
+from footfix.motion.clip import Clip, Floats, Ints, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +24,11 @@ class Pose:
     joints: tuple[int, ...]
     positions: Floats
     rotations: Floats
+
+    def frames(self, which: Ints) -> Pose:
+        """The joints in some frames only."""
+        places, turns = (np.take(each.transpose(1, 2, 0), which, axis=2) for each in (self.positions, self.rotations))
+        return Pose(self.joints, places.transpose(2, 0, 1), turns.transpose(2, 0, 1))
 
     def position(self, joint: int) -> Floats:
         """(F, 3) [m] track of one joint, by its index in the skeleton."""
