@@ -51,8 +51,9 @@ def again(
     )  # fmt: skip
     at = np.flatnonzero(inner)
     seams = at[np.append(True, np.diff(at) > 1) | np.append(np.diff(at) > 1, True)]
+    seams = seams[(seams > 0) & (seams < len(clip) - 1)]
     off = [np.abs(old[seams] - new[place[seams]]) for old, new in zip(before.points, part.points, strict=True)]
-    if max(float(each.max()) for each in off) > _SEAM * rig.leg_length:
+    if max(float(each.max(initial=0.0)) for each in off) > _SEAM * rig.leg_length:
         return solution(clip, rig, pose, legs, stands, floor, soft, params)
     joints = before.rotations.keys() | part.rotations.keys()
     kept = clip.frames(which)

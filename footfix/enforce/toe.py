@@ -174,8 +174,9 @@ def bend(
     angle = np.where(deep > 0.0, np.arcsin(sines[0]) - np.arcsin(sines[1]), 0.0)
     if not np.any(angle):
         return np.zeros((len(foot), 3))
-    rate = max(np.radians(ease.toe_speed), float(angle.max()) / (0.9 * ease.seconds)) * frame_time
-    eased = np.where(goal.near, sloped(angle, rate), 0.0)
+    speed = np.radians(ease.toe_speed)
+    angle = np.minimum(angle, 0.9 * speed * ease.seconds)  # no more than they come back from while they may move
+    eased = np.where(goal.near, sloped(angle, speed * frame_time), 0.0)
     return np.asarray(eased[:, None] * toe.hinge)
 
 
