@@ -20,7 +20,7 @@ from footfix.motion.vectors import cross, dot, norm, unit
 # Up to which bend the captured leg is too straight to say about which axis its knee flexes [sine].
 _STRAIGHT = 0.4
 _BACKWARDS = 0.3  # a knee that was captured bent backwards by less [rad] is overstretched, by more it is meant
-_ROUND = 0.02  # [rad] on either side of the least flexion over which a knee's way is rounded off
+_ROUND = 0.08  # [rad] on either side of the least flexion over which a knee's way is rounded off
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +116,12 @@ def flexion(hinge: Hinge, hip: Floats, ankle: Floats, held: Bools) -> Floats:
     return np.where(backwards, -bent, bent)
 
 
-def not_too_straight(hinge: Hinge, more: Floats) -> Floats:
-    """(F,) [rad] a knee's flexion with so much more (F,), but no straighter than the straightest captured."""
+def not_too_straight(hinge: Hinge, more: Floats, share: Floats) -> Floats:
+    """(F,) [rad] a knee's flexion with so much more (F,), but no straighter than the straightest captured.
+
+    It is rounded off where it would be; `share` (F,) says how much, from 0, where it goes on from a foot that is
+    held, to 1.
+    """
     captured = hinge.flexion
     least = np.minimum(captured, hinge.least)
 
@@ -128,7 +132,8 @@ def not_too_straight(hinge: Hinge, more: Floats) -> Floats:
     now, wanted = rounded(captured - least), rounded(captured + more - least)
     # what the rounding itself adds to a knee of which nothing is asked is taken off again
     added = (now - (captured - least)) * np.minimum(wanted / now, 1.0)
-    return np.asarray(least + wanted - added)
+    plain = captured + more
+    return np.maximum(plain + share * (least + wanted - added - plain), least)
 
 
 def two_bones(foot: Foot, hinge: Hinge, bent: Floats, hip: Floats, ankle: Floats) -> LegTurns:

@@ -233,7 +233,8 @@ def _bent(
     more = np.where(moved, bent - hinge.flexion, 0.0)
     eased = displacement(goal.planted, more[:, None], goal.near, frame_time, params.ease)[:, 0]
     free = ~goal.planted
-    bent = np.where(free, ik.not_too_straight(hinge, eased), bent)
+    share = presence(goal.near & free, frame_time, params.ease.lead)
+    bent = np.where(free, ik.not_too_straight(hinge, eased, share), bent)
     turns = ik.two_bones(foot, hinge, bent, hip, ankle)
     led = turns.ankle(foot, hip)
     low = lacks(goal, foot, led, params.plants.sink * leg_length)
