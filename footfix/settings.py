@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import re
 import types
 import typing
 from collections.abc import Iterable, Iterator, Mapping
@@ -140,6 +141,9 @@ def _leaves(current: Any, values: Mapping[str, Any], prefix: str) -> Iterator[tu
             yield prefix + key, value
 
 
+_SCIENTIFIC = re.compile(r"[-+]?\d+(\.\d*)?[eE][-+]?\d+")
+
+
 def _convert(value: Any, kind: Any, origin: str, path: str) -> Any:
     """A plain value as the type that a parameter declares."""
     shape, parts = typing.get_origin(kind), typing.get_args(kind)
@@ -173,6 +177,8 @@ def _convert(value: Any, kind: Any, origin: str, path: str) -> Any:
         if isinstance(value, bool):
             return value
     elif kind in (int, float):
+        if isinstance(value, str) and _SCIENTIFIC.fullmatch(value):  # 2e-5 is a number to all but YAML 1.1
+            value = float(value)
         if isinstance(value, (int, float)) and not isinstance(value, bool) and value == value:
             if kind is float:
                 return float(value)

@@ -15,7 +15,7 @@ from footfix.enforce.plants import PlantParams, Stance
 from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
-from footfix.enforce.targets import Goals, goals, lacks, levels, lifted, rolled
+from footfix.enforce.targets import Goals, goals, lacks, levels, lifted, low_down, rolled
 from footfix.enforce.toe import Toe, bend, firm, local_rotation, toe_of, with_toe_bent
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -230,9 +230,13 @@ def _bent(
     moved = np.any((hip != foot.hip) | (goal.turn != 0.0) | (goal.shift != 0.0), axis=1)
     if params.ease.method != "smooth":
         return ik.two_bones(foot, hinge, bent, hip, ankle), ankle, moved
-    more = np.where(moved, bent - hinge.flexion, 0.0)
-    eased = displacement(goal.planted, more[:, None], goal.near, frame_time, params.ease)[:, 0]
     free = ~goal.planted
+    more = np.where(moved, bent - hinge.flexion, 0.0)
+    away = moved & ~goal.near
+    if np.any(away):  # the figure comes down to its other feet: one that nothing holds stays where it is, if it is low
+        more[away] *= low_down(goal, foot, params.plants.low * leg_length)[away]
+    known, near = goal.planted | ~goal.near, goal.near | moved
+    eased = displacement(known, more[:, None], near, frame_time, params.ease)[:, 0]
     share = presence(goal.near & free, frame_time, params.ease.lead)
     bent = np.where(free, ik.not_too_straight(hinge, eased, share), bent)
     turns = ik.two_bones(foot, hinge, bent, hip, ankle)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, within_reach
+from footfix.enforce.ease import EaseParams, displacement, gamma, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.motion import rotation
@@ -130,6 +130,12 @@ def lifted(
     angle = np.arcsin(np.clip(deep / np.maximum(length, 1e-300), 0.0, 1.0))
     roll = rotation.from_axis_angle(axis / np.maximum(norm(axis), 1e-300)[:, None], angle)
     return rolled(goal, foot, roll, frame_time, params, soft)
+
+
+def low_down(goal: Goals, foot: Foot, height: float) -> Floats:
+    """(F,) from 1 for a captured foot at the floor to 0 for one that is `height` [m] over it."""
+    low = np.minimum(foot.heel[:, 1], foot.ball[:, 1])
+    return gamma((low - np.where(np.isfinite(goal.level), goal.level, low)) / height)
 
 
 def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
