@@ -35,7 +35,7 @@ def judged(stance: Stance, course: Course, frame_time: float, leg_length: float,
     if any(plant.contact.wish == "force" for plant in stance.plants):
         return stance
     seconds = (stance.frames.stop - stance.frames.start) * frame_time
-    if seconds < params.shortest:
+    if seconds < params.shortest and not any(plant.given for plant in stance.plants):
         return stance.let_go(f"too short to be a plant: {seconds:.3f} s")
     for plant in stance.plants:
         if stance.pivots and plant.part != stance.pivots:
@@ -131,10 +131,9 @@ def _stands_well(
     for plant in stance.plants:
         off = course.foot.point(plant.part)[plant.frames] - plant.target
         moves = stance.pivots not in ("", plant.part)
-        if not moves and np.hypot(off[:, 0], off[:, 2]).max() > params.keep_slide * leg_length:
-            return False
-        steps = np.diff(off[:, [0, 2]], axis=0)
-        if not moves and np.hypot(*steps.T).max(initial=0.0) > params.keep_speed * leg_length * frame_time:
+        slides = 0.0 if moves else float(np.hypot(off[:, 0], off[:, 2]).max()) / leg_length
+        fastest = float(np.hypot(*np.diff(off[:, [0, 2]], axis=0).T).max(initial=0.0)) / (frame_time * leg_length)
+        if slides > params.keep_slide or (slides > params.keep_slow and fastest > params.keep_speed):
             return False
         if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
             return False

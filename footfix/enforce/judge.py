@@ -42,7 +42,7 @@ def peeled(stance: Stance, hurried: Bools, frame_time: float, judge: JudgeParams
     for plant in stance.plants:
         contact = plant.contact
         start, end = plant.start, plant.end
-        if not plant.kept and contact.wish != "force":
+        if not plant.kept and not plant.given:
             most = min(round(judge.peel_most / frame_time), int(judge.peel_share * (contact.end - contact.start)))
             width = max(2, round(judge.peel / frame_time))
             head = np.flatnonzero(hurried[max(start - 1, 0) : start + width])

@@ -65,16 +65,17 @@ def enforced(
     soft = tuple(np.zeros(len(clip)) for _ in legs)
     whole = limbs(clip, rig, pose, legs, stands, params)
     solved = solution(clip, rig, pose, whole, stands, floors(whole, stands, len(clip)), soft, params)
+    usual = _allowance(stands, len(clip), len(legs), clip.frame_time, params.judge)
     wide = replace(params.judge, peel_most=2.0 * params.judge.peel_most, peel_share=0.5)
     if params.ease.method == "smooth" and params.judge.speed > 0.0:
         for level in (None, None, *range(len(params.judge.softness))):
-            changed = _given_way(clip, solved, stands, soft, level, params.judge)
+            changed = _given_way(clip, solved, stands, soft, level, usual, params.judge)
             if changed is not None:
                 where = _differ(stands, changed[0], soft, changed[1])
                 stands, soft = changed
                 solved = again(clip, rig, pose, whole, stands, soft, where, solved, params)
         for last in (False, True, True):
-            hurried = [hurry > params.judge.most * params.judge.speed for hurry in solved.hurry]
+            hurried = [hurry > params.judge.most * most for hurry, most in zip(solved.hurry, usual, strict=True)]
             fewer = tuple(
                 let_go(s, solved.points, soft[s.leg], hurried[s.leg], rig.leg_length, params.plants, params.judge)
                 if last else peeled(s, hurried[s.leg], clip.frame_time, wide) for s in stands
@@ -90,6 +91,19 @@ def enforced(
     nothing = np.zeros((len(clip), len(rig.soles)))
     correction = Correction(rig.root, solved.shift, joints, rotations, nothing)
     return Held(correction, solved.points, stands, soft)
+
+
+def _allowance(
+    stands: Sequence[Stance], frames: int, legs: int, frame_time: float, judge: JudgeParams
+) -> list[Floats]:
+    """For each leg (F,) [deg/s] by which its joints may turn faster than captured: more about plants that are given."""
+    given = np.zeros((legs, frames), dtype=np.bool_)
+    for stance in stands:
+        for plant in (plant for plant in stance.plants if plant.given):
+            given[stance.leg][plant.frames] = True
+    return [
+        np.where(within_reach(each, frame_time, judge.around), judge.given, 1.0) * judge.speed for each in given
+    ]
 
 
 def _differ(
@@ -111,14 +125,15 @@ def _given_way(
     stands: tuple[Stance, ...],
     soft: tuple[Floats, ...],
     level: int | None,
+    usual: Sequence[Floats],
     judge: JudgeParams,
 ) -> tuple[tuple[Stance, ...], tuple[Floats, ...]] | None:
     """Stances and softness where joints hurry: plants without their edges, or (at a `level`) holds that are softer.
 
     None where nothing changes.
     """
-    bound = judge.speed * (1.0 if level is None else judge.soften)
-    hurried = [hurry > bound for hurry in solved.hurry]
+    times = 1.0 if level is None else judge.soften
+    hurried = [hurry > times * most for hurry, most in zip(solved.hurry, usual, strict=True)]
     if not any(np.any(each) for each in hurried):
         return None
     if level is None:

@@ -19,9 +19,10 @@ class PlantParams:
     """When a plant is corrected, and where it goes. Lengths in leg lengths."""
 
     snap: float = 0.06  # a plant nearer than this to the rig's floor stands on it; else on its own level (stairs)
-    keep_slide: float = 0.0008  # a plant that slides less, stands as level and turns as little, is left alone
-    keep_speed: float = 0.011  # [leg lengths/s] and is at no time faster than this,
-    keep_height: float = 0.0055  # and is no farther than this from its floor
+    keep_slide: float = 0.0009  # a plant that slides less, stands as level and turns as little, is left alone
+    keep_speed: float = 0.011  # [leg lengths/s] if it is at no time faster than this,
+    keep_slow: float = 0.0002  # or slides even less,
+    keep_height: float = 0.006  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
     rest: float = 2e-5  # from frame to frame: what moves less was put to rest by a program; captured feet never are
     cleaned: float = 0.4  # of a stand's frames: one that rests so long was cleaned before, and is left alone
@@ -44,6 +45,11 @@ class PlantParams:
     edge_distance: float = 0.02  # or farther than this from where it stands and a fifth as fast
 
 
+# Contacts that somebody gave are held as they are, the edges of those that a detector found are less certain. A file
+# of labels may be a detector's, too: those it is not sure of are its own.
+_BY_HAND = ("labels", "known")
+
+
 @dataclass(frozen=True)
 class Plant:
     """One contact on its way to a `Footplant`.
@@ -54,6 +60,7 @@ class Plant:
         contact: as detected or given.
         start, end: the frames `[start, end)` in which it is held.
         target: (3,) [m].
+        given: somebody gave the contact, and it is held as it is.
         kept: it stands well enough.
         reason: why it is released, empty while it is not.
     """
@@ -64,6 +71,7 @@ class Plant:
     start: int
     end: int
     target: Floats
+    given: bool = False
     kept: bool = False
     reason: str = ""
 
@@ -126,9 +134,13 @@ def stances(
         for part, e in zip(("heel", "toe"), foot.effectors, strict=True):
             track = foot.point(part)
             own = [c for c in contacts.effectors[e].contacts if c.wish != "forbid" and c.end > c.start]
-            for contact, (start, end) in zip(own, _still(own, track, frame_time, leg_length, params), strict=True):
+            given = [
+                c.wish == "force" or (contacts.method in _BY_HAND and c.confidence >= 1.0) for c in own
+            ]
+            spans = _still(own, given, track, frame_time, leg_length, params)
+            for contact, by_hand, (start, end) in zip(own, given, spans, strict=True):
                 contact = _at_hand(contact, track, leg_length, params)
-                plants.append(Plant(e, part, contact, start, end, np.zeros(3)))
+                plants.append(Plant(e, part, contact, start, end, np.zeros(3), by_hand))
         plants.sort(key=lambda plant: (plant.start, plant.part))
         group: list[Plant] = []
         end = -1
@@ -155,15 +167,20 @@ def _at_hand(contact: Contact, track: Floats, leg_length: float, params: PlantPa
 
 
 def _still(
-    contacts: Sequence[Contact], track: Floats, frame_time: float, leg_length: float, params: PlantParams
+    contacts: Sequence[Contact],
+    given: Sequence[bool],
+    track: Floats,
+    frame_time: float,
+    leg_length: float,
+    params: PlantParams,
 ) -> list[tuple[int, int]]:
     """The frames `[start, end)` of each contact without those at its edges in which the point still lands or is gone.
 
     A label one frame too long at 30 frames a second is a foot pulled back by a hand's breadth.
     """
     spans = [(contact.start, contact.end) for contact in contacts]
-    able = [k for k, c in enumerate(contacts) if c.wish != "force" and c.end - c.start >= 3]
-    if not able or not np.isfinite(params.edge_speed):
+    able = [k for k, c in enumerate(contacts) if not given[k] and c.end - c.start >= 3]
+    if not able:
         return spans
     parts, steps = segments([spans[k] for k in able]), segments([(spans[k][0] + 1, spans[k][1]) for k in able])
     places = track[parts.frames]
@@ -209,7 +226,7 @@ def exact(stance: Stance, residual: Floats, leg_length: float, params: PlantPara
         off = residual[plant.frames, plant.effector]
         holds = longest(off <= params.holds * leg_length)
         most = holds.stop - holds.start >= max(params.stands * (plant.contact.end - plant.contact.start), 2)
-        if plant.reason or plant.contact.wish == "force" or off.max() <= params.holds * leg_length or not most:
+        if plant.reason or plant.given or off.max() <= params.holds * leg_length or not most:
             plants.append(plant)
         else:
             plants.append(replace(plant, start=plant.start + holds.start, end=plant.start + holds.stop))

@@ -76,7 +76,7 @@ def as_cleaned(
     of a cleaned foot rests most of the time, on the floor or a step away from it; what is left of its contacts lands
     or leaves, and was left to do so.
     """
-    if any(plant.contact.position is not None or plant.contact.wish == "force" for plant in stance.plants):
+    if any(plant.contact.position is not None or plant.given for plant in stance.plants):
         return stance
     cores = [_core(plant, rests[plant.effector]) for plant in stance.plants]
     frames = max(p.contact.end for p in stance.plants) - min(p.contact.start for p in stance.plants)

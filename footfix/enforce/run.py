@@ -31,9 +31,6 @@ from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-# Contacts that somebody gave are held as they are; the edges of those that a detector found are less certain.
-GIVEN = ("labels", "known")
-
 
 @dataclass(frozen=True, kw_only=True)
 class EnforceParams:
@@ -90,16 +87,13 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
-    if contacts.method in GIVEN:
-        judge = replace(params.judge, speed=params.judge.given * params.judge.speed, peel_most=0.0)
-        params = replace(params, plants=replace(params.plants, edge_speed=np.inf, shortest=0.0), judge=judge)
     pose = posed(clip, rig)
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
     notes = _places_not_taken(contacts, found)
     ride = _ride(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, ride) for foot in legs)
-    if not params.again and contacts.method not in GIVEN:
+    if not params.again and params.style == StyleParams():
         rests = _rests(pose, rig, contacts, ride, params.plants)
         found = [as_cleaned(s, legs[s.leg], rests, rig.floor, rig.leg_length, params.plants) for s in found]
         found = _all_left(found, notes)
@@ -144,7 +138,7 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         if np.any(rise):
             correction = replace(correction, root_shift=correction.root_shift + params.strength * rise)
     residual = outcomes.residual(rig, stands, points)
-    if contacts.method not in GIVEN and params.method != "root":
+    if params.method != "root":
         stands = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
         residual = outcomes.residual(rig, stands, points)
     plants = outcomes.footplants(rig, stands, residual, soft, offset, limit)
@@ -215,9 +209,9 @@ def _all_left(stands: Sequence[Stance], notes: list[Note]) -> list[Stance]:
     text = f"{cleaned} of {len(stands)} stands rest already: this clip was cleaned before, and is left as it is"
     notes.append(Note("cleaned-before", text))
     return [
-        stance if stance.cleaned or any(plant.contact.wish == "force" for plant in stance.plants)
-        else stance.let_go(LEFT) for stance in stands
-    ]  # fmt: skip
+        stance if stance.cleaned or any(plant.given for plant in stance.plants) else stance.let_go(LEFT)
+        for stance in stands
+    ]
 
 
 def _rise(
