@@ -27,7 +27,7 @@ class EaseParams:
     lead: float = 0.08  # [s] in which a knee that was captured overstretched comes to bend forwards
     toe_settle: float = 0.03  # [s] what is quicker in the way of the ball in a foot that stands on it is a quiver
     toe_speed: float = 200.0  # [deg/s] at which toes bend out of the floor and come back
-    slack: float = 0.05  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
+    slack: float = 0.08  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
 
 
 _FIRM = 100.0  # times as much as at first that pinned values count when what is left at their edges is led over

@@ -226,7 +226,8 @@ def _bent(
     Where the foot is held, the knee is bent as that needs. Elsewhere not the place of the foot leads over but the
     bend of the knee: of a straight leg, some millimetres of the foot are many degrees of the knee.
     """
-    bent = ik.flexion(hinge, hip, ankle, goal.planted)
+    known = goal.planted | ~goal.near
+    bent = ik.flexion(hinge, hip, ankle, known)
     moved = np.any((hip != foot.hip) | (goal.turn != 0.0) | (goal.shift != 0.0), axis=1)
     if params.ease.method != "smooth":
         return ik.two_bones(foot, hinge, bent, hip, ankle), ankle, moved
@@ -234,9 +235,10 @@ def _bent(
     more = np.where(moved, bent - hinge.flexion, 0.0)
     away = moved & ~goal.near
     if np.any(away):  # the figure comes down to its other feet: one that nothing holds stays where it is, if it is low
-        more[away] *= low_down(goal, foot, params.plants.low * leg_length)[away]
-    known, near = goal.planted | ~goal.near, goal.near | moved
-    eased = displacement(known, more[:, None], near, frame_time, params.ease)[:, 0]
+        width = ease_frames(frame_time, params.ease.lead)
+        stirred = np.any(norm(hip - foot.hip)[away] > 0.002 * leg_length)
+        more[away] *= stirred * low_down(goal, foot, params.plants.low * leg_length, width)[away]
+    eased = displacement(known, more[:, None], goal.near | moved, frame_time, params.ease)[:, 0]
     share = presence(goal.near & free, frame_time, params.ease.lead)
     bent = np.where(free, ik.not_too_straight(hinge, eased, share), bent)
     turns = ik.two_bones(foot, hinge, bent, hip, ankle)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, gamma, within_reach
+from footfix.enforce.ease import EaseParams, covered, displacement, gamma, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.motion import rotation
@@ -132,10 +132,13 @@ def lifted(
     return rolled(goal, foot, roll, frame_time, params, soft)
 
 
-def low_down(goal: Goals, foot: Foot, height: float) -> Floats:
-    """(F,) from 1 for a captured foot at the floor to 0 for one that is `height` [m] over it."""
+def low_down(goal: Goals, foot: Foot, height: float, width: int) -> Floats:
+    """(F,) from 1 for a captured foot at the floor to 0 for one that is `height` [m] over it.
+
+    It changes smoothly, over some widths [frames], also where the floor has a step.
+    """
     low = np.minimum(foot.heel[:, 1], foot.ball[:, 1])
-    return gamma((low - np.where(np.isfinite(goal.level), goal.level, low)) / height)
+    return covered(gamma((low - np.where(np.isfinite(goal.level), goal.level, low)) / height), width)
 
 
 def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
