@@ -26,7 +26,7 @@ class PlantParams:
     keep_turn: float = 0.7  # [degrees]
     rest: float = 2e-5  # from frame to frame: what moves less was put to rest by a program; captured feet never are
     cleaned: float = 0.4  # of a stand's frames: one that rests so long was cleaned before, and is left alone
-    off_floor: float = 0.025  # a stand that rests but is farther than this from a floor it should be on is moved to it
+    off_floor: float = 0.025  # stands that rest, but on the whole farther than this from their floor, are moved to it
     low: float = 0.12  # an unplanted foot that is lower than this over the floor stays there when the figure moves
     sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend

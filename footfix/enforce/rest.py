@@ -7,7 +7,7 @@ point in every joint that was held, and it can be solved for.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,11 +20,11 @@ from footfix.motion.contacts import runs
 
 LEFT = "left as it was when this clip was cleaned"  # the reason of plants that are
 
-_ROUNDS = 15  # of reweighting, some more than exact solutions have needed,
-_COARSE = 0.003  # [leg lengths] from what a captured foot moves in a frame downwards
+_ROUNDS = 20  # of reweighting, some more than exact solutions have needed,
+_COARSE = 0.01  # [leg lengths] from what a captured foot moves in a frame downwards
 _SHARE = 0.3  # of the steps that must rest: fewer are chance
 _MOST = 2000  # steps that are looked at: enough of any clip
-_FAR = 0.06  # leg lengths from the sole point, beyond which a point is none of this foot's
+_FAR = 0.08  # leg lengths from the sole point, beyond which a point is none of this foot's
 
 
 def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_length: float, rest: float) -> Bools:
@@ -45,7 +45,8 @@ def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_len
     none = np.zeros(max(len(planted) - 1, 0), dtype=np.bool_)
     core = np.zeros_like(planted)  # without the ends of contacts, in which feet land and leave
     for start, end in runs(planted):
-        core[start + (end - start) // 4 : end - (end - start) // 4] = True
+        edge = min((end - start) // 4, max((end - start - 4) // 2, 0))
+        core[start + edge : end - edge] = True
     steps = np.flatnonzero(core[1:] & core[:-1])
     if len(steps) < 4:
         return none
@@ -67,14 +68,11 @@ def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_len
     return np.asarray(planted[1:] & planted[:-1] & (np.linalg.norm(np.diff(point, axis=0), axis=1) <= still))
 
 
-def as_cleaned(
-    stance: Stance, foot: Foot, rests: Mapping[int, Bools], floor: float, leg_length: float, params: PlantParams
-) -> Stance:
+def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: PlantParams) -> Stance:
     """The stance as it stands, kept, if it was cleaned before; otherwise the same value.
 
     `rests` says of each sole point which of its steps from frame to frame (F - 1,) a program put to rest. Some end
-    of a cleaned foot rests most of the time, on the floor or a step away from it; what is left of its contacts lands
-    or leaves, and was left to do so.
+    of a cleaned foot rests most of the time; what is left of its contacts lands or leaves, and was left to do so.
     """
     if any(plant.contact.position is not None or plant.given for plant in stance.plants):
         return stance
@@ -84,10 +82,14 @@ def as_cleaned(
         return stance
     plants = tuple(_as_held(plant, foot, core) for plant, core in zip(stance.plants, cores, strict=True))
     heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants if plant.kept])
-    level = float(np.median(heights))
-    if params.off_floor * leg_length < abs(level - floor) <= params.snap * leg_length:
-        return stance
-    return replace(stance, plants=plants, level=level, cleaned=True)
+    return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
+
+
+def off_their_floor(stands: Sequence[Stance], floor: float, leg_length: float, params: PlantParams) -> bool:
+    """Whether the cleaned stances among these rest, on the whole, a little off a floor that they should be on."""
+    off = np.array([abs(stance.level - floor) for stance in stands if stance.cleaned]) / leg_length
+    near = off[off <= params.snap]
+    return bool(len(near) and np.median(near) > params.off_floor)
 
 
 def _core(plant: Plant, rests: Bools) -> slice:

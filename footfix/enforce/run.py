@@ -20,7 +20,7 @@ from footfix.enforce.judge import JudgeParams
 from footfix.enforce.legs import enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
-from footfix.enforce.rest import LEFT, as_cleaned, resting
+from footfix.enforce.rest import LEFT, as_cleaned, off_their_floor, resting
 from footfix.enforce.root import RootParams
 from footfix.enforce.solve import LegParams
 from footfix.enforce.style import StyleParams, styled
@@ -30,6 +30,8 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.rig.rig import Rig
+
+_MOST_CLEANED = 0.6  # of the stands: a clip of which more rest was cleaned as a whole
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,8 +97,9 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     legs = tuple(ground.carried(foot, ride) for foot in legs)
     if not params.again and params.style == StyleParams():
         rests = _rests(pose, rig, contacts, ride, params.plants)
-        found = [as_cleaned(s, legs[s.leg], rests, rig.floor, rig.leg_length, params.plants) for s in found]
-        found = _all_left(found, notes)
+        cleaned = [as_cleaned(stance, legs[stance.leg], rests, params.plants) for stance in found]
+        if not off_their_floor(cleaned, rig.floor, rig.leg_length, params.plants):
+            found = _all_left(cleaned, notes)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
@@ -204,7 +207,7 @@ def _rests(pose: Pose, rig: Rig, contacts: Contacts, ride: Floats, params: Plant
 def _all_left(stands: Sequence[Stance], notes: list[Note]) -> list[Stance]:
     """The stances, all of them left as they are where most of them were cleaned before: so were the others."""
     cleaned = sum(stance.cleaned for stance in stands)
-    if 2 * cleaned <= len(stands):
+    if cleaned <= _MOST_CLEANED * len(stands):
         return list(stands)
     text = f"{cleaned} of {len(stands)} stands rest already: this clip was cleaned before, and is left as it is"
     notes.append(Note("cleaned-before", text))
