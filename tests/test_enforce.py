@@ -313,3 +313,44 @@ def test_a_leg_that_the_file_cannot_turn_is_released_and_said() -> None:
     left = [plant for plant in found.plants if plant.effector.startswith("left") and plant.outcome != "kept"]
     assert left and all(plant.outcome == "released" and "channels" in plant.reason for plant in left)
     assert changed_joints(clip, after) <= set(rig.legs[1].chain)
+
+
+def test_toes_that_quiver_slide_no_heel() -> None:
+    """Toes that carry the ball wriggle by some degrees: heel and ball of a flat foot hold still all the same."""
+    made = walk("walk", 120.0)
+    rig = rig_of(made)
+    random = np.random.default_rng(0)
+    rotations = made.clip.rotations.copy()
+    for leg in rig.legs:
+        shake = rotation.from_rotation_vector(np.radians(4.0) * random.normal(size=(len(made.clip), 3)))
+        rotations[:, leg.toe] = rotation.multiply(rotations[:, leg.toe], shake)
+    clip = artefacts.drift(replace(made.clip, rotations=rotations), 0.05)
+    after, _ = cleaned(clip, rig, made.contacts)
+    slid = slides(after, rig, made.contacts)
+    assert max(slides(clip, rig, made.contacts)["toe"]) > 3.0
+    assert max(slid["toe"] + slid["heel"]) < 0.5
+
+
+def test_without_strength_nothing_is_lifted_either() -> None:
+    made = walk("run")
+    rig = rig_of(made)
+    clip = artefacts.shake(artefacts.sink(made.clip, 0.02), 1.0, slowest=0.3)
+    none, _ = cleaned(clip, rig, made.contacts, EnforceParams(strength=0.0))
+    for joint in range(len(clip.skeleton)):
+        assert np.array_equal(none.turn(joint), clip.turn(joint))
+        assert np.array_equal(none.place(joint), clip.place(joint))
+
+
+def test_labels_as_a_detector_wrote_them_are_taken_as_a_detectors() -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = artefacts.wander(made.clip, 0.05)
+    unsure = tuple(
+        replace(e, contacts=tuple(replace(c, confidence=0.9) for c in e.contacts)) for e in made.contacts.effectors
+    )
+    detected = replace(made.contacts, method="auto", effectors=unsure)
+    after, found = cleaned(clip, rig, detected)
+    read, again = cleaned(clip, rig, replace(detected, method="labels"))
+    assert found.plants == again.plants
+    for joint in range(len(clip.skeleton)):
+        assert np.array_equal(after.turn(joint), read.turn(joint))

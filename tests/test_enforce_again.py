@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import artefacts
 import numpy as np
@@ -27,8 +28,8 @@ PARAMS = LegParams(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("gait", ["walk", "turn", "run"])
-def test_a_change_is_felt_no_farther_than_it_is_made_anew(gait: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def spoilt(gait: str) -> tuple[Any, ...]:
+    """A walker that wanders, its legs as they are solved, and its stances."""
     made = walk(gait, duration=20.0)
     rig, clip = rig_of(made), artefacts.wander(made.clip, 0.05)
     pose = posed(clip, rig)
@@ -36,8 +37,13 @@ def test_a_change_is_felt_no_farther_than_it_is_made_anew(gait: str, monkeypatch
     found = stances(made.contacts, legs, clip.frame_time, rig.leg_length, PARAMS.plants)
     ways = courses(found, legs, PARAMS.plants)
     stands = [aimed(s, ways[s.leg], rig.floor, rig.leg_length, PARAMS.plants) for s in found]
-    soft = [np.zeros(len(clip)) for _ in legs]
-    whole = limbs(clip, rig, pose, legs, stands, PARAMS)
+    return clip, rig, pose, limbs(clip, rig, pose, legs, stands, PARAMS), stands
+
+
+@pytest.mark.parametrize("gait", ["walk", "turn", "run"])
+def test_a_change_is_felt_no_farther_than_it_is_made_anew(gait: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    clip, rig, pose, whole, stands = spoilt(gait)
+    soft = [np.zeros(len(clip)) for _ in whole]
     before = solution(clip, rig, pose, whole, stands, floors(whole, stands, len(clip)), soft, PARAMS)
     k = len(stands) // 2
     shorter = tuple(replace(plant, start=plant.start + 2, end=plant.end - 1) for plant in stands[k].plants)
@@ -58,18 +64,11 @@ def test_a_change_is_felt_no_farther_than_it_is_made_anew(gait: str, monkeypatch
     assert max(np.abs(a - b).max() for a, b in zip(part.points, before.points, strict=True)) > 1e-4
 
 
-def test_where_a_change_is_felt_farther_all_is_made_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = walk("walk", duration=20.0)
-    rig, clip = rig_of(made), artefacts.wander(made.clip, 0.05)
-    pose = posed(clip, rig)
-    legs = feet(rig, pose)
-    found = stances(made.contacts, legs, clip.frame_time, rig.leg_length, PARAMS.plants)
-    ways = courses(found, legs, PARAMS.plants)
-    stands = [aimed(s, ways[s.leg], rig.floor, rig.leg_length, PARAMS.plants) for s in found]
-    soft = [np.zeros(len(clip)) for _ in legs]
-    whole = limbs(clip, rig, pose, legs, stands, PARAMS)
+def test_where_a_change_is_felt_farther_all_is_made_anew() -> None:
+    clip, rig, pose, whole, stands = spoilt("walk")
+    soft = [np.zeros(len(clip)) for _ in whole]
     floor = floors(whole, stands, len(clip))
-    elsewhere = [np.full(len(clip), 0.16) for _ in legs]  # everything else was held softly before, too
+    elsewhere = [np.full(len(clip), 0.16) for _ in whole]  # everything else was held softly before, too
     before = solution(clip, rig, pose, whole, stands, floor, elsewhere, PARAMS)
     changed = np.zeros(len(clip), dtype=bool)
     changed[stands[3].frames] = True

@@ -1,0 +1,100 @@
+"""A clip that was cleaned before is known by its feet, and is left as it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import artefacts
+import numpy as np
+import pytest
+from walks import cleaned, heights, rig_of, slides, walk
+
+from footfix.detect.run import detect
+from footfix.enforce.rest import resting
+from footfix.enforce.run import EnforceParams
+from footfix.motion import rotation
+from footfix.motion.clip import Clip
+from footfix.rig.find import find_rig
+from footfix.settings import Settings
+
+LEG = 0.88
+
+
+def same(one: Clip, other: Clip) -> bool:
+    """Whether two clips are the same to the digit."""
+    return np.array_equal(one.rotations, other.rotations) and np.array_equal(one.positions, other.positions)
+
+
+def rolling(frames: int, point: np.ndarray, *, noise: float = 0.0, steps: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """A joint that rolls about a point fixed in it and on the floor; each pose is held for some frames."""
+    t = np.repeat(np.arange(-(-frames // steps)), steps)[:frames] * steps / 60.0
+    turn = rotation.from_rotation_vector(np.stack([0.5 * np.sin(3.0 * t), 0.2 * t, 0.1 * np.cos(2.0 * t)], axis=1))
+    place = np.array([0.3, 0.02, -0.1]) - rotation.rotate(turn, point)
+    return place + noise * np.random.default_rng(0).normal(size=place.shape), turn
+
+
+def test_a_foot_that_rolls_about_a_point_of_its_own_rests() -> None:
+    point = np.array([0.01, -0.05, 0.12])
+    place, turn = rolling(60, point)
+    planted = np.zeros(60, dtype=bool)
+    planted[5:55] = True
+    guessed = point + [0.015, -0.01, 0.02]  # where the sole is thought to be
+    rests = resting(place, turn, guessed, planted, LEG, 2e-5)
+    assert np.array_equal(rests, planted[1:] & planted[:-1])
+    far = resting(place, turn, point + [0.0, 0.2, 0.0], planted, LEG, 2e-5)
+    assert not np.any(far)  # that point is none of this foot's
+
+
+def test_captured_feet_do_not_rest() -> None:
+    point = np.array([0.01, -0.05, 0.12])
+    planted = np.ones(60, dtype=bool)
+    shaking, turn = rolling(60, point, noise=1e-4)  # a tenth of a millimetre
+    assert not np.any(resting(shaking, turn, point, planted, LEG, 2e-5))
+    made = walk()
+    rig, clip = rig_of(made), artefacts.drift(made.clip, 0.05)
+    pose = rig.pose(clip)
+    for sole, on in zip(rig.soles, made.contacts.mask().T, strict=True):
+        at = pose.position(sole.joint), pose.rotation(sole.joint), np.array(sole.offset)
+        assert resting(*at, on, LEG, 2e-5).sum() < 0.2 * on.sum()
+
+
+@pytest.mark.parametrize("gait", ["walk", "run", "backwards"])
+@pytest.mark.parametrize("artefact", ["drift", "wander", "shaken"])
+def test_a_cleaned_clip_comes_through_once_more_as_it_is(gait: str, artefact: str) -> None:
+    """With everything found and detected anew, as by somebody who has only the cleaned file."""
+    spoilt = {
+        "drift": lambda clip: artefacts.drift(clip, 0.05),
+        "wander": lambda clip: artefacts.wander(clip, 0.05, slowest=1.0),
+        "shaken": lambda clip: artefacts.shake(clip, 0.3),
+    }[artefact](walk(gait, 120.0).clip)
+    rig = find_rig(spoilt)
+    once, found = cleaned(spoilt, rig, detect(spoilt, rig, Settings().detect))
+    assert sum(plant.outcome == "pinned" for plant in found.plants) > 0.6 * len(found.plants)
+    rig = find_rig(once)
+    contacts = detect(once, rig, Settings().detect)
+    twice, again = cleaned(once, rig, contacts)
+    assert same(twice, once)
+    assert [note.id for note in again.notes] == ["cleaned-before"]
+    assert not any(plant.outcome in ("pinned", "partly") for plant in again.plants)
+
+
+def test_it_is_looked_at_again_where_that_is_asked_for() -> None:
+    made = walk()
+    rig = rig_of(made)
+    contacts = replace(made.contacts, method="auto")
+    broken = made.clip.positions.copy()
+    broken[100:, 0, 2] += np.minimum(np.arange(len(broken) - 100) * 0.002, 0.04)  # one stand of many was spoilt
+    clip = replace(made.clip, positions=broken)
+    before = max(slides(clip, rig, contacts)["toe"])
+    left, found = cleaned(clip, rig, contacts)
+    assert "cleaned-before" in [note.id for note in found.notes] and same(left, clip)
+    after, found = cleaned(clip, rig, contacts, EnforceParams(again=True))
+    assert before > 10.0 and max(slides(after, rig, found.contacts)["toe"]) < 1.0
+
+
+def test_feet_that_rest_below_the_floor_are_raised_to_it() -> None:
+    made = walk()
+    rig = rig_of(made)
+    after, found = cleaned(artefacts.sink(made.clip, 0.03), rig, replace(made.contacts, method="auto"))
+    assert "height-moved" in [note.id for note in found.notes]
+    assert np.percentile(np.abs(heights(after, rig, made.contacts)), 95) < 1.0

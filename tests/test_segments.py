@@ -1,0 +1,67 @@
+"""Reductions over stretches of frames are what a loop over the stretches gives."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, strategies
+
+from footfix.enforce.ease import covered, sloped
+from footfix.motion.contacts import runs
+from footfix.motion.segments import centres, middle, segments
+
+SPANS = strategies.lists(
+    strategies.tuples(strategies.integers(0, 40), strategies.integers(1, 12)), min_size=1, max_size=6
+).map(lambda pairs: [(a, a + n) for a, n in pairs])
+
+
+@given(SPANS, strategies.integers(0, 2**32 - 1))
+def test_rows_of_true(spans: list[tuple[int, int]], seed: int) -> None:
+    parts = segments(spans)
+    mask = np.random.default_rng(seed).random(len(parts.frames)) < 0.6
+    first, last = parts.longest(mask)
+    leading, trailing = parts.leading(mask), parts.trailing(mask)
+    for k, at in enumerate(parts.starts):
+        own = mask[at : at + parts.lengths[k]]
+        rows = runs(own)
+        length = max((b - a for a, b in rows), default=0)
+        expected = next(((a, b) for a, b in rows if b - a == length), (0, 0))
+        assert (first[k], last[k]) == expected
+        assert leading[k] == (rows[0][1] if rows and rows[0][0] == 0 else 0)
+        assert trailing[k] == (len(own) - rows[-1][0] if rows and rows[-1][1] == len(own) else 0)
+
+
+@given(SPANS, strategies.integers(0, 2**32 - 1))
+def test_middles(spans: list[tuple[int, int]], seed: int) -> None:
+    parts = segments(spans)
+    points = np.random.default_rng(seed).normal(size=(len(parts.frames), 3))
+    together = centres(points, parts)
+    for k, (at, n) in enumerate(zip(parts.starts, parts.lengths, strict=True)):
+        alone = centres(points[at : at + n], segments([(0, int(n))]))[0]
+        assert np.allclose(together[k], alone, atol=1e-12)
+        assert middle(points[at : at + n, 0]) == np.median(points[at : at + n, 0])
+
+
+def test_a_middle_knows_no_axes_and_no_outlier() -> None:
+    random = np.random.default_rng(1)
+    points = np.concatenate([0.001 * random.normal(size=(20, 2)), np.full((5, 2), 0.5)])
+    place = centres(points, segments([(0, 25)]))[0]
+    assert np.linalg.norm(place) < 0.01
+    turn = np.array([[0.6, -0.8], [0.8, 0.6]])
+    assert np.allclose(centres(points @ turn.T, segments([(0, 25)]))[0], turn @ place)
+
+
+@given(strategies.integers(0, 2**32 - 1), strategies.floats(0.01, 1.0))
+def test_a_slope_is_the_least_that_covers(seed: int, most: float) -> None:
+    x = np.random.default_rng(seed).normal(size=80).cumsum()
+    t = np.arange(80)
+    assert np.allclose(sloped(x, most), np.max(x - most * np.abs(t[:, None] - t), axis=1))
+
+
+@given(strategies.integers(0, 2**32 - 1), strategies.integers(1, 9))
+def test_a_cover_is_nowhere_below_and_ends_nearby(seed: int, width: int) -> None:
+    random = np.random.default_rng(seed)
+    need = np.zeros(120)
+    need[40:60] = random.random(20)
+    cover = covered(need, width)
+    assert np.all(cover >= need - 1e-12) and cover.max() <= need.max() + 1e-12
+    assert not np.any(cover[: 40 - 4 * width]) and not np.any(cover[60 + 4 * width :])
