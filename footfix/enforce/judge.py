@@ -62,15 +62,18 @@ def let_go(
     stance: Stance,
     points: Sequence[Floats],
     soft: Floats,
-    hurried: Bools,
+    hurry: Floats,
+    most: Floats,
     leg_length: float,
     params: PlantParams,
-    judge: JudgeParams,
 ) -> Stance:
-    """The stance with those plants released that still slide, held as softly as they are, or still hurry the leg."""
+    """The stance with those plants released that still slide, held as softly as they are, or still hurry the leg.
+
+    `hurry` (F,) [deg/s] says by how much its joints turn faster than captured, `most` (F,) by how much they may.
+    """
     plants = []
     around = slice(max(stance.frames.start - 1, 0), stance.frames.stop + 1)
-    if not np.any(hurried[around]) and not np.any(soft[around]):
+    if not np.any(hurry[around] > most[around]) and not np.any(soft[around]):
         return stance
     for plant in stance.plants:
         off = np.linalg.norm(points[plant.effector][plant.frames] - plant.target, axis=1)
@@ -78,11 +81,14 @@ def let_go(
         held = longest(off <= params.holds * leg_length)
         slides = bool(np.any(soft[plant.frames])) and far > params.holds * leg_length
         slides = slides and held.stop - held.start < params.stands * (plant.contact.end - plant.contact.start)
-        hurries = bool(np.any(hurried[max(plant.start - 1, 0) : plant.end + 1]))
+        own = slice(max(plant.start - 1, 0), plant.end + 1)
+        hurries = hurry[own] > most[own]
         if plant.contact.wish == "force" or plant.kept or plant.reason or stance.pivots not in ("", plant.part):
             plants.append(plant)
-        elif hurries:
-            plants.append(replace(plant, reason=JERK))
+        elif np.any(hurries):
+            fast, may = float(hurry[own][hurries].max()), float(most[own][hurries].min())
+            why = f"{JERK}: by {fast:.0f} degrees/s beyond its own speed, of {may:.0f} (enforce.judge.speed)"
+            plants.append(replace(plant, reason=why))
         elif slides:
             plants.append(replace(plant, reason=f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"))
         else:

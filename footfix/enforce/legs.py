@@ -75,11 +75,14 @@ def enforced(
                 stands, soft = changed
                 solved = again(clip, rig, pose, whole, stands, soft, where, solved, params)
         for last in (False, True, True):
-            hurried = [hurry > params.judge.most * most for hurry, most in zip(solved.hurry, usual, strict=True)]
+            most = [params.judge.most * each for each in usual]
+            hurried = [hurry > each for hurry, each in zip(solved.hurry, most, strict=True)]
             fewer = tuple(
-                let_go(s, solved.points, soft[s.leg], hurried[s.leg], rig.leg_length, params.plants, params.judge)
+                let_go(
+                    s, solved.points, soft[s.leg], solved.hurry[s.leg], most[s.leg], rig.leg_length, params.plants
+                )
                 if last else peeled(s, hurried[s.leg], clip.frame_time, wide) for s in stands
-            )
+            )  # fmt: skip
             if all(new is old for new, old in zip(fewer, stands, strict=True)):
                 continue
             where = _differ(stands, fewer, soft, soft)

@@ -28,7 +28,7 @@ class PlantParams:
     cleaned: float = 0.4  # of a stand's frames: one that rests so long was cleaned before, and is left alone
     off_floor: float = 0.025  # stands that rest, but on the whole farther than this from their floor, are moved to it
     low: float = 0.12  # an unplanted foot that is lower than this over the floor stays there when the figure moves
-    sink: float = 0.003  # what of a moving foot is deeper in the floor than this is lifted out of it
+    sink: float = 0.0025  # what of a moving foot is deeper in the floor than this is lifted out of it
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
     quiver: float = 0.0005  # toes that carry the ball to and fro in a foot that stands, by more than this, are stilled
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
