@@ -120,7 +120,8 @@ def _unknown(cursor: Cursor, word: bytes) -> Exception:
 
 def _braced(cursor: Cursor) -> bool:
     """Whether braces in the rest of the line are part of a name: the one that opens the joint stands below it."""
-    line = re.compile(rb"([^\r\n]*)[\r\n]+\s*\{").match(cursor.text, cursor.pos)
+    # a name is no longer than that; a line may be, and is not to be read through for each of its joints
+    line = re.compile(rb"([^\r\n]{0,1000})[\r\n]+\s*\{").match(cursor.text, cursor.pos)
     return line is not None and b"{" in line[1] and not line[1].rstrip().endswith(b"{")
 
 
