@@ -104,7 +104,8 @@ def _within_reach(stance: Stance, course: Course, leg_length: float, params: Pla
         ends[own] += 1.0
     off /= np.maximum(ends, 1.0)[:, None]
     line, free = course.line[frames], course.free[frames]
-    if np.max(norm(line + off) - free) < 0.001 * leg_length:
+    wanted = line + off
+    if np.max(np.einsum("fi,fi->f", wanted, wanted) - (free + 0.001 * leg_length) ** 2) < 0.0:
         return stance
     picks = distinct(np.linspace(0, len(off) - 1, params.places).round().astype(np.intp))
     moves = np.concatenate([np.zeros((1, 3)), -off[picks] * [1.0, 0.0, 1.0]])

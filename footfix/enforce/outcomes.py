@@ -12,6 +12,7 @@ from footfix.enforce.judge import JERK
 from footfix.enforce.plants import Plant, Stance
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contacts
+from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
 
@@ -23,7 +24,7 @@ def residual(rig: Rig, stands: Sequence[Stance], points: Sequence[Floats]) -> Fl
             stance = replace(stance, plants=tuple(stance.parts(stance.pivots)))
         for plant in stance.plants:
             off = points[plant.effector][plant.frames] - plant.target
-            residual[plant.frames, plant.effector] = np.linalg.norm(off, axis=1)
+            residual[plant.frames, plant.effector] = norm(off)
     return residual
 
 
@@ -32,10 +33,11 @@ def footplants(
 ) -> tuple[Footplant, ...]:
     """What became of each contact, by effector and time; `limit` says what keeps a plant off its target."""
     made = []
+    softened = [bool(np.any(each)) for each in soft]
     for stance in stands:
         for plant in stance.plants:
             far = float(residual[plant.frames, plant.effector].max())
-            why = JERK if np.any(soft[stance.leg][plant.frames]) else limit
+            why = JERK if softened[stance.leg] and np.any(soft[stance.leg][plant.frames]) else limit
             outcome, reason = _outcome(stance, plant, far, why, rig.leg_length)
             middle = (plant.start + plant.end) // 2
             x, y, z = (float(v) for v in plant.target - offset[middle] * [1.0, 0.0, 1.0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -98,11 +99,11 @@ class Stance:
     pivots: str = ""
     cleaned: bool = False
 
-    @property
+    @cached_property
     def frames(self) -> slice:
         return slice(min(p.start for p in self.plants), max(p.end for p in self.plants))
 
-    @property
+    @cached_property
     def released(self) -> bool:
         """Whether it is left as it was."""
         return any(plant.reason for plant in self.plants)
@@ -221,13 +222,14 @@ def exact(stance: Stance, residual: Floats, leg_length: float, params: PlantPara
 
     `residual` (F, E) [m] says how far each sole point is from its target.
     """
-    plants = []
-    for plant in stance.plants:
-        off = residual[plant.frames, plant.effector]
-        holds = longest(off <= params.holds * leg_length)
-        most = holds.stop - holds.start >= max(params.stands * (plant.contact.end - plant.contact.start), 2)
-        if plant.reason or plant.given or off.max() <= params.holds * leg_length or not most:
-            plants.append(plant)
-        else:
-            plants.append(replace(plant, start=plant.start + holds.start, end=plant.start + holds.stop))
+    plants = list(stance.plants)
+    for k, plant in enumerate(plants):
+        near = residual[plant.frames, plant.effector] <= params.holds * leg_length
+        if plant.reason or plant.given or np.all(near):
+            continue
+        holds = longest(near)
+        if holds.stop - holds.start >= max(params.stands * (plant.contact.end - plant.contact.start), 2):
+            plants[k] = replace(plant, start=plant.start + holds.start, end=plant.start + holds.stop)
+    if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
+        return stance
     return replace(stance, plants=tuple(plants))

@@ -97,9 +97,10 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     legs = tuple(ground.carried(foot, ride) for foot in legs)
     if not params.again and params.style == StyleParams():
         rests = _rests(pose, rig, contacts, ride, params.plants)
-        cleaned = [as_cleaned(stance, legs[stance.leg], rests, params.plants) for stance in found]
-        if not off_their_floor(cleaned, rig.floor, rig.leg_length, params.plants):
-            found = _all_left(cleaned, notes)
+        if any(np.any(each) for each in rests.values()):
+            cleaned = [as_cleaned(stance, legs[stance.leg], rests, params.plants) for stance in found]
+            if not off_their_floor(cleaned, rig.floor, rig.leg_length, params.plants):
+                found = _all_left(cleaned, notes)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
@@ -142,8 +143,9 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
             correction = replace(correction, root_shift=correction.root_shift + params.strength * rise)
     residual = outcomes.residual(rig, stands, points)
     if params.method != "root":
-        stands = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
-        residual = outcomes.residual(rig, stands, points)
+        narrower = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
+        if any(new is not old for new, old in zip(narrower, stands, strict=True)):
+            stands, residual = narrower, outcomes.residual(rig, narrower, points)
     plants = outcomes.footplants(rig, stands, residual, soft, offset, limit)
     held_contacts, velocity = outcomes.held(contacts, rig, stands), (offset[0] - offset[-1]) / _duration(clip)
     belt = (float(velocity[0]), 0.0, float(velocity[2]))
