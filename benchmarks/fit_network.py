@@ -195,9 +195,9 @@ def module(network: Network, timing: list[str], said: str) -> str:
         said: a sentence on what it was fitted to.
     """
 
-    def numbers(array: NDArray[np.float64], depth: int) -> list[str]:
+    def numbers(array: NDArray[np.float64]) -> list[str]:
         rows = np.atleast_2d(np.round(1e3 * array).astype(int)).tolist()
-        return [" " * depth + "(" + ", ".join(str(v) for v in row) + ")," for row in rows]
+        return [" ".join(f"{v:5d}" for v in row) for row in rows]
 
     lines = [
         '"""The numbers that detection uses, in thousandths. Written by benchmarks/fit_auto.py.',
@@ -211,36 +211,44 @@ def module(network: Network, timing: list[str], said: str) -> str:
         "",
         "from footfix.detect.network import Network",
         "from footfix.detect.timing import Line, Timing",
+        "from footfix.motion.clip import Floats",
         "",
         f"TAPS = {network.taps}  # [0.01 s]",
         "",
+        "# Tables are text, which is read in no time; of numbers, Python would make a program first.",
         "# Of each kind of evidence: its mean and spread, then for each tap what it says to each hidden unit.",
         "HIDDEN = {",
     ]
     for e, name in enumerate(COLUMNS):
-        lines.append(f'    "{name}": (')
-        lines += numbers(np.array([network.mean[e], network.spread[e]]), 8)
-        lines += numbers(network.hidden[:, e], 8)
-        lines.append("    ),")
+        mean, spread = (round(1e3 * float(each[e])) for each in (network.mean, network.spread))
+        lines.append(f'    "{name}": ({mean}, {spread}, """')
+        lines += numbers(network.hidden[:, e])
+        lines.append('"""),')
     lines.append("}")
     for label, array in (
         ("HIDDEN_BIAS", network.hidden_bias), ("MIXING", network.mixing), ("MIXING_BIAS", network.mixing_bias),
         ("ANSWER", network.answer), ("ANSWER_BIAS", network.answer_bias),
     ):  # fmt: skip
-        lines += [f"{label} = (", *numbers(array, 4), ")"]
+        lines += [f'{label} = """', *numbers(array), '"""']
     lines += [
+        "",
+        "",
+        "def _table(text: str) -> Floats:",
+        '    """A table of thousandths."""',
+        "    return 1e-3 * np.array([row.split() for row in text.split(\"\\n\") if row], dtype=np.float64)",
+        "",
         "",
         "_hidden = list(HIDDEN.values())",
         "NETWORK = Network(",
         "    taps=TAPS,",
-        "    mean=1e-3 * np.array([rows[0][0] for rows in _hidden]),",
-        "    spread=1e-3 * np.array([rows[0][1] for rows in _hidden]),",
-        "    hidden=1e-3 * np.array([rows[1:] for rows in _hidden]).swapaxes(0, 1),",
-        "    hidden_bias=1e-3 * np.array(HIDDEN_BIAS[0]),",
-        "    mixing=1e-3 * np.array(MIXING),",
-        "    mixing_bias=1e-3 * np.array(MIXING_BIAS[0]),",
-        "    answer=1e-3 * np.array(ANSWER),",
-        "    answer_bias=1e-3 * np.array(ANSWER_BIAS[0]),",
+        "    mean=1e-3 * np.array([mean for mean, _, _ in _hidden]),",
+        "    spread=1e-3 * np.array([spread for _, spread, _ in _hidden]),",
+        "    hidden=np.array([_table(text) for _, _, text in _hidden]).swapaxes(0, 1),",
+        "    hidden_bias=_table(HIDDEN_BIAS)[0],",
+        "    mixing=_table(MIXING),",
+        "    mixing_bias=_table(MIXING_BIAS)[0],",
+        "    answer=_table(ANSWER),",
+        "    answer_bias=_table(ANSWER_BIAS)[0],",
         ")",
         *timing,
         "",

@@ -12,7 +12,6 @@ from footfix.enforce.ease import EaseParams, covered, displacement, ease_frames,
 from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.judge import JudgeParams, hurry_of
 from footfix.enforce.plants import PlantParams, Stance
-from footfix.enforce.priorities import leg_chain, solve
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
 from footfix.enforce.targets import Goals, goals, lacks, levels, lifted, low_down, rolled
@@ -260,6 +259,8 @@ def _by_priorities(
     clip: Clip, pose: Pose, foot: Foot, axis: Floats, hip: Floats, ankle: Floats, turn: Floats, changed: Bools
 ) -> dict[int, Floats]:
     """The same from the prioritised solver: every joint of the chain that bends takes its part."""
+    from footfix.enforce.priorities import leg_chain, solve  # seldom asked for
+
     chain = leg_chain(clip, pose, foot, axis, changed)
     chain = replace(chain, base=hip[changed])
     goal, foot_turn = ankle[changed], turn[changed]
