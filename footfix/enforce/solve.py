@@ -250,7 +250,9 @@ def _bent(
     raised = led + line * (low / np.maximum(line[:, 1], 0.5 * norm(line)))[:, None]
     lacking = np.where(low > 0.0, ik.flexion(hinge, hip, raised, goal.planted) - bent, 0.0)
     cover = covered(np.maximum(lacking, 0.0), ease_frames(frame_time, 0.5 * params.ease.lead))
-    cover *= params.strength * presence(goal.near & free, frame_time, 0.2 * params.ease.lead)
+    # at once beside a plant, where the foot was lifted to the floor anyway; gently where the leg begins to be moved
+    cover *= presence(goal.near & free, frame_time, 0.2 * params.ease.lead)
+    cover *= params.strength * presence(goal.near, frame_time, 2.0 * params.ease.lead)
     turns = ik.two_bones(foot, hinge, bent + cover, hip, led)
     return turns, turns.ankle(foot, hip), moved | (cover > 0.0)
 
