@@ -14,6 +14,7 @@ import numpy as np
 from footfix.enforce.plants import PlantParams, Stance, longest
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.vectors import norm
 
 JERK = "holding it would jerk the leg"  # the reason of plants that are let go
 
@@ -73,18 +74,23 @@ def let_go(
     """
     plants = []
     around = slice(max(stance.frames.start - 1, 0), stance.frames.stop + 1)
-    if not np.any(hurry[around] > most[around]) and not np.any(soft[around]):
-        return stance
+    calm = not np.any(hurry[around] > most[around]) and not np.any(soft[around])
     for plant in stance.plants:
-        off = np.linalg.norm(points[plant.effector][plant.frames] - plant.target, axis=1)
+        off = norm(points[plant.effector][plant.frames] - plant.target)
         far = float(off.max())
+        if calm and far <= params.noticed * leg_length:
+            plants.append(plant)
+            continue
         held = longest(off <= params.holds * leg_length)
-        slides = bool(np.any(soft[plant.frames])) and far > params.holds * leg_length
+        softened = bool(np.any(soft[plant.frames]))
+        slides = softened and far > params.holds * leg_length
         slides = slides and held.stop - held.start < params.stands * (plant.contact.end - plant.contact.start)
         own = slice(max(plant.start - 1, 0), plant.end + 1)
         hurries = hurry[own] > most[own]
         if plant.contact.wish == "force" or plant.kept or plant.reason or stance.pivots not in ("", plant.part):
             plants.append(plant)
+        elif far > params.noticed * leg_length and not plant.given and not softened:
+            plants.append(replace(plant, reason=f"out of reach: it would still be {1000.0 * far:.0f} mm away"))
         elif np.any(hurries):
             fast, may = float(hurry[own][hurries].max()), float(most[own][hurries].min())
             why = f"{JERK}: by {fast:.0f} degrees/s beyond its own speed, of {may:.0f} (enforce.judge.speed)"

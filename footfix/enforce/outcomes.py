@@ -29,16 +29,25 @@ def residual(rig: Rig, stands: Sequence[Stance], points: Sequence[Floats]) -> Fl
 
 
 def footplants(
-    rig: Rig, stands: Sequence[Stance], residual: Floats, soft: Sequence[Floats], offset: Floats, limit: str
+    rig: Rig,
+    stands: Sequence[Stance],
+    residual: Floats,
+    soft: Sequence[Floats],
+    offset: Floats,
+    limit: str,
+    noticed: float,
 ) -> tuple[Footplant, ...]:
-    """What became of each contact, by effector and time; `limit` says what keeps a plant off its target."""
+    """What became of each contact, by effector and time.
+
+    `limit` says what keeps a plant off its target; one farther than `noticed` [m] from it is not held.
+    """
     made = []
     softened = [bool(np.any(each)) for each in soft]
     for stance in stands:
         for plant in stance.plants:
             far = float(residual[plant.frames, plant.effector].max())
             why = JERK if softened[stance.leg] and np.any(soft[stance.leg][plant.frames]) else limit
-            outcome, reason = _outcome(stance, plant, far, why, rig.leg_length)
+            outcome, reason = _outcome(stance, plant, far, why, rig.leg_length, noticed)
             middle = (plant.start + plant.end) // 2
             x, y, z = (float(v) for v in plant.target - offset[middle] * [1.0, 0.0, 1.0])
             name, (start, end) = rig.soles[plant.effector].name, _span(plant)
@@ -49,7 +58,9 @@ def footplants(
     return tuple(plant for _, plant in made)
 
 
-def _outcome(stance: Stance, plant: Plant, far: float, why: str, leg_length: float) -> tuple[Outcome, str]:
+def _outcome(
+    stance: Stance, plant: Plant, far: float, why: str, leg_length: float, noticed: float
+) -> tuple[Outcome, str]:
     if plant.reason:
         return "released", plant.reason
     if stance.pivots and plant.part != stance.pivots:
@@ -58,7 +69,8 @@ def _outcome(stance: Stance, plant: Plant, far: float, why: str, leg_length: flo
         return "kept", ""
     if far <= 0.002 * leg_length:
         return "pinned", ""
-    return "partly", f"stays up to {1000.0 * far:.0f} mm away: {why}"
+    stays = f"stays up to {1000.0 * far:.0f} mm away: {why}"
+    return ("released" if far > noticed and not plant.given else "partly"), stays
 
 
 def _span(plant: Plant) -> tuple[int, int]:

@@ -38,6 +38,7 @@ class PlantParams:
     max_shift: float = 0.25  # a plant whose correction would move it farther is released
     stands: float = 0.5  # of a plant's frames: where so many stand, those at its edges that don't are not held
     holds: float = 0.0002  # a held plant is this near to its target
+    noticed: float = 0.023  # a plant that stays farther than this from its target (viewers notice 21 mm) is released
     places: int = 9  # places along a stance's slide that are tried where its leg would be stretched too far
     stretch: float = 0.98  # of the leg's length: up to here a leg may be stretched beyond the source
     stretch_cost: float = 4.0  # how much a stretch beyond it counts against a way of the foot as long

@@ -146,7 +146,8 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
         narrower = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
         if any(new is not old for new, old in zip(narrower, stands, strict=True)):
             stands, residual = narrower, outcomes.residual(rig, narrower, points)
-    plants = outcomes.footplants(rig, stands, residual, soft, offset, limit)
+    noticed = np.inf if params.method == "root" else params.plants.noticed * rig.leg_length
+    plants = outcomes.footplants(rig, stands, residual, soft, offset, limit, noticed)
     held_contacts, velocity = outcomes.held(contacts, rig, stands), (offset[0] - offset[-1]) / _duration(clip)
     belt = (float(velocity[0]), 0.0, float(velocity[2]))
     return Enforcement(plants, replace(correction, residual=residual), tuple(notes), held_contacts, belt)
