@@ -117,14 +117,6 @@ class Stance:
         """Its plants of one end of the foot."""
         return [plant for plant in self.plants if plant.part == part]
 
-    def flat(self) -> Bools:
-        """(n,) over its own frames, True where heel and ball are both planted."""
-        frames = self.frames
-        on = {part: np.zeros(frames.stop - frames.start, dtype=np.bool_) for part in ("heel", "toe")}
-        for plant in self.plants:
-            on[plant.part][plant.start - frames.start : plant.end - frames.start] = True
-        return np.asarray(on["heel"] & on["toe"])
-
 
 def stances(
     contacts: Contacts, feet: Sequence[Foot], frame_time: float, leg_length: float, params: PlantParams
