@@ -31,7 +31,7 @@ from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_MOST_CLEANED = 0.6  # of the stands: a clip of which more rest was cleaned as a whole
+_MOST_CLEANED = 0.3  # of the stands: a clip of which more rest was cleaned as a whole; of captured ones hardly any do
 
 
 @dataclass(frozen=True, kw_only=True)
