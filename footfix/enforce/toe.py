@@ -51,7 +51,6 @@ class Toe:
     quiver: bool
     moved: Bools = field(default_factory=lambda: np.zeros((), dtype=np.bool_))
 
-
     def frames(self, which: Ints) -> Toe:
         """The toes in some frames only; what was measured on the whole clip stays."""
         place, turn, above, tip = (some(each, which) for each in (self.place, self.turn, self.above_turn, self.tip))
@@ -128,12 +127,11 @@ def firm(toe: Toe, foot: Foot, stands: Sequence[Stance], frame_time: float, ease
     near = within_reach(held, frame_time, ease.seconds)
     eased = fit(on + 99.0 * flat, vector, near, frame_time, ease.toe_settle, 2.0 * ease.toe_settle)
     vector = np.where(flat[:, None], vector, np.where(near[:, None] & (np.abs(eased) > 1e-7), eased, 0.0))
-    moved = np.any(vector != 0.0, axis=1)
     q = rotation.from_rotation_vector(rotation.rotate(foot.turn, vector))
-    ball = toe.place + rotation.rotate(q, foot.ball - toe.place)
     tip = toe.place + rotation.rotate(q, toe.tip - toe.place)
-    toe = replace(toe, turn=rotation.multiply(q, toe.turn), tip=tip, moved=moved)
-    return toe, _with_ball(foot, ball, moved)
+    moved = np.any(vector != 0.0, axis=1)
+    turned = replace(toe, turn=rotation.multiply(q, toe.turn), tip=tip, moved=moved)
+    return turned, with_toe_bent(foot, toe, vector)
 
 
 def _stood_on(stands: Sequence[Stance], frames: int) -> tuple[Bools, Bools, Bools]:
@@ -144,16 +142,6 @@ def _stood_on(stands: Sequence[Stance], frames: int) -> tuple[Bools, Bools, Bool
             (heel if plant.part == "heel" else on)[plant.frames] = True
             kept[plant.frames] |= plant.kept
     return on, heel & on, kept
-
-
-def _with_ball(foot: Foot, ball: Floats, where: Bools) -> Foot:
-    """The foot with its ball at (F, 3) [m] on some frames (F,)."""
-    in_foot = rotation.rotate(rotation.inverse(foot.turn), ball - foot.ankle)
-    return replace(
-        foot,
-        ball=np.where(where[:, None], ball, foot.ball),
-        ball_in_foot=np.where(where[:, None], in_foot, foot.ball_in_foot),
-    )
 
 
 def bend(
@@ -186,7 +174,11 @@ def with_toe_bent(foot: Foot, toe: Toe, vector: Floats) -> Foot:
         return foot
     q = rotation.from_rotation_vector(rotation.rotate(foot.turn, vector))
     ball = toe.place + rotation.rotate(q, foot.ball - toe.place)
-    return _with_ball(foot, ball, np.any(vector != 0.0, axis=1))
+    bent = np.any(vector != 0.0, axis=1)[:, None]
+    in_foot = rotation.rotate(rotation.inverse(foot.turn), ball - foot.ankle)
+    return replace(
+        foot, ball=np.where(bent, ball, foot.ball), ball_in_foot=np.where(bent, in_foot, foot.ball_in_foot)
+    )
 
 
 def local_rotation(clip: Clip, toe: Toe, foot_turn: Floats, foot: Foot, vector: Floats) -> Floats:
