@@ -74,8 +74,8 @@ def enforced(
                 where = _differ(stands, changed[0], soft, changed[1])
                 stands, soft = changed
                 solved = again(clip, rig, pose, whole, stands, soft, where, solved, params)
+        most = [params.judge.most * each for each in usual]
         for last in (False, True, True):
-            most = [params.judge.most * each for each in usual]
             hurried = [hurry > each for hurry, each in zip(solved.hurry, most, strict=True)]
             fewer = tuple(
                 let_go(

@@ -96,11 +96,7 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     ride = _ride(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, ride) for foot in legs)
     if not params.again and params.style == StyleParams():
-        rests = _rests(pose, rig, contacts, ride, params.plants)
-        if any(np.any(each) for each in rests.values()):
-            cleaned = [as_cleaned(stance, legs[stance.leg], rests, params.plants) for stance in found]
-            if not off_their_floor(cleaned, rig.floor, rig.leg_length, params.plants):
-                found = _all_left(cleaned, notes)
+        found = _but_for_cleaned(pose, rig, contacts, legs, ride, found, notes, params.plants)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
@@ -207,8 +203,25 @@ def _rests(pose: Pose, rig: Rig, contacts: Contacts, ride: Floats, params: Plant
     }  # fmt: skip
 
 
+def _but_for_cleaned(
+    pose: Pose, rig: Rig, contacts: Contacts, legs: Sequence[Foot], ride: Floats, stands: Sequence[Stance],
+    notes: list[Note], params: PlantParams,
+) -> list[Stance]:
+    """The stances, those that were cleaned before left as they are; on ground that rides (F, 3) [m].
+
+    None are where the cleaned ones rest a little off their floor: those have to be moved all the same.
+    """
+    rests = _rests(pose, rig, contacts, ride, params)
+    if not any(np.any(each) for each in rests.values()):
+        return list(stands)
+    cleaned = [as_cleaned(stance, legs[stance.leg], rests, params) for stance in stands]
+    if off_their_floor(cleaned, rig.floor, rig.leg_length, params):
+        return list(stands)
+    return _all_left(cleaned, notes)
+
+
 def _all_left(stands: Sequence[Stance], notes: list[Note]) -> list[Stance]:
-    """The stances, all of them left as they are where most of them were cleaned before: so were the others."""
+    """The stances, all of them left as they are where many of them were cleaned before: so were the others."""
     cleaned = sum(stance.cleaned for stance in stands)
     if cleaned <= _MOST_CLEANED * len(stands):
         return list(stands)

@@ -59,14 +59,12 @@ def goals(
     on = {part: np.zeros(frames, dtype=np.bool_) for part in ("heel", "toe")}
     at = {part: np.zeros((frames, 3)) for part in ("heel", "toe")}
     kept = np.zeros(frames, dtype=np.bool_)
-    pivots = np.zeros(frames, dtype=np.bool_)
     for stance in stands:
         for plant in (plant for plant in stance.plants if not plant.reason):
             on[plant.part][plant.frames] = True
             at[plant.part][plant.frames] = plant.target
             kept[plant.frames] |= plant.kept
         if stance.pivots:
-            pivots[stance.frames] = True
             other = "heel" if stance.pivots == "toe" else "toe"
             both = on["heel"][stance.frames] & on["toe"][stance.frames]
             at[other][stance.frames][both] = _carried(foot, at, stance, other)[both]
