@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +34,12 @@ class Correction:
     def __post_init__(self) -> None:
         for name in ("root_shift", "rotations", "residual"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def with_turns(self, clip: Clip, joints: Sequence[int]) -> Correction:
+        """The correction with more joints, which turn as they do in `clip`; those that it turns itself stay."""
+        more = [joint for joint in joints if joint not in self.joints]
+        turns = [self.rotations, *(clip.turn(joint)[:, None] for joint in more)]
+        return replace(self, joints=(*self.joints, *more), rotations=np.concatenate(turns, axis=1))
 
 
 def apply(clip: Clip, correction: Correction) -> Clip:

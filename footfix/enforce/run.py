@@ -23,6 +23,7 @@ from footfix.enforce.reach import ReachParams
 from footfix.enforce.rest import LEFT, as_cleaned, off_their_floor, resting
 from footfix.enforce.root import RootParams
 from footfix.enforce.solve import LegParams
+from footfix.enforce.steady import SteadyParams, steadied
 from footfix.enforce.style import StyleParams, styled
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Contacts
@@ -42,6 +43,7 @@ class EnforceParams:
     solver: Literal["closed", "priorities"] = "closed"  # two bones in closed form; or every joint that bends
     again: bool = False  # whether stands that a program has put to rest already are looked at again
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
+    steady: SteadyParams = field(default_factory=SteadyParams)
     plants: PlantParams = field(default_factory=PlantParams)
     ground: GroundParams = field(default_factory=GroundParams)
     ease: EaseParams = field(default_factory=EaseParams)
@@ -89,7 +91,19 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
+    """Enforcement of a clip that is all motion; legs that shake are steadied first."""
     pose = posed(clip, rig)
+    if params.method == "root":
+        return _held(clip, pose, rig, contacts, params)
+    calm, joints, notes = steadied(clip, rig, feet(rig, pose), params.strength, params.steady)
+    if not joints:
+        return _held(clip, pose, rig, contacts, params)
+    found = _held(calm, posed(calm, rig), rig, contacts, params)
+    correction = found.correction.with_turns(calm, joints)
+    return replace(found, correction=correction, notes=(*notes, *found.notes))
+
+
+def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
     legs = feet(rig, pose)
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
     notes = _places_not_taken(contacts, found)
