@@ -28,6 +28,9 @@ class EaseParams:
     toe_settle: float = 0.03  # [s] what is quicker in the way of the ball in a foot that stands on it is a quiver
     toe_speed: float = 200.0  # [deg/s] at which toes bend out of the floor and come back
     slack: float = 0.08  # [s] how long the speed that a correction has at a plant's edge goes on beyond it
+    edge: float = 0.036  # [s] how long what of it was too quick to be carried goes on
+    bound: float = 0.02  # [s] in which a swinging knee comes to its straightest, and leaves it
+    foot_first: float = 3.0  # times as much as the knee's acceleration that of its foot counts while neither is held
 
 
 _FIRM = 100.0  # times as much as at first that pinned values count when what is left at their edges is led over
@@ -92,14 +95,18 @@ def displacement(
             exact = pinned & (soft == 0.0)
             weights *= (params.settle / np.maximum(soft, params.settle)) ** 4
         eased = fit(weights, values, near, frame_time, params.settle, params.slack)
-        # what that leaves at the edges of plants is led over in as short a time
-        eased += fit(_FIRM * exact.astype(np.float64), values - eased, near, frame_time, params.settle, params.settle)
+        eased += left_at_edges(exact, values - eased, near, frame_time, params)
     elif params.method == "hermite" and track is not None:
         eased = _hermite(pinned, values, track, frame_time, params.seconds)
     else:
         eased = _cubic(pinned, values, frame_time, params.seconds)
     eased[np.abs(eased).max(axis=1) < 1e-7] = 0.0
     return np.where(exact[:, None], values, np.where(near[:, None], eased, 0.0))
+
+
+def left_at_edges(exact: Bools, left: Floats, near: Bools, frame_time: float, params: EaseParams) -> Floats:
+    """(F, K) what leads over at the edges of plants, where a smooth displacement left (F, K) of the exact one."""
+    return fit(_FIRM * exact.astype(np.float64), left, near, frame_time, params.settle, params.edge)
 
 
 def fit(
@@ -122,11 +129,16 @@ def fit(
     Returns:
         (F, K).
     """
-    frames = len(weights)
+    bands = stiffness(len(weights), frame_time, settle, slack)
+    bands[0] += weights
+    return least(bands, weights[:, None] * values, near)
+
+
+def stiffness(frames: int, frame_time: float, settle: float, slack: float) -> Floats:
+    """(3, F) the matrix of  s^4 |d''|^2 + (s^4 / l^2) |d'|^2  (see `fit`): its main diagonal and the two below it."""
     accel = (settle / frame_time) ** 4
     veloc = accel * (frame_time / slack) ** 2
-    bands = np.zeros((3, frames))  # the main diagonal and the two below it
-    bands[0] = weights + 1e-12
+    bands = np.zeros((3, frames))
     # D2^T D2 and D1^T D1; at the clip's own ends nothing pulls
     if frames > 2:
         for offset, weight in ((0, 1.0), (1, 4.0), (2, 1.0)):
@@ -137,13 +149,19 @@ def fit(
     bands[0, :-1] += veloc
     bands[0, 1:] += veloc
     bands[1, :-1] -= veloc
+    return bands
+
+
+def least(bands: Floats, right: Floats, near: Bools) -> Floats:
+    """(F, K) the solution of a system (3, F) with right side (F, K) that is zero outside `near` (F,)."""
+    bands = bands.copy()
+    bands[0] += 1e-12
     # frames that must not move leave the system: their rows and columns become those of the identity
     away = ~near
     bands[0, away] = 1.0
     bands[1, :-1][away[:-1] | away[1:]] = 0.0
     bands[2, :-2][away[:-2] | away[2:]] = 0.0
-    right = np.where(near[:, None], weights[:, None] * values, 0.0)
-    return banded.solve(bands, right)
+    return banded.solve(bands, np.where(near[:, None], right, 0.0))
 
 
 def sloped(x: Floats, most: float) -> Floats:

@@ -73,7 +73,7 @@ class Hinge:
         flexion: (F,) [rad] how far it is bent; negative where it bends backwards.
         bones: (F,) [m^2] the squares of thigh and shank, together.
         lever: (F,) [m^2] twice the product of the thigh and the part of the shank that swings about the axis.
-        least: [rad] the straightest it is in the clip.
+        least: [rad] the straightest it is in the clip; below zero where it is overstretched.
     """
 
     axis: Floats
@@ -89,6 +89,15 @@ class Hinge:
         )
         return Hinge(axis, flexion[:, 0], bones[:, 0], lever[:, 0], self.least)
 
+    def length(self, flexion: Floats) -> Floats:
+        """(F,) [m] from hip to ankle, the knee bent as said (F,) [rad]."""
+        # law of cosines: length^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
+        return np.sqrt(np.maximum(self.bones + self.lever * np.cos(flexion), 1e-300))
+
+    def slope(self, flexion: Floats) -> Floats:
+        """(F,) [m/rad] how the length changes with the knee's bend (F,) [rad]."""
+        return np.asarray(-0.5 * self.lever * np.sin(flexion) / self.length(flexion))
+
 
 def hinge(foot: Foot, axis: Floats) -> Hinge:
     """The knee of a leg that flexes about an axis (F, 3)."""
@@ -96,7 +105,8 @@ def hinge(foot: Foot, axis: Floats) -> Hinge:
     in_plane = shank - dot(shank, axis)[:, None] * axis
     flexion = np.arctan2(dot(axis, cross(thigh, in_plane)), dot(thigh, in_plane))
     lever = np.maximum(2.0 * norm(thigh) * norm(in_plane), 1e-300)
-    least = max(float(flexion.min(initial=np.inf)), 0.0)
+    captured = float(flexion.min(initial=np.inf))
+    least = captured if captured > -_BACKWARDS else 0.0
     return Hinge(axis, flexion, dot(thigh, thigh) + dot(shank, shank), lever, least)
 
 
@@ -108,7 +118,6 @@ def flexion(hinge: Hinge, hip: Floats, ankle: Floats, held: Bools) -> Floats:
     held (F,) it does not change sides.
     """
     line = ankle - hip
-    # law of cosines: reach^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
     bent = np.arccos(np.clip((dot(line, line) - hinge.bones) / hinge.lever, -1.0, 1.0))
     backwards = hinge.flexion < -_BACKWARDS
     for start, end in runs(held) if np.any(backwards) else []:

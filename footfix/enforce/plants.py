@@ -31,7 +31,7 @@ class PlantParams:
     low: float = 0.12  # an unplanted foot that is lower than this over the floor stays there when the figure moves
     sink: float = 0.0025  # what of a moving foot is deeper in the floor than this is lifted out of it
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
-    quiver: float = 0.0005  # toes that carry the ball to and fro in a foot that stands, by more than this, are stilled
+    quiver: float = 0.0002  # toes that carry the ball to and fro in a foot that stands, by more than this, are stilled
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
     asked: float = 0.12  # a place asked for that is farther away than this is not taken, but by a forced contact
     shortest: float = 0.04  # [s] a detected stand shorter than this is no plant

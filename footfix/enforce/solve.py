@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce import ik, reach, root
-from footfix.enforce.ease import EaseParams, covered, displacement, ease_frames, presence
+from footfix.enforce.ease import EaseParams, covered, ease_frames, presence
 from footfix.enforce.foot import Foot, can_turn
 from footfix.enforce.judge import JudgeParams, hurry_of
 from footfix.enforce.plants import PlantParams, Stance
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
+from footfix.enforce.swing import more_bent, within_bounds
 from footfix.enforce.targets import Goals, goals, lacks, levels, lifted, low_down, rolled
 from footfix.enforce.toe import Toe, bend, firm, local_rotation, toe_of, with_toe_bent
 from footfix.motion import rotation
@@ -237,9 +238,9 @@ def _bent(
         width = ease_frames(frame_time, params.ease.lead)
         stirred = np.any(norm(hip - foot.hip)[away] > 0.002 * leg_length)
         more[away] *= stirred * low_down(goal, foot, params.plants.low * leg_length, width)[away]
-    eased = displacement(known, more[:, None], goal.near | moved, frame_time, params.ease)[:, 0]
+    eased = more_bent(hinge, more, known, goal.near | moved, frame_time, params.ease)
     share = presence(goal.near & free, frame_time, params.ease.lead)
-    bent = np.where(free, ik.not_too_straight(hinge, eased, share), bent)
+    bent = np.where(free, within_bounds(hinge, eased, share, free, frame_time, params.ease), bent)
     turns = ik.two_bones(foot, hinge, bent, hip, ankle)
     led = turns.ankle(foot, hip)
     low = lacks(goal, foot, led, params.plants.sink * leg_length)
@@ -250,8 +251,8 @@ def _bent(
     raised = led + line * (low / np.maximum(line[:, 1], 0.5 * norm(line)))[:, None]
     lacking = np.where(low > 0.0, ik.flexion(hinge, hip, raised, goal.planted) - bent, 0.0)
     cover = covered(np.maximum(lacking, 0.0), ease_frames(frame_time, 0.5 * params.ease.lead))
-    # at once beside a plant, where the foot was lifted to the floor anyway; gently where the leg begins to be moved
-    cover *= presence(goal.near & free, frame_time, 0.2 * params.ease.lead)
+    # soon beside a plant, where the foot was lifted to the floor anyway; gently where the leg begins to be moved
+    cover *= presence(goal.near & free, frame_time, 0.5 * params.ease.lead)
     cover *= params.strength * presence(goal.near, frame_time, 2.0 * params.ease.lead)
     turns = ik.two_bones(foot, hinge, bent + cover, hip, led)
     return turns, turns.ankle(foot, hip), moved | (cover > 0.0)

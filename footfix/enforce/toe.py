@@ -126,12 +126,24 @@ def firm(toe: Toe, foot: Foot, stands: Sequence[Stance], frame_time: float, ease
     vector[held] = rotation.to_rotation_vector(rotation.between(at[held], want[held]))
     near = within_reach(held, frame_time, ease.seconds)
     eased = fit(on + 99.0 * flat, vector, near, frame_time, ease.toe_settle, 2.0 * ease.toe_settle)
-    vector = np.where(flat[:, None], vector, np.where(near[:, None] & (np.abs(eased) > 1e-7), eased, 0.0))
+    eased = np.where(near[:, None] & (np.abs(eased) > 1e-7), eased, 0.0)
+    vector = _no_faster(vector, eased, flat & ~kept, 0.9 * np.radians(ease.toe_speed) * frame_time)
     q = rotation.from_rotation_vector(rotation.rotate(foot.turn, vector))
     tip = toe.place + rotation.rotate(q, toe.tip - toe.place)
     moved = np.any(vector != 0.0, axis=1)
     turned = replace(toe, turn=rotation.multiply(q, toe.turn), tip=tip, moved=moved)
     return turned, with_toe_bent(foot, toe, vector)
+
+
+def _no_faster(held: Floats, eased: Floats, exact: Bools, most: float) -> Floats:
+    """(F, 3) `held` where that is exact (F,), elsewhere `eased`, but no faster away from `held` than `most` a frame."""
+    out = np.where(exact[:, None], held, eased)
+    lowest, highest = float(out.min()), float(out.max())
+    for axis in range(3):
+        low = sloped(np.where(exact, held[:, axis], lowest), most)
+        high = -sloped(np.where(exact, -held[:, axis], -highest), most)
+        out[:, axis] = np.where(exact, held[:, axis], np.clip(eased[:, axis], low, high))
+    return out
 
 
 def _stood_on(stands: Sequence[Stance], frames: int) -> tuple[Bools, Bools, Bools]:

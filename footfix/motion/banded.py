@@ -43,6 +43,15 @@ def solve(bands: Floats, right: Floats) -> Floats:
     return solution.transpose(2, 0, 1).reshape(2 * blocks, -1)[:frames]
 
 
+def product(bands: Floats, x: Floats) -> Floats:
+    """(F,) A x for a matrix as `solve` takes it and x (F,)."""
+    out = bands[0] * x
+    for k in (1, 2):
+        out[k:] += bands[k, :-k] * x[:-k]
+        out[:-k] += bands[k, :-k] * x[k:]
+    return np.asarray(out)
+
+
 def _times(a: Floats, b: Floats) -> Floats:
     """Products of matrices (2, 2, B) and (2, K, B), block by block; blocks last, so that each line runs over all."""
     return np.asarray(a[:, 0, None] * b[0] + a[:, 1, None] * b[1])
