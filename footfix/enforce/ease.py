@@ -24,6 +24,7 @@ class EaseParams:
     method: Literal["smooth", "cubic", "hermite"] = "smooth"  # least squares, Glardon eq. 9-10, Kim & Neff
     seconds: float = 0.30  # how long before a plant it begins and after it ends (Glardon's sigma)
     settle: float = 0.012  # [s] what is quicker than this in a plant's correction is not carried beyond it
+    roll_settle: float = 0.015  # [s] what is quicker in how the ankle of a foot on one end is moved, its roll takes up
     lead: float = 0.08  # [s] in which a foot that swings comes to be lifted out of the floor
     toe_settle: float = 0.03  # [s] what is quicker in the way of the ball in a foot that stands on it is a quiver
     toe_speed: float = 200.0  # [deg/s] at which toes bend out of the floor and come back

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.ease import gamma
 from footfix.enforce.foot import Foot
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints, some
@@ -88,6 +89,11 @@ class Hinge:
             some(each.reshape(len(each), -1), which) for each in (self.axis, self.flexion, self.bones, self.lever)
         )
         return Hinge(axis, flexion[:, 0], bones[:, 0], lever[:, 0], self.least)
+
+    @property
+    def side(self) -> Floats:
+        """(F,) to which side it is bent: 1 forwards, -1 backwards, and between them where it is overstretched."""
+        return np.asarray(1.0 - 2.0 * gamma(1.0 + self.flexion / _BACKWARDS))
 
     def length(self, flexion: Floats) -> Floats:
         """(F,) [m] from hip to ankle, the knee bent as said (F,) [rad]."""

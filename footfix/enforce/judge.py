@@ -101,6 +101,9 @@ def let_go(
             plants.append(plant)
     if all(new is old for new, old in zip(plants, stance.plants, strict=True)):
         return stance
+    if stance.pivots and all(plant.reason for plant in plants if plant.part == stance.pivots):
+        why = next(plant.reason for plant in plants if plant.part == stance.pivots)
+        plants = [plant if plant.reason else replace(plant, reason=why) for plant in plants]  # it turned about that end
     return replace(stance, plants=tuple(plants))
 
 

@@ -227,7 +227,7 @@ def _bent(
     bend of the knee: of a straight leg, some millimetres of the foot are many degrees of the knee.
     """
     known = goal.planted | ~goal.near
-    bent = ik.flexion(hinge, hip, ankle, known)
+    bent = ik.flexion(hinge, hip, ankle, goal.planted)
     moved = np.any((hip != foot.hip) | (goal.turn != 0.0) | (goal.shift != 0.0), axis=1)
     if params.ease.method != "smooth":
         return ik.two_bones(foot, hinge, bent, hip, ankle), ankle, moved
@@ -237,7 +237,8 @@ def _bent(
     if np.any(away):  # the figure comes down to its other feet: one that nothing holds stays where it is, if it is low
         width = ease_frames(frame_time, params.ease.lead)
         stirred = np.any(norm(hip - foot.hip)[away] > 0.002 * leg_length)
-        more[away] *= stirred * low_down(goal, foot, params.plants.low * leg_length, width)[away]
+        low = stirred * low_down(goal, foot, params.plants.low * leg_length, width)
+        more[away] = (low * hinge.side * (np.abs(bent) - np.abs(hinge.flexion)))[away]
     eased = more_bent(hinge, more, known, goal.near | moved, frame_time, params.ease)
     share = presence(goal.near & free, frame_time, params.ease.lead)
     bent = np.where(free, within_bounds(hinge, eased, share, free, frame_time, params.ease), bent)

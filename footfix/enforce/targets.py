@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, covered, displacement, gamma, within_reach
+from footfix.enforce.ease import EaseParams, covered, displacement, fit, gamma, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.motion import rotation
@@ -90,7 +90,21 @@ def goals(
     shift[kept] = 0.0
     on_ball = roll[:, 0] > 0.5
     shift = displacement(planted, shift, near, frame_time, params, soft, foot.ankle)
-    return Goals(planted, near, flat, on_ball, level, turn, shift)
+    return calmed(Goals(planted, near, flat, on_ball, level, turn, shift), foot, kept, frame_time, params, soft)
+
+
+def calmed(goal: Goals, foot: Foot, kept: Bools, frame_time: float, params: EaseParams, soft: Floats) -> Goals:
+    """The goals with the ankle of a foot that stands on one end on its captured way, but for a smooth displacement."""
+    on_one = goal.planted & ~goal.flat & ~kept
+    if not np.any(on_one):
+        return goal
+    weights = np.where(on_one, 1.0, np.where(goal.planted, 1e4, 0.0))
+    smooth = fit(weights, goal.shift, goal.near, frame_time, params.roll_settle, params.slack)
+    in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
+    arm = -rotation.rotate(goal.foot_turn(foot), in_foot)
+    want = arm + np.where(on_one[:, None], smooth - goal.shift, 0.0)
+    roll = np.where(on_one[:, None], rotation.between(arm, want), rotation.identity((len(foot),)))
+    return rolled(goal, foot, roll, frame_time, params, soft)
 
 
 def levels(stands: Sequence[Stance], frames: int) -> Floats:
