@@ -90,11 +90,6 @@ class Hinge:
         )
         return Hinge(axis, flexion[:, 0], bones[:, 0], lever[:, 0], self.least)
 
-    @property
-    def side(self) -> Floats:
-        """(F,) to which side it is bent: 1 forwards, -1 backwards, and between them where it is overstretched."""
-        return np.asarray(1.0 - 2.0 * gamma(1.0 + self.flexion / _BACKWARDS))
-
     def length(self, flexion: Floats) -> Floats:
         """(F,) [m] from hip to ankle, the knee bent as said (F,) [rad]."""
         # law of cosines: length^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
@@ -129,6 +124,23 @@ def flexion(hinge: Hinge, hip: Floats, ankle: Floats, held: Bools) -> Floats:
     for start, end in runs(held) if np.any(backwards) else []:
         backwards[start:end] = np.median(hinge.flexion[start:end]) < -_BACKWARDS
     return np.where(backwards, -bent, bent)
+
+
+def staying(hinge: Hinge, bent: Floats) -> Floats:
+    """(F,) [rad] by how much more a knee bends whose foot stays while its hip comes or goes.
+
+    `bent` (F,) [rad], of either sign, is how much it has to be bent for that. An overstretched knee comes through
+    straight as far as it has to; one that is bent backwards goes on backwards, and one on its way there is between.
+    """
+    size = np.abs(hinge.flexion)
+    more = np.abs(bent) - size
+    through = np.where(more > 0.0, more * (1.0 + 2.0 * size / np.maximum(np.abs(bent), 1e-300)), -more)
+    out = np.where(hinge.flexion < 0.0, through, more)
+    for start, end in runs(hinge.flexion < 0.0):
+        if hinge.flexion[start:end].min() < -2.0 * _BACKWARDS:
+            side = 1.0 - 2.0 * gamma(1.0 + hinge.flexion[start:end] / (2.0 * _BACKWARDS))
+            out[start:end] = side * more[start:end]
+    return out
 
 
 def not_too_straight(hinge: Hinge, more: Floats, share: Floats) -> Floats:

@@ -238,7 +238,7 @@ def _bent(
         width = ease_frames(frame_time, params.ease.lead)
         stirred = np.any(norm(hip - foot.hip)[away] > 0.002 * leg_length)
         low = stirred * low_down(goal, foot, params.plants.low * leg_length, width)
-        more[away] = (low * hinge.side * (np.abs(bent) - np.abs(hinge.flexion)))[away]
+        more[away] = (low * ik.staying(hinge, bent))[away]
     eased = more_bent(hinge, more, known, goal.near | moved, frame_time, params.ease)
     share = presence(goal.near & free, frame_time, params.ease.lead)
     bent = np.where(free, within_bounds(hinge, eased, share, free, frame_time, params.ease), bent)
