@@ -87,9 +87,14 @@ def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: P
 
 def off_their_floor(stands: Sequence[Stance], floor: float, leg_length: float, params: PlantParams) -> bool:
     """Whether the cleaned stances among these rest, on the whole, a little off a floor that they should be on."""
-    off = np.array([abs(stance.level - floor) for stance in stands if stance.cleaned]) / leg_length
-    near = off[off <= params.snap]
-    return bool(len(near) and np.median(near) > params.off_floor)
+    off = np.array([stance.level - floor for stance in stands if stance.cleaned]) / leg_length
+    near = off[np.abs(off) <= params.snap]
+    if not len(near):
+        return False
+    common = float(np.median(near))
+    # a whole clip is moved as a whole: where its stands disagree, their soles were found elsewhere than before
+    agree = float(np.mean(np.abs(near - common) < 0.5 * abs(common)))
+    return abs(common) > params.off_floor and agree > 0.75
 
 
 def _core(plant: Plant, rests: Bools) -> slice:
