@@ -54,14 +54,13 @@ def ease_frames(frame_time: float, seconds: float) -> int:
 
 def presence(changed: Bools, frame_time: float, seconds: float) -> Floats:
     """(F,) 0 where nothing changes, rising to 1 within the ease on frames that do; no rise at the clip's own ends."""
-    risen = np.zeros(len(changed))
-    ease = ease_frames(frame_time, seconds)
-    for start, end in runs(changed):
-        t = np.arange(start, end)
-        from_start = t - start + 1.0 if start > 0 else np.inf
-        to_end = end - t if end < len(changed) else np.inf
-        risen[start:end] = 1.0 - gamma(np.minimum(np.minimum(from_start, to_end) / ease, 1.0))
-    return risen
+    frames, ease = len(changed), ease_frames(frame_time, seconds)
+    if not np.any(changed):
+        return np.zeros(frames)
+    t, still = np.arange(frames), ~changed
+    last = np.maximum.accumulate(np.where(still, t, -frames - ease))  # the still frames before and after each
+    following = np.minimum.accumulate(np.where(still, t, 2 * frames + ease)[::-1])[::-1]
+    return np.where(changed, 1.0 - gamma(np.minimum(t - last, following - t) / ease), 0.0)
 
 
 def displacement(

@@ -15,7 +15,7 @@ from footfix.enforce.plants import PlantParams, Stance
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
 from footfix.enforce.swing import more_bent, within_bounds
-from footfix.enforce.targets import Goals, goals, lacks, levels, lifted, low_down, rolled
+from footfix.enforce.targets import Goals, calmed, eased, goals, lacks, levels, lifted, low_down, rolled
 from footfix.enforce.toe import Toe, bend, firm, local_rotation, toe_of, with_toe_bent
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -134,7 +134,9 @@ def solution(
     hurry = []
     for k, (leg, aim) in enumerate(zip(legs, aims, strict=True)):
         foot = aim.foot
-        goal, ankle = _reached(foot, aim.goal, foot.hip + shift, limits[k], clip.frame_time, params, soft[k])
+        goal, ankle = _reached(
+            foot, aim.goal, foot.hip + shift, limits[k], leg.straightest, clip.frame_time, params, soft[k]
+        )
         turn = goal.foot_turn(foot)
         turned: dict[int, Floats] = {}
         if leg.able and (np.any(goal.planted) or np.any(shift)):
@@ -179,7 +181,7 @@ def _aim(
         if np.any(vector):
             foot = with_toe_bent(foot, toe, vector)
             goal = goals(foot, own, level, frame_time, ease, soft)
-    goal = lifted(goal, foot, params.plants.sink * rig.leg_length, frame_time, ease, soft)
+    goal = lifted(calmed(goal, foot, frame_time, ease), foot, params.plants.sink * rig.leg_length)
     goal = replace(goal, turn=params.strength * goal.turn, shift=params.strength * goal.shift)
     return _Aim(foot, toe if toe is not None and (np.any(vector) or np.any(toe.moved)) else None, vector, goal)
 
@@ -187,7 +189,7 @@ def _aim(
 def _root_shift(
     clip: Clip, rig: Rig, legs: Sequence[Limb], aims: Sequence[_Aim], params: LegParams
 ) -> tuple[Floats, list[Floats]]:
-    """(F, 3) [m] of the root, and for each leg (F,) [m] how far its ankle may be from its hip."""
+    """(F, 3) [m] of the root, and for each leg (F,) [m] how far its ankle may be from its hip while it is planted."""
     shift = np.zeros((len(clip), 3))
     movable = bool(clip.skeleton.translates[rig.root])
     planted = [aim.goal.planted for aim in aims]
@@ -207,13 +209,17 @@ def _root_shift(
 
 
 def _reached(
-    foot: Foot, goal: Goals, hip: Floats, limit: Floats, frame_time: float, params: LegParams, soft: Floats
-) -> tuple[Goals, Floats]:
+    foot: Foot, goal: Goals, hip: Floats, limit: Floats, straightest: float, frame_time: float, params: LegParams,
+    soft: Floats,
+) -> tuple[Goals, Floats]:  # fmt: skip
     """The goals, and the ankle (F, 3) [m], within reach: the foot rolls on the end it stands on, then gives way."""
     in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
     pivot = goal.ankle(foot) + rotation.rotate(goal.foot_turn(foot), in_foot)
     roll = reach.rolled(hip, goal.ankle(foot), pivot, limit, goal.planted, np.radians(params.reach.roll))
-    goal = rolled(goal, foot, roll, frame_time, params.ease, soft)
+    goal = eased(rolled(goal, foot, roll), foot, frame_time, params.ease, soft)
+    if params.ease.method != "smooth":
+        free = reach.allowed(foot, hip, goal.ankle(foot), params.reach, straightest)
+        limit = np.where(goal.planted, limit, free)
     return goal, reach.clamp(hip, goal.ankle(foot), limit)
 
 

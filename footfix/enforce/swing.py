@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, displacement, fit, least, left_at_edges, stiffness
+from footfix.enforce.ease import EaseParams, fit, least, left_at_edges, stiffness
 from footfix.enforce.ik import Hinge, not_too_straight
 from footfix.motion.banded import product
 from footfix.motion.clip import Bools, Floats
@@ -36,14 +36,14 @@ def more_bent(
         frame_time: [s].
         params: measures.
     """
-    d = displacement(known, more[:, None], near, frame_time, params)[:, 0]
+    weights = known.astype(np.float64)
     if np.all(known | ~near):
-        return d
+        return np.where(known, more, 0.0)
+    d = fit(weights, more[:, None], near, frame_time, params.settle, params.slack)[:, 0]
     slope, length = hinge.slope(hinge.flexion + d), hinge.length(hinge.flexion + d)
     rest = length - hinge.length(hinge.flexion) - slope * d  # e(d) is nearly slope d + rest
     foot = (params.foot_first / (0.25 * float(np.median(hinge.length(np.zeros(1)))))) ** 2
     a = stiffness(len(d), frame_time, params.settle, params.slack)
-    weights = known.astype(np.float64)
     both = a.copy()
     for k in range(3):
         both[k, : len(d) - k] += foot * slope[: len(d) - k] * slope[k:] * a[k, : len(d) - k]

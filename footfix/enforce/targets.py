@@ -15,6 +15,8 @@ from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.vectors import cross, norm
 
+_HELD = 1e4  # times as much as on one end that an ankle counts whose foot is flat
+
 
 @dataclass(frozen=True, eq=False)
 class Goals:
@@ -26,8 +28,9 @@ class Goals:
         flat: (F,) both ends are.
         on_ball: (F,) of heel and ball, the ball carries.
         level: (F,) [m] height of the floor below the foot.
+        kept: (F,) it stands well enough as it is.
         turn: (F, 3) [rad] rotation vector in the world, to be applied to the foot.
-        shift: (F, 3) [m] displacement of the ankle.
+        shift: (F, 3) [m] displacement of the ankle. Both are known while the foot is planted; `eased` finds the rest.
     """
 
     planted: Bools
@@ -35,6 +38,7 @@ class Goals:
     flat: Bools
     on_ball: Bools
     level: Floats
+    kept: Bools
     turn: Floats
     shift: Floats
 
@@ -89,22 +93,25 @@ def goals(
     shift = (1.0 - roll) * from_heel + roll * from_ball - foot.ankle
     shift[kept] = 0.0
     on_ball = roll[:, 0] > 0.5
-    shift = displacement(planted, shift, near, frame_time, params, soft, foot.ankle)
-    return calmed(Goals(planted, near, flat, on_ball, level, turn, shift), foot, kept, frame_time, params, soft)
+    shift = np.where(planted[:, None], shift, 0.0)
+    return Goals(planted, near, flat, on_ball, level, kept, turn, shift)
 
 
-def calmed(goal: Goals, foot: Foot, kept: Bools, frame_time: float, params: EaseParams, soft: Floats) -> Goals:
-    """The goals with the ankle of a foot that stands on one end on its captured way, but for a smooth displacement."""
-    on_one = goal.planted & ~goal.flat & ~kept
-    if not np.any(on_one):
+def calmed(goal: Goals, foot: Foot, frame_time: float, params: EaseParams) -> Goals:
+    """The goals with the foot rolled so that its ankle stays calm while it stands on one end.
+
+    Whatever turns a captured foot about its ankle from one frame to the next would swing the ankle about the end
+    that stands now. So the ankle is displaced smoothly, and the foot's roll takes up what is quicker.
+    """
+    on_one = goal.planted & ~goal.flat & ~goal.kept
+    if params.method != "smooth" or not np.any(on_one):
         return goal
-    weights = np.where(on_one, 1.0, np.where(goal.planted, 1e4, 0.0))
+    weights = np.where(on_one, 1.0, np.where(goal.planted, _HELD, 0.0))
     smooth = fit(weights, goal.shift, goal.near, frame_time, params.roll_settle, params.slack)
     in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
     arm = -rotation.rotate(goal.foot_turn(foot), in_foot)
-    want = arm + np.where(on_one[:, None], smooth - goal.shift, 0.0)
-    roll = np.where(on_one[:, None], rotation.between(arm, want), rotation.identity((len(foot),)))
-    return rolled(goal, foot, roll, frame_time, params, soft)
+    roll = rotation.between(arm, arm + np.where(on_one[:, None], smooth - goal.shift, 0.0))
+    return rolled(goal, foot, roll)
 
 
 def levels(stands: Sequence[Stance], frames: int) -> Floats:
@@ -122,9 +129,7 @@ def levels(stands: Sequence[Stance], frames: int) -> Floats:
     return level
 
 
-def lifted(
-    goal: Goals, foot: Foot, tolerance: float, frame_time: float, params: EaseParams, soft: Floats
-) -> Goals:
+def lifted(goal: Goals, foot: Foot, tolerance: float) -> Goals:
     """The goals with no end of the foot deeper than `tolerance` [m] in the floor where the foot moves.
 
     A foot that stands on one end rolls on it until the other is out of the floor.
@@ -141,7 +146,7 @@ def lifted(
     length = norm(arm)
     angle = np.arcsin(np.clip(deep / np.maximum(length, 1e-300), 0.0, 1.0))
     roll = rotation.from_axis_angle(axis / np.maximum(norm(axis), 1e-300)[:, None], angle)
-    return rolled(goal, foot, roll, frame_time, params, soft)
+    return rolled(goal, foot, roll)
 
 
 def low_down(goal: Goals, foot: Foot, height: float, width: int) -> Floats:
@@ -165,25 +170,30 @@ def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
     return np.maximum(deep, 0.0)
 
 
-def rolled(
-    goal: Goals, foot: Foot, roll: Floats, frame_time: float, params: EaseParams, soft: Floats
-) -> Goals:
-    """The goals with the foot rolled by `roll` (F, 4) in the world about the end it stands on, and eased anew."""
-    rolls = goal.planted & (np.abs(roll[:, 3]) < 1.0 - 1e-12)
+def rolled(goal: Goals, foot: Foot, roll: Floats) -> Goals:
+    """The goals with the foot rolled by `roll` (F, 4) in the world about the end it stands on."""
+    rolls = (goal.planted & (np.abs(roll[:, 3]) < 1.0 - 1e-12))[:, None]
     if not np.any(rolls):
         return goal
     in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
-    ankle, turned = goal.ankle(foot), goal.foot_turn(foot)
-    pivot = ankle + rotation.rotate(turned, in_foot)
-    turn = np.where(
-        rolls[:, None],
-        rotation.to_rotation_vector(rotation.multiply(roll, rotation.from_rotation_vector(goal.turn))),
-        goal.turn,
+    pivot = goal.ankle(foot) + rotation.rotate(goal.foot_turn(foot), in_foot)
+    turn = rotation.multiply(roll, rotation.from_rotation_vector(goal.turn))
+    ankle = pivot - rotation.rotate(rotation.multiply(turn, foot.turn), in_foot)
+    return replace(
+        goal,
+        turn=np.where(rolls, rotation.to_rotation_vector(turn), goal.turn),
+        shift=np.where(rolls, ankle - foot.ankle, goal.shift),
     )
-    turn = displacement(goal.planted, turn, goal.near, frame_time, params, soft)
-    ankle = pivot - rotation.rotate(rotation.multiply(rotation.from_rotation_vector(turn), foot.turn), in_foot)
-    shift = np.where(goal.planted[:, None], ankle - foot.ankle, goal.shift)
-    shift = displacement(goal.planted, shift, goal.near, frame_time, params, soft)
+
+
+def eased(goal: Goals, foot: Foot, frame_time: float, params: EaseParams, soft: Floats) -> Goals:
+    """The goals between plants, too; where the foot is held softly, only as far as that is slow (see `goals`)."""
+    if params.method == "hermite":
+        turn = displacement(goal.planted, goal.turn, goal.near, frame_time, params, soft)
+        shift = displacement(goal.planted, goal.shift, goal.near, frame_time, params, soft, foot.ankle)
+    else:
+        both = np.concatenate([goal.turn, goal.shift], axis=1)
+        turn, shift = np.split(displacement(goal.planted, both, goal.near, frame_time, params, soft), 2, axis=1)
     return replace(goal, turn=turn, shift=shift)
 
 
