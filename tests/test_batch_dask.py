@@ -82,7 +82,7 @@ def test_a_clip_that_kills_every_worker_is_given_up_and_named(cluster: Any, task
     harmless = replace(tasks[0], job=replace(tasks[0].job, source="x", name="x"))
     crew = Crew(dask=cluster.scheduler_address)
     outcome = run(batch_tasks.act, [deadly, harmless], crew=crew, told=lambda each: None)
-    assert [each.status for each in outcome.results] == ["failed", "done"]
+    assert [each.status for each in outcome.results] == ["failed", "done"], [each.error for each in outcome.results]
     assert "die1" in outcome.results[0].error and "lost" in outcome.results[0].error
 
 
