@@ -13,7 +13,7 @@ from footfix.enforce.plants import Stance
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
-from footfix.motion.vectors import cross, norm
+from footfix.motion.vectors import cross, dot, norm
 
 _HELD = 1e4  # times as much as on one end that an ankle counts whose foot is flat
 
@@ -101,17 +101,30 @@ def calmed(goal: Goals, foot: Foot, frame_time: float, params: EaseParams) -> Go
     """The goals with the foot rolled so that its ankle stays calm while it stands on one end.
 
     Whatever turns a captured foot about its ankle from one frame to the next would swing the ankle about the end
-    that stands now. So the ankle is displaced smoothly, and the foot's roll takes up what is quicker.
+    that stands now. So the ankle is displaced smoothly, and the foot's roll takes up what is quicker; by as much as
+    the captured ankle goes more calmly than the captured foot turns.
     """
     on_one = goal.planted & ~goal.flat & ~goal.kept
     if params.method != "smooth" or not np.any(on_one):
         return goal
     weights = np.where(on_one, 1.0, np.where(goal.planted, _HELD, 0.0))
     smooth = fit(weights, goal.shift, goal.near, frame_time, params.roll_settle, params.slack)
+    as_turned, as_moved = _quickness(goal.ankle(foot), goal.planted), _quickness(foot.ankle + smooth, goal.planted)
+    share = np.zeros(len(foot))
+    for start, end in runs(on_one):
+        turned, moved = (quick[max(start - 3, 0) : end].sum() for quick in (as_turned, as_moved))
+        share[start:end] = turned / max(turned + moved, 1e-300)
     in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
     arm = -rotation.rotate(goal.foot_turn(foot), in_foot)
-    roll = rotation.between(arm, arm + np.where(on_one[:, None], smooth - goal.shift, 0.0))
+    roll = rotation.between(arm, arm + share[:, None] * (smooth - goal.shift))
     return rolled(goal, foot, roll)
+
+
+def _quickness(track: Floats, planted: Bools) -> Floats:
+    """(F - 3,) squares of a track's third differences, where all four frames are planted."""
+    all_four = planted[:-3] & planted[1:-2] & planted[2:-1] & planted[3:]
+    third = np.diff(track, n=3, axis=0)
+    return np.where(all_four, dot(third, third), 0.0)
 
 
 def levels(stands: Sequence[Stance], frames: int) -> Floats:
