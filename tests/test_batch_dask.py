@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,10 +16,11 @@ import pytest
 from walker import make
 from walker_plan import Gait
 
+from footfix.batch import cluster as cluster_work
 from footfix.batch.inputs import sources
 from footfix.batch.outputs import plan
 from footfix.batch.run import Crew, run
-from footfix.batch.work import Task, clean_one
+from footfix.batch.work import FileResult, Task, clean_one
 from footfix.errors import UsageError
 from footfix.settings import ReportParams, Settings
 
@@ -91,3 +93,25 @@ def test_an_address_where_nothing_answers_is_a_usage_error(tasks: list[Task], mo
     monkeypatch.setattr(distributed, "Client", lambda address, **more: real(address, **{**more, "timeout": 1}))
     with pytest.raises(UsageError, match="no scheduler"):
         run(clean_one, tasks, crew=Crew(dask="tcp://127.0.0.1:9"), told=lambda each: None)
+
+
+def test_a_result_lost_with_its_worker_is_waited_for_and_a_lost_clip_told_apart() -> None:
+    class KilledWorker(Exception):
+        """Named as the cluster's own."""
+
+    class Ended:
+        status = "pending"  # finished, and then its worker went: the scheduler makes it anew
+
+        def __init__(self, end: object) -> None:
+            self.end = end
+
+        def result(self) -> object:
+            if isinstance(self.end, BaseException):
+                raise self.end
+            return self.end
+
+    done = FileResult("walk.bvh", "done")
+    assert cluster_work._end(Ended(done)) is done
+    assert cluster_work._was_lost(cluster_work._end(Ended(KilledWorker())))
+    cancelled = cluster_work._end(Ended(asyncio.CancelledError()))
+    assert isinstance(cancelled, Exception) and not cluster_work._was_lost(cancelled)

@@ -6,6 +6,7 @@ for by the scheduler itself: it gives the clip to another one, and gives up afte
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
@@ -48,21 +49,21 @@ def _feed(
 ) -> Results:
     threads = max(sum(client.nthreads().values()), 1)
     suspects: list[int] = []
-    for index, future in _ended(client, work, tasks, range(len(tasks)), _AHEAD * threads, stop, starting):
-        if _was_lost(future):
+    for index, end in _ended(client, work, tasks, range(len(tasks)), _AHEAD * threads, stop, starting):
+        if _was_lost(end):
             suspects.append(index)
         else:
-            yield index, _result(future, tasks[index])
+            yield index, _result(end, tasks[index])
     # With a worker go the clips that only waited there. One at a time, each answers for itself alone.
-    for index, future in _ended(client, work, tasks, suspects, 1, stop, lambda index: None):
-        yield index, _result(future, tasks[index])
+    for index, end in _ended(client, work, tasks, suspects, 1, stop, lambda index: None):
+        yield index, _result(end, tasks[index])
 
 
 def _ended(
     client: Any, work: Work, tasks: Sequence[Task], order: Iterable[int], ahead: int, stop: Stop,
     starting: Callable[[int], None],
-) -> Iterator[tuple[int, Any]]:  # fmt: skip
-    """Submits tasks, `ahead` of them at a time, and gives each one's future when it has ended."""
+) -> Iterator[tuple[int, FileResult | Exception]]:  # fmt: skip
+    """Submits tasks, `ahead` of them at a time, and gives what came of each when it has ended."""
     import distributed
 
     dask: Any = distributed
@@ -82,19 +83,30 @@ def _ended(
         submit()
     while at_work:
         future = next(ended)
-        yield at_work.pop(future), future
+        yield at_work.pop(future), _end(future)
         submit()
 
 
-def _was_lost(future: Any) -> bool:
-    return future.status == "error" and type(future.exception()).__name__ == "KilledWorker"
+def _end(future: Any) -> FileResult | Exception:
+    """What came of a future that has ended.
 
-
-def _result(future: Any, task: Task) -> FileResult:
-    if future.status == "finished":
+    A result that went with its worker before it was fetched is made anew, and waited for.
+    """
+    try:
         result: FileResult = future.result()
-        return result
-    why = f"the cluster gave it up ({future.exception() if future.status == 'error' else future.status})"
-    if _was_lost(future):
-        why = "its workers were lost, one after the other"
+    except asyncio.CancelledError as error:  # no Exception, and nothing that this side asked for
+        return RuntimeError(f"cancelled {error}".strip())
+    except Exception as error:
+        return error
+    return result
+
+
+def _was_lost(end: FileResult | Exception) -> bool:
+    return type(end).__name__ == "KilledWorker"
+
+
+def _result(end: FileResult | Exception, task: Task) -> FileResult:
+    if isinstance(end, FileResult):
+        return end
+    why = "its workers were lost, one after the other" if _was_lost(end) else f"the cluster gave it up ({end})"
     return FileResult(task.job.source, "failed", error=f"{task.job.source}: {why}")
