@@ -96,8 +96,7 @@ def test_an_address_where_nothing_answers_is_a_usage_error(tasks: list[Task], mo
 
 
 def test_a_result_lost_with_its_worker_is_waited_for_and_a_lost_clip_told_apart() -> None:
-    class KilledWorker(Exception):
-        """Named as the cluster's own."""
+    killed = type("KilledWorker", (Exception,), {})  # named as the cluster's own
 
     class Ended:
         status = "pending"  # finished, and then its worker went: the scheduler makes it anew
@@ -112,6 +111,6 @@ def test_a_result_lost_with_its_worker_is_waited_for_and_a_lost_clip_told_apart(
 
     done = FileResult("walk.bvh", "done")
     assert cluster_work._end(Ended(done)) is done
-    assert cluster_work._was_lost(cluster_work._end(Ended(KilledWorker())))
+    assert cluster_work._was_lost(cluster_work._end(Ended(killed())))
     cancelled = cluster_work._end(Ended(asyncio.CancelledError()))
     assert isinstance(cancelled, Exception) and not cluster_work._was_lost(cancelled)
