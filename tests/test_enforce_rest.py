@@ -10,10 +10,12 @@ import pytest
 from walks import cleaned, heights, rig_of, slides, walk
 
 from footfix.detect.run import detect
-from footfix.enforce.rest import resting
+from footfix.enforce.plants import Plant, PlantParams, Stance
+from footfix.enforce.rest import off_their_floor, resting
 from footfix.enforce.run import EnforceParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
+from footfix.motion.contacts import Contact
 from footfix.rig.find import find_rig
 from footfix.settings import Settings
 
@@ -98,3 +100,15 @@ def test_feet_that_rest_below_the_floor_are_raised_to_it() -> None:
     after, found = cleaned(artefacts.sink(made.clip, 0.03), rig, replace(made.contacts, method="auto"))
     assert "height-moved" in [note.id for note in found.notes]
     assert np.percentile(np.abs(heights(after, rig, made.contacts)), 95) < 1.0
+
+
+def test_only_a_clip_that_is_off_its_floor_as_a_whole_is_off_it() -> None:
+    def rests(level: float) -> Stance:
+        return Stance(0, (Plant(0, "toe", Contact(0, 9, 1.0), 0, 9, np.zeros(3)),), level=level, cleaned=True)
+
+    params = PlantParams()
+    assert off_their_floor([rests(0.033), rests(0.031), rests(0.035)], 0.0, 1.0, params)
+    assert off_their_floor([rests(-0.03), rests(-0.03), rests(-0.03), rests(-0.029)], 0.0, 1.0, params)
+    assert not off_their_floor([rests(0.034), rests(0.033), rests(0.034), rests(0.001), rests(0.003)], 0.0, 1.0, params)
+    assert not off_their_floor([rests(0.002), rests(0.001)], 0.0, 1.0, params)
+    assert not off_their_floor([], 0.0, 1.0, params)

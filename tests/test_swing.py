@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from footfix.enforce.ease import EaseParams, displacement
-from footfix.enforce.ik import Hinge
+from footfix.enforce.ease import EaseParams, displacement, gamma, presence
+from footfix.enforce.ik import Hinge, staying
 from footfix.enforce.swing import more_bent, within_bounds
 from footfix.enforce.toe import _no_faster
 from footfix.motion import banded
@@ -98,3 +98,29 @@ def test_toes_are_no_faster_than_they_may_be() -> None:
     assert np.array_equal(out[exact], held[exact])
     assert np.abs(np.diff(out, axis=0)).max() <= most + 1e-12
     assert not out[:19].any() and not out[81:].any()  # 0.4 in steps of 0.02, and then what was eased
+
+
+def test_presence_is_told_by_the_nearest_frame_that_does_not_change() -> None:
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        changed = random.random(60) < 0.8
+        risen = presence(changed, DT, 5 * DT)
+        still = np.flatnonzero(~changed)
+        for t in range(60):
+            far = np.abs(still - t).min(initial=60)
+            assert risen[t] == pytest.approx(1.0 - float(gamma(np.array(min(far / 5.0, 1.0)))) if changed[t] else 0.0)
+
+
+def test_a_knee_whose_foot_stays_keeps_its_side() -> None:
+    forwards = np.radians(np.linspace(5.0, 60.0, 12))
+    assert np.allclose(staying(knee(forwards), forwards + 0.1), 0.1)
+    # overstretched by little: as it is while nothing is asked, through straight where much is
+    little = np.radians(np.array([1.0, -4.0, -4.0, 1.0]))
+    assert np.allclose(staying(knee(little), np.abs(little)), 0.0)
+    bent = np.full(4, np.radians(40.0))
+    assert np.allclose(little + staying(knee(little), bent), bent, atol=np.radians(1.0))
+    # bent backwards it goes on backwards, by as much as forwards it would forwards, and changes sides without a jump
+    backwards = np.radians(np.linspace(10.0, -70.0, 200))
+    more = staying(knee(backwards), np.abs(backwards) + 0.2)
+    assert np.allclose(more[backwards > 0.0], 0.2) and np.allclose(more[backwards < np.radians(-35.0)], -0.2)
+    assert np.abs(np.diff(more)).max() < 0.01
