@@ -16,6 +16,7 @@ from footfix.motion.clip import Bools, Floats
 
 _HELD = 1e4  # times as much as others that frames count in which nothing may be taken off
 
+
 def more_bent(
     hinge: Hinge, more: Floats, known: Bools, near: Bools, frame_time: float, params: EaseParams
 ) -> Floats:
