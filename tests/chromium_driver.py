@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,13 @@ def chromium() -> str:
         if found:
             return found
     pytest.skip("no Chromium on this machine")
+
+
+class Left(RuntimeError):
+    """The page was left for another one before it answered."""
+
+
+_LEFT = ("navigated or closed", "Cannot find context", "context was destroyed")
 
 
 class Browser:
@@ -80,7 +88,8 @@ class Browser:
             answer = self._read(deadline)
             if answer.get("id") == self._last:
                 if "error" in answer:
-                    raise RuntimeError(f"{method}: {answer['error']['message']}")
+                    why = answer["error"]["message"]
+                    raise (Left if any(each in why for each in _LEFT) else RuntimeError)(f"{method}: {why}")
                 return dict(answer["result"])
             self.events.append(answer)
 
@@ -138,14 +147,18 @@ class Page:
     def wait(self, condition: str, timeout: float = 30.0) -> None:
         """Waits until an expression is true."""
         deadline = time.monotonic() + timeout
-        while not self.run(f"Boolean({condition})"):
+        while True:
+            with suppress(Left):
+                if self.run(f"Boolean({condition})"):
+                    return
             if time.monotonic() > deadline:
                 raise TimeoutError(f"never came true: {condition}")
             time.sleep(0.02)
 
     def settle(self) -> None:
-        """Waits until what was asked for is drawn."""
-        self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        """Waits until what was asked for is drawn, or the page is left for what a click led to."""
+        with suppress(Left):
+            self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def box(self, selector: str) -> tuple[float, float, float, float]:
         """Left, top, width, height of an element, scrolled into view."""
