@@ -36,7 +36,7 @@ def chromium() -> str:
     pytest.skip("no Chromium on this machine")
 
 
-class Left(RuntimeError):
+class PageLeftError(RuntimeError):
     """The page was left for another one before it answered."""
 
 
@@ -89,7 +89,7 @@ class Browser:
             if answer.get("id") == self._last:
                 if "error" in answer:
                     why = answer["error"]["message"]
-                    raise (Left if any(each in why for each in _LEFT) else RuntimeError)(f"{method}: {why}")
+                    raise (PageLeftError if any(each in why for each in _LEFT) else RuntimeError)(f"{method}: {why}")
                 return dict(answer["result"])
             self.events.append(answer)
 
@@ -148,7 +148,7 @@ class Page:
         """Waits until an expression is true."""
         deadline = time.monotonic() + timeout
         while True:
-            with suppress(Left):
+            with suppress(PageLeftError):
                 if self.run(f"Boolean({condition})"):
                     return
             if time.monotonic() > deadline:
@@ -157,7 +157,7 @@ class Page:
 
     def settle(self) -> None:
         """Waits until what was asked for is drawn, or the page is left for what a click led to."""
-        with suppress(Left):
+        with suppress(PageLeftError):
             self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def box(self, selector: str) -> tuple[float, float, float, float]:
