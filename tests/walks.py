@@ -55,15 +55,20 @@ def heights(clip: Clip, rig: Rig, contacts: Contacts) -> Floats:
     ])  # fmt: skip
 
 
-def extension(clip: Clip, rig: Rig) -> float:
-    """How straight the straightest leg is, of its length."""
+def straightness(clip: Clip, rig: Rig) -> Floats:
+    """(F, legs) how straight each leg is, of its length."""
     pose = rig.pose(clip)
-    most = 0.0
+    columns = []
     for leg in rig.legs:
         hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
         length = np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
-        most = max(most, float((np.linalg.norm(ankle - hip, axis=1) / length).max()))
-    return most
+        columns.append(np.linalg.norm(ankle - hip, axis=1) / length)
+    return np.stack(columns, axis=1)
+
+
+def extension(clip: Clip, rig: Rig) -> float:
+    """How straight the straightest leg is, of its length."""
+    return float(straightness(clip, rig).max())
 
 
 def cleaned(

@@ -74,7 +74,7 @@ class Hinge:
         flexion: (F,) [rad] how far it is bent; negative where it bends backwards.
         bones: (F,) [m^2] the squares of thigh and shank, together.
         lever: (F,) [m^2] twice the product of the thigh and the part of the shank that swings about the axis.
-        least: [rad] the straightest it is in the clip; below zero where it is overstretched.
+        least: [rad] the straightest it may be while its foot is not held; below zero where the clip overstretches it.
     """
 
     axis: Floats
@@ -100,14 +100,17 @@ class Hinge:
         return np.asarray(-0.5 * self.lever * np.sin(flexion) / self.length(flexion))
 
 
-def hinge(foot: Foot, axis: Floats) -> Hinge:
-    """The knee of a leg that flexes about an axis (F, 3)."""
+def hinge(foot: Foot, axis: Floats, straighter: float = 1.0) -> Hinge:
+    """The knee of a leg that flexes about an axis (F, 3).
+
+    While its foot is not held it may bend as little as `straighter` times what it does where it is straightest.
+    """
     thigh, shank = foot.knee - foot.hip, foot.ankle - foot.knee
     in_plane = shank - dot(shank, axis)[:, None] * axis
     flexion = np.arctan2(dot(axis, cross(thigh, in_plane)), dot(thigh, in_plane))
     lever = np.maximum(2.0 * norm(thigh) * norm(in_plane), 1e-300)
     captured = float(flexion.min(initial=np.inf))
-    least = captured if captured > -_BACKWARDS else 0.0
+    least = min(captured, straighter * captured) if captured > -_BACKWARDS else 0.0
     return Hinge(axis, flexion, dot(thigh, thigh) + dot(shank, shank), lever, least)
 
 
@@ -144,7 +147,7 @@ def staying(hinge: Hinge, bent: Floats) -> Floats:
 
 
 def not_too_straight(hinge: Hinge, more: Floats, share: Floats) -> Floats:
-    """(F,) [rad] a knee's flexion with so much more (F,), but no straighter than the straightest captured.
+    """(F,) [rad] a knee's flexion with so much more (F,), but no straighter than it may be.
 
     It is rounded off where it would be; `share` (F,) says how much, from 0, where it goes on from a foot that is
     held, to 1.

@@ -86,7 +86,7 @@ def limbs(
     return tuple(
         Limb(
             foot,
-            ik.hinge(foot, ik.knee_axis(foot, pose.rotation(foot.leg.hip))),
+            ik.hinge(foot, ik.knee_axis(foot, pose.rotation(foot.leg.hip)), params.reach.swing),
             toe_of(
                 clip, rig, pose, foot, [s for s in stands if s.leg == k], params.plants.quiver * rig.leg_length
             ),

@@ -29,7 +29,7 @@ class SteadyParams:
     white: float = -0.6  # how alike neighbouring fourth differences are, at most: -0.8 in noise, above 0 in motion
     carries: float = 3.5  # the noise's own acceleration times this reaches the leg's peaks: noise is what they are
     least: float = 3.0  # [leg lengths/s^2] of the noise: less is not seen
-    share: float = 0.2  # of the calm leg's peak acceleration, what noise may still add to it; 0 steadies nothing
+    share: float = 0.14  # of the calm leg's peak acceleration, what noise may still add to it; 0 steadies nothing
 
 
 _PEAK = 99.0  # [percentile] of a leg's accelerations

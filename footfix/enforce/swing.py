@@ -58,7 +58,7 @@ def more_bent(
 def within_bounds(
     hinge: Hinge, more: Floats, share: Floats, free: Bools, frame_time: float, params: EaseParams
 ) -> Floats:
-    """(F,) [rad] a knee bent so much more (F,) than captured, but no straighter than the straightest captured.
+    """(F,) [rad] a knee bent so much more (F,) than captured, but no straighter than it may be.
 
     What that takes off comes and goes smoothly, but for frames that are not `free` (F,), where it is nothing;
     `share` (F,) as of `ik.not_too_straight`.
