@@ -174,12 +174,19 @@ def low_down(goal: Goals, foot: Foot, height: float, width: int) -> Floats:
 def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
     """(F,) [m] how much deeper than `tolerance` a swinging foot, its ankle at (F, 3) [m], is in the floor.
 
-    A foot that is deeper than it is long is on its way to another floor.
+    A foot that is deeper than it is long is on its way to another floor; before the first and after the last plant,
+    where nobody knows what the floor is, one that gets a third as deep.
     """
     turned = goal.foot_turn(foot)
     heel, ball = (rotation.rotate(turned, each) for each in (foot.heel_in_foot, foot.ball_in_foot))
     deep = goal.level - tolerance - ankle[:, 1] - np.minimum(heel[:, 1], ball[:, 1])
-    deep = np.where(goal.near & ~goal.planted & (deep < norm(ball - heel)), deep, 0.0)
+    length = norm(ball - heel)
+    deep = np.where(goal.near & ~goal.planted & (deep < length), deep, 0.0)
+    planted = np.flatnonzero(goal.planted)
+    if len(planted):
+        for open_end in (slice(0, int(planted[0])), slice(int(planted[-1]) + 1, len(foot))):
+            if np.any(deep[open_end] > length[open_end] / 3.0):
+                deep[open_end] = 0.0
     return np.maximum(deep, 0.0)
 
 
