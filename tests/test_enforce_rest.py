@@ -11,7 +11,7 @@ from walks import cleaned, heights, rig_of, slides, walk
 
 from footfix.detect.run import detect
 from footfix.enforce.plants import Plant, PlantParams, Stance
-from footfix.enforce.rest import off_their_floor, resting
+from footfix.enforce.rest import new_since, off_their_floor, resting
 from footfix.enforce.run import EnforceParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
@@ -112,3 +112,32 @@ def test_only_a_clip_that_is_off_its_floor_as_a_whole_is_off_it() -> None:
     assert not off_their_floor([rests(0.034), rests(0.033), rests(0.034), rests(0.001), rests(0.003)], 0.0, 1.0, params)
     assert not off_their_floor([rests(0.002), rests(0.001)], 0.0, 1.0, params)
     assert not off_their_floor([], 0.0, 1.0, params)
+
+
+@pytest.mark.parametrize("gait", ["walk", "turn"])
+def test_what_was_put_into_a_cleaned_clip_is_cleaned_too(gait: str) -> None:
+    made = walk(gait, fps=60.0, duration=8.0)
+    rig, first = rig_of(made), artefacts.drift(made.clip, 0.05)
+    clean, _ = cleaned(first, rig, replace(made.contacts, method="auto"))
+    cut = int(0.65 * len(clean))
+    late = np.where(np.arange(len(clean)) < cut, 0.0, (np.arange(len(clean)) - cut) / (len(clean) - cut))
+    positions = clean.positions.copy()
+    positions[:, 0, 0] += 0.2 * late  # the rest of the clip slides on
+    spliced = replace(clean, positions=positions)
+    after, found = cleaned(spliced, rig, replace(made.contacts, method="auto"))
+    assert "cleaned-before" in [note.id for note in found.notes]
+    assert len(found.plants) == sum(len(effector.contacts) for effector in found.contacts.effectors)
+    assert max(slides(spliced, rig, found.contacts)["toe"]) > 10.0
+    assert max(slides(after, rig, found.contacts)["toe"]) < 1.0
+    assert np.array_equal(after.rotations[: cut // 2], clean.rotations[: cut // 2])
+
+
+def test_only_several_stands_in_a_row_are_new() -> None:
+    def stand(start: int, rests: bool) -> Stance:
+        plant = Plant(0, "toe", Contact(start, start + 9, 1.0), start, start + 9, np.zeros(3))
+        return Stance(0, (plant,), cleaned=rests)
+
+    rests = [True, False, False, True, False, False, False, False, True]
+    stands = [stand(20 * k, each) for k, each in enumerate(rests)]
+    assert new_since(stands) == [False] * 4 + [True] * 4 + [False]
+    assert new_since(stands[::-1]) == [False] + [True] * 4 + [False] * 4

@@ -18,12 +18,13 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 
-LEFT = "left as it was when this clip was cleaned"  # the reason of plants that are
+LEFT = "left as it was when this clip was cleaned (enforce.again looks at it)"  # the reason of plants that are
 
 _ROUNDS = 20  # of reweighting, some more than exact solutions have needed,
 _COARSE = 0.01  # [leg lengths] from what a captured foot moves in a frame downwards
 _SHARE = 0.3  # of the steps that must rest: fewer are chance
 _MOST = 2000  # steps that are looked at: enough of any clip
+_IN_A_ROW = 4  # stands of which none rests: more than are let go one after the other
 _FAR = 0.08  # leg lengths from the sole point, beyond which a point is none of this foot's
 
 
@@ -83,6 +84,18 @@ def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: P
     plants = tuple(_as_held(plant, foot, core) for plant, core in zip(stance.plants, cores, strict=True))
     heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants if plant.kept])
     return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
+
+
+def new_since(stands: Sequence[Stance]) -> list[bool]:
+    """Which of the stances were put into a clip after it was cleaned, as by splicing: some in a row, none at rest."""
+    order = sorted(range(len(stands)), key=lambda k: stands[k].frames.start)
+    stir = np.array([not stands[k].cleaned for k in order], dtype=np.bool_)
+    new = [False] * len(stands)
+    for start, end in runs(stir):
+        if end - start >= _IN_A_ROW:
+            for k in order[start:end]:
+                new[k] = True
+    return new
 
 
 def off_their_floor(stands: Sequence[Stance], floor: float, leg_length: float, params: PlantParams) -> bool:

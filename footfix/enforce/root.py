@@ -37,7 +37,9 @@ def shared(
     total = np.sum([np.where(on[:, None], shift, 0.0) for on, shift in zip(planted, shifts, strict=True)], axis=0)
     mean = total / np.maximum(weights, 1.0)[:, None]
     near = within_reach(weights > 0, frame_time, ease.seconds)
-    return fit(weights, mean, near, frame_time, params.settle, ease.slack)
+    shift = fit(weights, mean, near, frame_time, params.settle, ease.slack)
+    shift[np.abs(shift).max(axis=1) < 1e-7] = 0.0  # what dies away ends
+    return shift
 
 
 def correction(

@@ -17,10 +17,10 @@ from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.judge import JudgeParams
-from footfix.enforce.legs import enforced
+from footfix.enforce.legs import Held, enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
-from footfix.enforce.rest import LEFT, as_cleaned, off_their_floor, resting
+from footfix.enforce.rest import LEFT, as_cleaned, new_since, off_their_floor, resting
 from footfix.enforce.root import RootParams
 from footfix.enforce.solve import LegParams
 from footfix.enforce.steady import SteadyParams, steadied
@@ -109,8 +109,13 @@ def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceP
     notes = _places_not_taken(contacts, found)
     ride = _ride(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, ride) for foot in legs)
+    cleaned = False
     if not params.again and params.style == StyleParams():
-        found = _but_for_cleaned(pose, rig, contacts, legs, ride, found, notes, params.plants)
+        found = _but_for_cleaned(pose, rig, contacts, legs, ride, found, params.plants)
+        cleaned = sum(stance.cleaned for stance in found) > _MOST_CLEANED * len(found)
+    if cleaned:
+        notes.append(_cleaned_note(found))
+        found = _but_for_new(found, params.method)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
@@ -127,6 +132,7 @@ def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceP
             stance = stance.let_go("the file has no rotation channels for a joint of this leg")
         stands.append(stance)
     held = [stance for stance in stands if not all(plant.reason for plant in stance.plants)]
+    left = [stance for stance in stands if all(plant.reason for plant in stance.plants)]
     limit = "the leg does not reach it"
     if params.method == "root":
         limit = "the root alone holds one point at a time"
@@ -140,15 +146,19 @@ def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceP
             solver=params.solver, shares=params.method == "both", strength=params.strength, plants=params.plants,
             ease=params.ease, reach=params.reach, root=params.root, judge=params.judge,
         )  # fmt: skip
-        done = enforced(clip, rig, pose, legs, held, wanted)
-        if not wanted.shares and done.let_go > params.judge.share * len(held):
+        if cleaned:
+            done, hard = _easily(clip, rig, pose, legs, held, wanted)
+            left += hard
+        else:
+            done = enforced(clip, rig, pose, legs, held, wanted)
+        if not cleaned and not wanted.shares and done.let_go > params.judge.share * len(held):
             shared = enforced(clip, rig, pose, legs, held, replace(wanted, shares=True))
             if shared.let_go < done.let_go:
                 done = shared
                 text = "the legs alone could not hold many plants, so the root moves with the feet"
                 notes.append(Note("root-shares", text))
         correction, points, soft = done.correction, done.points, done.soft
-        stands = [*done.stands, *(stance for stance in stands if all(plant.reason for plant in stance.plants))]
+        stands = [*done.stands, *left]
         if np.any(rise):
             correction = replace(correction, root_shift=correction.root_shift + params.strength * rise)
     residual = outcomes.residual(rig, stands, points)
@@ -219,7 +229,7 @@ def _rests(pose: Pose, rig: Rig, contacts: Contacts, ride: Floats, params: Plant
 
 def _but_for_cleaned(
     pose: Pose, rig: Rig, contacts: Contacts, legs: Sequence[Foot], ride: Floats, stands: Sequence[Stance],
-    notes: list[Note], params: PlantParams,
+    params: PlantParams,
 ) -> list[Stance]:
     """The stances, those that were cleaned before left as they are; on ground that rides (F, 3) [m].
 
@@ -231,20 +241,49 @@ def _but_for_cleaned(
     cleaned = [as_cleaned(stance, legs[stance.leg], rests, params) for stance in stands]
     if off_their_floor(cleaned, rig.floor, rig.leg_length, params):
         return list(stands)
-    return _all_left(cleaned, notes)
+    return cleaned
 
 
-def _all_left(stands: Sequence[Stance], notes: list[Note]) -> list[Stance]:
-    """The stances, all of them left as they are where many of them were cleaned before: so were the others."""
-    cleaned = sum(stance.cleaned for stance in stands)
-    if cleaned <= _MOST_CLEANED * len(stands):
-        return list(stands)
-    text = f"{cleaned} of {len(stands)} stands rest already: this clip was cleaned before, and is left as it is"
-    notes.append(Note("cleaned-before", text))
+def _but_for_new(stands: Sequence[Stance], method: str) -> list[Stance]:
+    """The stances of a clip that was cleaned, those let go that were let go then, as far as anyone can tell."""
+    new = [method != "root" and each for each in new_since(stands)]
     return [
-        stance if stance.cleaned or any(plant.given for plant in stance.plants) else stance.let_go(LEFT)
-        for stance in stands
+        stance if stance.cleaned or each or any(plant.given for plant in stance.plants) else stance.let_go(LEFT)
+        for stance, each in zip(stands, new, strict=True)
     ]
+
+
+def _easily(
+    clip: Clip, rig: Rig, pose: Pose, legs: Sequence[Foot], stands: Sequence[Stance], params: LegParams
+) -> tuple[Held, list[Stance]]:
+    """What holds of a clip that was cleaned before, and the stances that are left as they are.
+
+    What was let go then is let go again; what was put in since, as by splicing, is held like anything else. A stance
+    that gives way in the least is taken for one of the first kind.
+    """
+    held, left = list(stands), list[Stance]()
+    while True:
+        done = enforced(clip, rig, pose, legs, held, params)
+        easy = [_holds(old, new, done, rig, params.plants) for old, new in zip(held, done.stands, strict=True)]
+        if all(easy):
+            return done, left
+        left += [stance.let_go(LEFT) for stance, each in zip(held, easy, strict=True) if not each]
+        held = [stance for stance, each in zip(held, easy, strict=True) if each]
+
+
+def _holds(before: Stance, after: Stance, done: Held, rig: Rig, params: PlantParams) -> bool:
+    if before.cleaned or all(plant.kept or plant.given for plant in before.plants):
+        return True
+    if after is not before or np.any(done.soft[before.leg][before.frames]):
+        return False
+    off = outcomes.residual(rig, [after], done.points)
+    return float(off.max()) <= params.holds * rig.leg_length
+
+
+def _cleaned_note(stands: Sequence[Stance]) -> Note:
+    cleaned = sum(stance.cleaned for stance in stands)
+    text = f"{cleaned} of {len(stands)} stands rest already: this clip was cleaned before, and they stay as they are"
+    return Note("cleaned-before", text)
 
 
 def _rise(
