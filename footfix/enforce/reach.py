@@ -20,7 +20,7 @@ class ReachParams:
     """How far legs stretch, and how far the root comes to help."""
 
     extension: float = 0.999  # of the leg's length, the straightest a leg may become
-    swing: float = 0.7  # of its least captured bend, to which a knee may stretch for a moment while its foot swings
+    swing: float = 0.8  # of its least captured bend, to which a knee may stretch for a moment while its foot swings
     root_limit: float = 0.03  # leg lengths that the root may come down; where more would be needed, it does not
     roll: float = 12.0  # [degrees] that a planted foot rolls on one end for its leg to reach
     root_ease: float = 0.15  # [s] how early the root begins to give way

@@ -113,7 +113,7 @@ def calmed(goal: Goals, foot: Foot, frame_time: float, params: EaseParams) -> Go
     share = np.zeros(len(foot))
     for start, end in runs(on_one):
         turned, moved = (quick[max(start - 3, 0) : end].sum() for quick in (as_turned, as_moved))
-        share[start:end] = turned / max(turned + moved, 1e-300)
+        share[start:end] = turned / (turned + moved) if turned + moved > 0.0 else 1.0  # too short to tell
     in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
     arm = -rotation.rotate(goal.foot_turn(foot), in_foot)
     roll = rotation.between(arm, arm + share[:, None] * (smooth - goal.shift))
@@ -185,7 +185,7 @@ def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
     planted = np.flatnonzero(goal.planted)
     if len(planted):
         for open_end in (slice(0, int(planted[0])), slice(int(planted[-1]) + 1, len(foot))):
-            if np.any(deep[open_end] > length[open_end] / 3.0):
+            if np.any(deep[open_end] > length[open_end] / 2.5):
                 deep[open_end] = 0.0
     return np.maximum(deep, 0.0)
 
