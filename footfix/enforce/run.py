@@ -10,6 +10,7 @@ import numpy as np
 
 from footfix.enforce import ground, outcomes, root
 from footfix.enforce.aims import aimed, judged, level_of
+from footfix.enforce.cleaned import easily, set_aside
 from footfix.enforce.correction import Correction
 from footfix.enforce.course import courses
 from footfix.enforce.ease import EaseParams
@@ -17,22 +18,19 @@ from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.judge import JudgeParams
-from footfix.enforce.legs import Held, enforced
+from footfix.enforce.legs import enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
-from footfix.enforce.rest import LEFT, as_cleaned, new_since, off_their_floor, resting
 from footfix.enforce.root import RootParams
 from footfix.enforce.solve import LegParams
 from footfix.enforce.steady import SteadyParams, steadied
 from footfix.enforce.style import StyleParams, styled
-from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.rig.rig import Rig
-
-_MOST_CLEANED = 0.3  # of the stands: a clip of which more rest was cleaned as a whole; of captured ones hardly any do
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,11 +109,7 @@ def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceP
     legs = tuple(ground.carried(foot, ride) for foot in legs)
     cleaned = False
     if not params.again and params.style == StyleParams():
-        found = _but_for_cleaned(pose, rig, contacts, legs, ride, found, params.plants)
-        cleaned = sum(stance.cleaned for stance in found) > _MOST_CLEANED * len(found)
-    if cleaned:
-        notes.append(_cleaned_note(found))
-        found = _but_for_new(found, params.method)
+        found, cleaned = set_aside(pose, rig, contacts, legs, ride, found, notes, params.method, params.plants)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
@@ -147,7 +141,7 @@ def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceP
             ease=params.ease, reach=params.reach, root=params.root, judge=params.judge,
         )  # fmt: skip
         if cleaned:
-            done, hard = _easily(clip, rig, pose, legs, held, wanted)
+            done, hard = easily(clip, rig, pose, legs, held, wanted)
             left += hard
         else:
             done = enforced(clip, rig, pose, legs, held, wanted)
@@ -213,77 +207,6 @@ def _ride(
         text = f"the figure stays in place: planted feet are taken along at {speed:.2f} m/s, as on a belt"
         notes.append(Note("in-place", text))
     return -np.arange(len(clip))[:, None] * clip.frame_time * velocity
-
-
-def _rests(pose: Pose, rig: Rig, contacts: Contacts, ride: Floats, params: PlantParams) -> dict[int, Bools]:
-    """For each sole point (F - 1,) the steps that a program put to rest, on ground that rides (F, 3) [m]."""
-    mask = contacts.mask()
-    return {
-        e: resting(
-            pose.position(sole.joint) + ride, pose.rotation(sole.joint), np.asarray(sole.offset), mask[:, e],
-            rig.leg_length, params.rest,
-        )
-        for e, sole in enumerate(rig.soles)
-    }  # fmt: skip
-
-
-def _but_for_cleaned(
-    pose: Pose, rig: Rig, contacts: Contacts, legs: Sequence[Foot], ride: Floats, stands: Sequence[Stance],
-    params: PlantParams,
-) -> list[Stance]:
-    """The stances, those that were cleaned before left as they are; on ground that rides (F, 3) [m].
-
-    None are where the cleaned ones rest a little off their floor: those have to be moved all the same.
-    """
-    rests = _rests(pose, rig, contacts, ride, params)
-    if not any(np.any(each) for each in rests.values()):
-        return list(stands)
-    cleaned = [as_cleaned(stance, legs[stance.leg], rests, params) for stance in stands]
-    if off_their_floor(cleaned, rig.floor, rig.leg_length, params):
-        return list(stands)
-    return cleaned
-
-
-def _but_for_new(stands: Sequence[Stance], method: str) -> list[Stance]:
-    """The stances of a clip that was cleaned, those let go that were let go then, as far as anyone can tell."""
-    new = [method != "root" and each for each in new_since(stands)]
-    return [
-        stance if stance.cleaned or each or any(plant.given for plant in stance.plants) else stance.let_go(LEFT)
-        for stance, each in zip(stands, new, strict=True)
-    ]
-
-
-def _easily(
-    clip: Clip, rig: Rig, pose: Pose, legs: Sequence[Foot], stands: Sequence[Stance], params: LegParams
-) -> tuple[Held, list[Stance]]:
-    """What holds of a clip that was cleaned before, and the stances that are left as they are.
-
-    What was let go then is let go again; what was put in since, as by splicing, is held like anything else. A stance
-    that gives way in the least is taken for one of the first kind.
-    """
-    held, left = list(stands), list[Stance]()
-    while True:
-        done = enforced(clip, rig, pose, legs, held, params)
-        easy = [_holds(old, new, done, rig, params.plants) for old, new in zip(held, done.stands, strict=True)]
-        if all(easy):
-            return done, left
-        left += [stance.let_go(LEFT) for stance, each in zip(held, easy, strict=True) if not each]
-        held = [stance for stance, each in zip(held, easy, strict=True) if each]
-
-
-def _holds(before: Stance, after: Stance, done: Held, rig: Rig, params: PlantParams) -> bool:
-    if before.cleaned or all(plant.kept or plant.given for plant in before.plants):
-        return True
-    if after is not before or np.any(done.soft[before.leg][before.frames]):
-        return False
-    off = outcomes.residual(rig, [after], done.points)
-    return float(off.max()) <= params.holds * rig.leg_length
-
-
-def _cleaned_note(stands: Sequence[Stance]) -> Note:
-    cleaned = sum(stance.cleaned for stance in stands)
-    text = f"{cleaned} of {len(stands)} stands rest already: this clip was cleaned before, and they stay as they are"
-    return Note("cleaned-before", text)
 
 
 def _rise(
