@@ -22,6 +22,13 @@ INTERRUPTED, BUG = 130, 4
 
 def main() -> None:
     """The entry point: commands, and what each kind of failure means to a shell."""
+    try:
+        _run()
+    except KeyboardInterrupt:  # one more, on the way out
+        sys.exit(INTERRUPTED)
+
+
+def _run() -> None:
     _bytes_through()
     # One thread a process: batches run as many processes, and sums come out the same to the last bit.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
