@@ -50,7 +50,6 @@ def _course(plants: Sequence[Plant], foot: Foot, params: PlantParams) -> Course:
         on[plant.part][plant.frames] = True
     flat = on["heel"] & on["toe"]
     along, line = foot.ball - foot.heel, foot.ankle - foot.hip
-    length = norm(foot.knee - foot.hip) + norm(foot.ankle - foot.knee)
     spots: dict[tuple[int, int], Floats] = {}
     for part in on:
         own = [plant for plant in plants if plant.part == part]
@@ -65,6 +64,6 @@ def _course(plants: Sequence[Plant], foot: Foot, params: PlantParams) -> Course:
         flat=np.asarray(flat),
         heading=np.unwrap(np.arctan2(along[:, 0], along[:, 2])),
         line=line,
-        free=np.maximum(norm(line), params.stretch * length),
+        free=np.maximum(norm(line), params.stretch * foot.length),
         spots=spots,
     )

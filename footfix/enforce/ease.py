@@ -34,6 +34,7 @@ class EaseParams:
     foot_first: float = 3.0  # times as much as the knee's acceleration that of its foot counts while neither is held
 
 
+HELD = 1e4  # times as much as others that frames count which may not give way
 _FIRM = 100.0  # times as much as at first that pinned values count when what is left at their edges is led over
 
 
@@ -100,8 +101,12 @@ def displacement(
         eased = _hermite(pinned, values, track, frame_time, params.seconds)
     else:
         eased = _cubic(pinned, values, frame_time, params.seconds)
-    eased[np.abs(eased).max(axis=1) < 1e-7] = 0.0
-    return np.where(exact[:, None], values, np.where(near[:, None], eased, 0.0))
+    return np.where(exact[:, None], values, np.where(near[:, None], ended(eased), 0.0))
+
+
+def ended(eased: Floats) -> Floats:
+    """The displacement (F, K), ended where it has all but died away: what did not need changing keeps its numbers."""
+    return np.where((np.abs(eased).max(axis=1) < 1e-7)[:, None], 0.0, eased)
 
 
 def left_at_edges(exact: Bools, left: Floats, near: Bools, frame_time: float, params: EaseParams) -> Floats:

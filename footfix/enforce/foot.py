@@ -9,6 +9,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, some
 from footfix.motion.kinematics import Pose, forward
+from footfix.motion.vectors import norm
 from footfix.rig.rig import Leg, Rig
 
 
@@ -43,6 +44,11 @@ class Foot:
     def frames(self, which: Ints) -> Foot:
         """The leg in some frames only."""
         return Foot(self.leg, self.effectors, *(some(getattr(self, name), which) for name in _TRACKS))
+
+    @property
+    def length(self) -> Floats:
+        """(F,) [m] of thigh and shank together."""
+        return norm(self.knee - self.hip) + norm(self.ankle - self.knee)
 
     def point(self, part: str) -> Floats:
         """(F, 3) [m] track of "heel" or "toe"."""

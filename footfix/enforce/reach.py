@@ -28,7 +28,7 @@ class ReachParams:
 
 def reserve(foot: Foot) -> Floats:
     """(F,) what a leg as captured lacks to its full length, as a share of it."""
-    return np.asarray(1.0 - norm(foot.ankle - foot.hip) / (norm(foot.knee - foot.hip) + norm(foot.ankle - foot.knee)))
+    return np.asarray(1.0 - norm(foot.ankle - foot.hip) / foot.length)
 
 
 def allowed(
@@ -41,7 +41,7 @@ def allowed(
     never below what the straightest source frame leaves (`straightest`, the least of `reserve` over the clip, if
     `foot` is not all of it), nor below that of `extension`.
     """
-    length = norm(foot.knee - foot.hip) + norm(foot.ankle - foot.knee)
+    length = foot.length
     captured = 1.0 - norm(foot.ankle - foot.hip) / length
     straightest = float(captured.min()) if straightest is None else straightest
     wanted = 1.0 - norm(ankle - hip) / length

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, fit, within_reach
+from footfix.enforce.ease import EaseParams, ended, fit, within_reach
 from footfix.motion.clip import Bools, Floats, Ints
 
 
@@ -37,9 +37,7 @@ def shared(
     total = np.sum([np.where(on[:, None], shift, 0.0) for on, shift in zip(planted, shifts, strict=True)], axis=0)
     mean = total / np.maximum(weights, 1.0)[:, None]
     near = within_reach(weights > 0, frame_time, ease.seconds)
-    shift = fit(weights, mean, near, frame_time, params.settle, ease.slack)
-    shift[np.abs(shift).max(axis=1) < 1e-7] = 0.0  # what dies away ends
-    return shift
+    return ended(fit(weights, mean, near, frame_time, params.settle, ease.slack))
 
 
 def correction(

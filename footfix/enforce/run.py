@@ -18,7 +18,7 @@ from footfix.enforce.foot import Foot, can_turn, feet, posed
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.judge import JudgeParams
-from footfix.enforce.legs import enforced
+from footfix.enforce.legs import Held, enforced
 from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
@@ -91,18 +91,21 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
     """Enforcement of a clip that is all motion; legs that shake are steadied first."""
     pose = posed(clip, rig)
+    legs = feet(rig, pose)
     if params.method == "root":
-        return _held(clip, pose, rig, contacts, params)
-    calm, joints, notes = steadied(clip, rig, feet(rig, pose), params.strength, params.steady)
+        return _held(clip, pose, legs, rig, contacts, params)
+    calm, joints, notes = steadied(clip, rig, legs, params.strength, params.steady)
     if not joints:
-        return _held(clip, pose, rig, contacts, params)
-    found = _held(calm, posed(calm, rig), rig, contacts, params)
+        return _held(clip, pose, legs, rig, contacts, params)
+    pose = posed(calm, rig)
+    found = _held(calm, pose, feet(rig, pose), rig, contacts, params)
     correction = found.correction.with_turns(calm, joints)
     return replace(found, correction=correction, notes=(*notes, *found.notes))
 
 
-def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
-    legs = feet(rig, pose)
+def _held(
+    clip: Clip, pose: Pose, legs: tuple[Foot, ...], rig: Rig, contacts: Contacts, params: EnforceParams
+) -> Enforcement:
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
     notes = _places_not_taken(contacts, found)
     ride = _ride(clip, rig, legs, found, notes, params)
@@ -144,13 +147,7 @@ def _held(clip: Clip, pose: Pose, rig: Rig, contacts: Contacts, params: EnforceP
             done, hard = easily(clip, rig, pose, legs, held, wanted)
             left += hard
         else:
-            done = enforced(clip, rig, pose, legs, held, wanted)
-        if not cleaned and not wanted.shares and done.let_go > params.judge.share * len(held):
-            shared = enforced(clip, rig, pose, legs, held, replace(wanted, shares=True))
-            if shared.let_go < done.let_go:
-                done = shared
-                text = "the legs alone could not hold many plants, so the root moves with the feet"
-                notes.append(Note("root-shares", text))
+            done = _with_the_roots_help(clip, rig, pose, legs, held, notes, wanted)
         correction, points, soft = done.correction, done.points, done.soft
         stands = [*done.stands, *left]
         if np.any(rise):
@@ -191,6 +188,21 @@ def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, pro
         moved = tuple(replace(c, start=c.start + start, end=c.end + start) for c in effector.contacts)
         held.append(replace(effector, contacts=moved))
     return replace(found, plants=plants, correction=correction, contacts=replace(contacts, effectors=tuple(held)))
+
+
+def _with_the_roots_help(
+    clip: Clip, rig: Rig, pose: Pose, legs: Sequence[Foot], stands: Sequence[Stance], notes: list[Note],
+    params: LegParams,
+) -> Held:  # fmt: skip
+    """What the legs hold; where that is little, and more with it, what they hold while the root moves with the feet."""
+    done = enforced(clip, rig, pose, legs, stands, params)
+    if params.shares or done.let_go <= params.judge.share * len(stands):
+        return done
+    shared = enforced(clip, rig, pose, legs, stands, replace(params, shares=True))
+    if shared.let_go >= done.let_go:
+        return done
+    notes.append(Note("root-shares", "the legs alone could not hold many plants, so the root moves with the feet"))
+    return shared
 
 
 def _duration(clip: Clip) -> float:

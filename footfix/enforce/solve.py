@@ -213,8 +213,7 @@ def _reached(
     soft: Floats,
 ) -> tuple[Goals, Floats]:  # fmt: skip
     """The goals, and the ankle (F, 3) [m], within reach: the foot rolls on the end it stands on, then gives way."""
-    in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
-    pivot = goal.ankle(foot) + rotation.rotate(goal.foot_turn(foot), in_foot)
+    pivot = goal.ankle(foot) + rotation.rotate(goal.foot_turn(foot), goal.carrier(foot))
     roll = reach.rolled(hip, goal.ankle(foot), pivot, limit, goal.planted, np.radians(params.reach.roll))
     goal = eased(rolled(goal, foot, roll), foot, frame_time, params.ease, soft)
     if params.ease.method != "smooth":
@@ -243,11 +242,11 @@ def _bent(
     if np.any(away):  # the figure comes down to its other feet: one that nothing holds stays where it is, if it is low
         width = ease_frames(frame_time, params.ease.lead)
         stirred = np.any(norm(hip - foot.hip)[away] > 0.002 * leg_length)
-        low = stirred * low_down(goal, foot, params.plants.low * leg_length, width)
-        more[away] = (low * ik.staying(hinge, bent))[away]
-    eased = more_bent(hinge, more, known, goal.near | moved, frame_time, params.ease)
+        stays = stirred * low_down(goal, foot, params.plants.low * leg_length, width)
+        more[away] = (stays * ik.staying(hinge, bent))[away]
+    more = more_bent(hinge, more, known, goal.near | moved, frame_time, params.ease)
     share = presence(goal.near & free, frame_time, params.ease.lead)
-    bent = np.where(free, within_bounds(hinge, eased, share, free, frame_time, params.ease), bent)
+    bent = np.where(free, within_bounds(hinge, more, share, free, frame_time, params.ease), bent)
     turns = ik.two_bones(foot, hinge, bent, hip, ankle)
     led = turns.ankle(foot, hip)
     low = lacks(goal, foot, led, params.plants.sink * leg_length)

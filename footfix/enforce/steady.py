@@ -122,13 +122,10 @@ def steadied(
     )
     if settle == 0.0 or strength <= 0.0:
         return clip, (), ()
-    parents = clip.skeleton.parents
-    joints = {joint for leg in rig.legs for joint in (*leg.chain, leg.toe) if joint is not None}
-    for leg in rig.legs:
-        joint = int(parents[leg.hip])
-        while joint >= 0:
-            joints.add(joint)
-            joint = int(parents[joint])
+    joints = {
+        joint for leg in rig.legs
+        for joint in (*clip.skeleton.ancestors(leg.hip), *leg.chain, leg.toe) if joint is not None
+    }  # fmt: skip
     turns = {}
     for joint in sorted(joints):
         q = rotation.continuous(clip.turn(joint))

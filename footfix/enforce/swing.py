@@ -9,12 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, fit, least, left_at_edges, stiffness
+from footfix.enforce.ease import HELD, EaseParams, fit, least, left_at_edges, stiffness
 from footfix.enforce.ik import Hinge, not_too_straight
 from footfix.motion.banded import product
 from footfix.motion.clip import Bools, Floats
-
-_HELD = 1e4  # times as much as others that frames count in which nothing may be taken off
 
 
 def more_bent(
@@ -65,7 +63,7 @@ def within_bounds(
     """
     taken = np.where(free, not_too_straight(hinge, more, share) - hinge.flexion - more, 0.0)
     if np.any(taken):
-        weights = np.where(free, 1.0, _HELD)
+        weights = np.where(free, 1.0, HELD)
         everywhere = np.ones(len(more), dtype=np.bool_)
         taken = fit(weights, taken[:, None], everywhere, frame_time, params.bound, np.inf)[:, 0]
     return np.maximum(hinge.flexion + more + taken, np.minimum(hinge.flexion, hinge.least))

@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.ease import EaseParams, covered, displacement, fit, gamma, within_reach
+from footfix.enforce.ease import HELD, EaseParams, covered, displacement, fit, gamma, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.vectors import cross, dot, norm
-
-_HELD = 1e4  # times as much as on one end that an ankle counts whose foot is flat
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +43,10 @@ class Goals:
     def ankle(self, foot: Foot) -> Floats:
         """(F, 3) [m] where the ankle is to be."""
         return foot.ankle + self.shift
+
+    def carrier(self, foot: Foot) -> Floats:
+        """(F, 3) [m] in the ankle's frame the end that the foot stands on, or rolls about."""
+        return np.where(self.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
 
     def foot_turn(self, foot: Foot) -> Floats:
         """(F, 4) how the ankle's frame is to stand in the world."""
@@ -107,15 +109,14 @@ def calmed(goal: Goals, foot: Foot, frame_time: float, params: EaseParams) -> Go
     on_one = goal.planted & ~goal.flat & ~goal.kept
     if params.method != "smooth" or not np.any(on_one):
         return goal
-    weights = np.where(on_one, 1.0, np.where(goal.planted, _HELD, 0.0))
+    weights = np.where(on_one, 1.0, np.where(goal.planted, HELD, 0.0))
     smooth = fit(weights, goal.shift, goal.near, frame_time, params.roll_settle, params.slack)
     as_turned, as_moved = _quickness(goal.ankle(foot), goal.planted), _quickness(foot.ankle + smooth, goal.planted)
     share = np.zeros(len(foot))
     for start, end in runs(on_one):
         turned, moved = (quick[max(start - 3, 0) : end].sum() for quick in (as_turned, as_moved))
         share[start:end] = turned / (turned + moved) if turned + moved > 0.0 else 1.0  # too short to tell
-    in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
-    arm = -rotation.rotate(goal.foot_turn(foot), in_foot)
+    arm = -rotation.rotate(goal.foot_turn(foot), goal.carrier(foot))
     roll = rotation.between(arm, arm + share[:, None] * (smooth - goal.shift))
     return rolled(goal, foot, roll)
 
@@ -175,7 +176,7 @@ def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
     """(F,) [m] how much deeper than `tolerance` a swinging foot, its ankle at (F, 3) [m], is in the floor.
 
     A foot that is deeper than it is long is on its way to another floor; before the first and after the last plant,
-    where nobody knows what the floor is, one that gets a third as deep.
+    where nobody knows what the floor is, one that gets two fifths as deep.
     """
     turned = goal.foot_turn(foot)
     heel, ball = (rotation.rotate(turned, each) for each in (foot.heel_in_foot, foot.ball_in_foot))
@@ -185,7 +186,7 @@ def lacks(goal: Goals, foot: Foot, ankle: Floats, tolerance: float) -> Floats:
     planted = np.flatnonzero(goal.planted)
     if len(planted):
         for open_end in (slice(0, int(planted[0])), slice(int(planted[-1]) + 1, len(foot))):
-            if np.any(deep[open_end] > length[open_end] / 2.5):
+            if np.any(deep[open_end] > 0.4 * length[open_end]):
                 deep[open_end] = 0.0
     return np.maximum(deep, 0.0)
 
@@ -195,7 +196,7 @@ def rolled(goal: Goals, foot: Foot, roll: Floats) -> Goals:
     rolls = (goal.planted & (np.abs(roll[:, 3]) < 1.0 - 1e-12))[:, None]
     if not np.any(rolls):
         return goal
-    in_foot = np.where(goal.on_ball[:, None], foot.ball_in_foot, foot.heel_in_foot)
+    in_foot = goal.carrier(foot)
     pivot = goal.ankle(foot) + rotation.rotate(goal.foot_turn(foot), in_foot)
     turn = rotation.multiply(roll, rotation.from_rotation_vector(goal.turn))
     ankle = pivot - rotation.rotate(rotation.multiply(turn, foot.turn), in_foot)
