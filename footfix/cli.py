@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -21,14 +22,23 @@ INTERRUPTED, BUG = 130, 4
 
 
 def main() -> None:
-    """The entry point: commands, and what each kind of failure means to a shell."""
+    """The entry point: does what the command line asks for, and ends the process."""
     try:
-        _run()
+        code = run()
+        _hear_no_more()
     except KeyboardInterrupt:  # one more, on the way out
-        sys.exit(INTERRUPTED)
+        _hear_no_more()
+        code = INTERRUPTED
+    sys.exit(code)
 
 
-def _run() -> None:
+def _hear_no_more() -> None:
+    """All is written and said: while Python puts itself away, an interrupt would only make another code of this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def run() -> int:
+    """Does what the command line asks for, and gives what each kind of ending means to a shell: its exit code."""
     _bytes_through()
     # One thread a process: batches run as many processes, and sums come out the same to the last bit.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -37,33 +47,33 @@ def _run() -> None:
         code = cli.main(standalone_mode=False)
         sys.stdout.flush()
     except click.exceptions.Abort:
-        sys.exit(INTERRUPTED)
+        return INTERRUPTED
     except click.ClickException as error:
         error.show()
-        sys.exit(UsageError.exit_code)
+        return UsageError.exit_code
     except FootfixError as error:
         say(f"footfix: {error}")
-        sys.exit(error.exit_code)
+        return error.exit_code
     except KeyboardInterrupt:
         say("footfix: interrupted")
-        sys.exit(INTERRUPTED)
+        return INTERRUPTED
     except (BrokenPipeError, SystemExit):  # what click makes of a pipe whose reader has gone
         # Python would complain once more when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
+        return 0
     except OSError as error:
         say(f"footfix: can't write what was asked for: {error.strerror or error}")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(FootfixError.exit_code)
+        return FootfixError.exit_code
     except Exception as error:
         say(f"footfix: a bug in footfix, not in your file: {type(error).__name__}: {error}")
         if os.environ.get("FOOTFIX_DEBUG"):
             raise
         say("footfix: please report it; FOOTFIX_DEBUG=1 shows where it happened")
-        sys.exit(BUG)
+        return BUG
     finally:
         gc.freeze()  # Python looks through all that is left before it ends, for 20 ms; the system takes it back anyway
-    sys.exit(code if isinstance(code, int) else 0)
+    return code if isinstance(code, int) else 0
 
 
 def _bytes_through() -> None:

@@ -37,8 +37,7 @@ def holds(name: str, document: Any) -> None:
 def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
     def call(*args: object) -> str:
         monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
-        with pytest.raises(SystemExit):
-            cli.main()
+        cli.run()
         return str(capfd.readouterr().out)
 
     return call
