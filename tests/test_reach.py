@@ -27,6 +27,15 @@ def test_what_is_captured_is_allowed_and_no_more_than_the_source_reaches() -> No
         limit = reach.allowed(foot, foot.hip, away, params)
         assert np.all(limit <= length * max(float((captured / length).max()), 0.0) + 1e-9)
         assert np.all(limit >= captured - 1e-9)
+        spare, kept = 1.0 - captured / length, 1.0 - limit / length
+        assert np.all(kept >= params.planted**2 * spare - 1e-9)
+        # law of cosines, thigh and shank as they are: half of the reserve's root is half of a small bend
+        thigh, shank = norm(foot.knee - foot.hip), norm(foot.ankle - foot.knee)
+        was, now = (
+            np.pi - np.arccos(np.clip((thigh**2 + shank**2 - d**2) / (2.0 * thigh * shank), -1.0, 1.0))
+            for d in (captured, limit)
+        )
+        assert np.all(now >= 0.97 * params.planted * was)
     nearer = foot.hip + 0.8 * (foot.ankle - foot.hip)
     assert np.allclose(reach.allowed(foot, foot.hip, nearer, params), 0.8 * captured)
 

@@ -20,6 +20,7 @@ class ReachParams:
     """How far legs stretch, and how far the root comes to help."""
 
     extension: float = 0.999  # of the leg's length, the straightest a leg may become
+    planted: float = 0.5  # of its captured bend at the time, to which the knee of a planted foot may stretch
     swing: float = 0.8  # of its least captured bend, to which a knee may stretch for a moment while its foot swings
     root_limit: float = 0.03  # leg lengths that the root may come down; where more would be needed, it does not
     roll: float = 12.0  # [degrees] that a planted foot rolls on one end for its leg to reach
@@ -39,13 +40,14 @@ def allowed(
     With x = 1 - distance / length, the leg's reserve: a leg may use up the reserve x0 it had when captured only
     by and by, x0 exp((x - x0) / x0), so that its knee is never quicker than the source's own at that bend; and
     never below what the straightest source frame leaves (`straightest`, the least of `reserve` over the clip, if
-    `foot` is not all of it), nor below that of `extension`.
+    `foot` is not all of it), nor below that of `extension`, nor below what `planted` leaves of its bend: the bend
+    goes with the root of the reserve.
     """
     length = foot.length
     captured = 1.0 - norm(foot.ankle - foot.hip) / length
     straightest = float(captured.min()) if straightest is None else straightest
     wanted = 1.0 - norm(ankle - hip) / length
-    least = max(1.0 - params.extension, straightest)
+    least = np.maximum(max(1.0 - params.extension, straightest), params.planted**2 * captured)
     spare = np.maximum(captured - least, 1e-9)
     limited = np.minimum(least, captured) + spare * np.exp(np.minimum((wanted - captured) / spare, 0.0))
     reserve = np.where(wanted >= captured, wanted, np.minimum(limited, captured))
