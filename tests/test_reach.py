@@ -66,6 +66,25 @@ def test_the_root_comes_down_as_far_as_needed_and_smoothly() -> None:
     assert lower.max() < 0.021
 
 
+def test_a_knee_that_comes_to_its_bound_and_goes_again_does_so_without_a_cusp() -> None:
+    frames, dt = 240, 1 / 120
+    t = np.arange(frames) * dt  # [s]
+    hip, ankle = np.tile([0.0, 0.8796, 0.0], (frames, 1)), np.zeros((frames, 3))
+    ankle[:, 1] = 0.002 * np.cos(2.0 * np.pi * t) - 0.002  # wanted up to 4 mm lower
+    limit = np.full(frames, 0.8796)  # of a leg of 0.88 m: nearly straight
+    held = np.ones(frames, dtype=bool)
+
+    def kink(margin: float) -> float:
+        lower = reach.lowering([hip], [ankle], [limit], [held], dt, 0.88, ReachParams(margin=margin))
+        distance = hip[:, 1] - lower - ankle[:, 1]
+        assert np.all(distance <= limit + 1e-12)
+        assert lower.max() <= 0.004 + margin * 0.88 + 1e-12
+        bend = 2.0 * np.arccos(distance / 0.88)  # thigh and shank alike
+        return float(np.abs(np.diff(bend, 2)).max() / dt**2)
+
+    assert kink(0.001) < 0.6 * kink(0.0)
+
+
 def test_where_the_roots_help_would_not_do_it_stays() -> None:
     frames = 50
     hip, ankle = np.tile([0.0, 0.85, 0.0], (frames, 1)), np.zeros((frames, 3))

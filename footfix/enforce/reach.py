@@ -23,6 +23,7 @@ class ReachParams:
     planted: float = 0.5  # of its captured bend at the time, to which the knee of a planted foot may stretch
     swing: float = 0.8  # of its least captured bend, to which a knee may stretch for a moment while its foot swings
     root_limit: float = 0.03  # leg lengths that the root may come down; where more would be needed, it does not
+    margin: float = 0.001  # leg lengths that it comes down farther than needed, lest knees pass through straight
     roll: float = 12.0  # [degrees] that a planted foot rolls on one end for its leg to reach
     root_ease: float = 0.15  # [s] how early the root begins to give way
 
@@ -66,7 +67,7 @@ def lowering(
     """(F,) [m] how far the root comes down so that every planted foot can be reached.
 
     The least that does it, frame by frame, under a smooth cover: a running maximum, then two running means no
-    wider, so that it is nowhere less than needed and is zero where nothing is needed nearby.
+    wider, so that it is nowhere less than needed and is zero where nothing is needed nearby. And up to `margin` more.
     """
     need = np.zeros(len(hips[0]))
     for hip, ankle, limit, planted in zip(hips, ankles, limits, held, strict=True):
@@ -82,7 +83,12 @@ def lowering(
         need = np.maximum(need, short)
     if not np.any(need > 0.0):
         return need
-    return covered(need, ease_frames(frame_time, params.root_ease))
+    lower = covered(need, ease_frames(frame_time, params.root_ease))
+    if params.margin == 0.0:
+        return lower
+    # the bend goes with the root of the reserve: used up to the bound and given back, it would have a cusp there
+    margin = params.margin * leg_length
+    return np.asarray(lower - margin * np.expm1(-lower / margin))
 
 
 def rolled(hip: Floats, ankle: Floats, pivot: Floats, limit: Floats, where: Bools, most: float) -> Floats:
