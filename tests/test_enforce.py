@@ -214,6 +214,29 @@ def test_a_long_slide_is_meant_and_said() -> None:
     assert np.array_equal(after.rotations, clip.rotations)
 
 
+@pytest.mark.parametrize("given", [False, True])
+def test_a_foot_that_rests_on_its_heel_is_not_slammed_flat(given: bool) -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    ankle = rig.legs[0].ankle
+    rotations = made.clip.rotations.copy()
+    toe_up = rotation.from_axis_angle(np.array([[1.0, 0.0, 0.0]]), np.radians([-35.0]))
+    rotations[:, ankle] = rotation.multiply(rotations[:, ankle], toe_up)
+    clip = artefacts.wander(replace(made.clip, rotations=rotations), 0.03)
+    before = rig.tracks(rig.pose(clip))[1][:, 1] - rig.tracks(rig.pose(clip))[0][:, 1]
+    assert before.min() > 0.05
+    after, found = cleaned(clip, rig, made.contacts if given else replace(made.contacts, method="auto"))
+    heel, ball = rig.tracks(rig.pose(after))[:2]
+    left = {plant.effector: plant for plant in found.plants if plant.effector.startswith("left")}
+    stands = slice(left["left_heel"].start, left["left_heel"].end)
+    assert left["left_heel"].outcome == "pinned" and np.ptp(heel[stands], axis=0).max() < 0.001
+    if given:  # somebody says that it lies flat
+        assert left["left_toe"].outcome == "pinned" and np.abs(ball[stands, 1] - heel[stands, 1]).max() < 0.001
+    else:
+        assert left["left_toe"].outcome == "released" and "above its heel" in left["left_toe"].reason
+        assert np.abs(ball[:, 1] - heel[:, 1] - before).max() < 0.01
+
+
 def test_a_foot_that_turns_on_its_ball_keeps_turning() -> None:
     made = walk("stand")
     rig = rig_of(made)

@@ -32,6 +32,7 @@ class PlantParams:
     sink: float = 0.0025  # what of a moving foot is deeper in the floor than this is lifted out of it
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
     quiver: float = 0.0002  # toes that carry the ball to and fro in a foot that stands, by more than this, are stilled
+    lies: float = 20.0  # [degrees] a foot that is pitched farther does not lie flat: its higher end is let go
     pivot: float = 20.0  # [degrees] a flat foot that turns farther is meant to, about the end that moves less
     asked: float = 0.12  # a place asked for that is farther away than this is not taken, but by a forced contact
     shortest: float = 0.04  # [s] a detected stand shorter than this is no plant
@@ -147,6 +148,47 @@ def stances(
         if group:
             found.append(Stance(k, tuple(group)))
     return found
+
+
+def lying(stands: Sequence[Stance], feet: Sequence[Foot], params: PlantParams) -> list[Stance]:
+    """The stances; and apart from them, let go, plants of an end that is far above the other while both are planted.
+
+    Levelled, such a foot would be slammed on the floor: one that rests on its heel, or kneels on its toes.
+    """
+    found = []
+    for stance in stands:
+        reasons = ["" if stance.cleaned or stance.released else _above(plant, stance, feet[stance.leg], params)
+                   for plant in stance.plants]  # fmt: skip
+        if not any(reasons):
+            found.append(stance)
+            continue
+        both = list(zip(stance.plants, reasons, strict=True))
+        found.append(replace(stance, plants=tuple(plant for plant, why in both if not why)))
+        found.append(replace(stance, plants=tuple(replace(plant, reason=why) for plant, why in both if why)))
+    return found
+
+
+def where_it_was(stance: Stance, foot: Foot) -> Stance:
+    """The stance, let go before it was aimed anywhere, with the middle of where each plant was as its target."""
+    plants = [replace(p, target=np.median(foot.point(p.part)[p.frames], axis=0)) for p in stance.plants]
+    return replace(stance, plants=tuple(plants))
+
+
+def _above(plant: Plant, stance: Stance, foot: Foot, params: PlantParams) -> str:
+    """Why a plant is let go whose end is above the other one, as it is planted, for most of its frames; or nothing."""
+    both = np.zeros(len(foot), dtype=np.bool_)
+    for other in stance.plants:
+        if other.part != plant.part:
+            both[max(plant.start, other.start) : min(plant.end, other.end)] = True
+    forced = plant.given or plant.contact.wish == "force"
+    if forced or np.count_nonzero(both) < params.stands * (plant.end - plant.start):
+        return ""
+    part, other_part = ("heel", "ball") if plant.part == "heel" else ("ball", "heel")
+    span = (foot.heel - foot.ball if plant.part == "heel" else foot.ball - foot.heel)[both]
+    pitch = float(np.median(np.degrees(np.arctan2(span[:, 1], np.hypot(span[:, 0], span[:, 2])))))
+    if pitch <= params.lies:
+        return ""
+    return f"the foot does not lie flat: its {part} is {1000.0 * np.median(span[:, 1]):.0f} mm above its {other_part}"
 
 
 def _at_hand(contact: Contact, track: Floats, leg_length: float, params: PlantParams) -> Contact:

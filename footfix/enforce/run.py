@@ -19,7 +19,7 @@ from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.judge import JudgeParams
 from footfix.enforce.legs import Held, enforced
-from footfix.enforce.plants import Plant, PlantParams, Stance, exact, stances
+from footfix.enforce.plants import Plant, PlantParams, Stance, exact, lying, stances, where_it_was
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
 from footfix.enforce.solve import LegParams
@@ -113,14 +113,16 @@ def _held(
     cleaned = False
     if not params.again and params.style == StyleParams():
         found, cleaned = set_aside(pose, rig, contacts, legs, ride, found, notes, params.method, params.plants)
+    if params.method != "root":
+        found = lying(found, legs, params.plants)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
-    stands, ways = [], courses(found, legs, params.plants)
+    stands, ways = [], courses([stance for stance in found if not stance.released], legs, params.plants)
     for stance in found:
         if stance.cleaned or stance.released:
-            stands.append(stance)
+            stands.append(stance if stance.cleaned else where_it_was(stance, legs[stance.leg]))
             continue
         stance = aimed(stance, ways[stance.leg], rig.floor, rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
