@@ -9,13 +9,18 @@ import numpy as np
 import pytest
 from walks import cleaned, extension, heights, rig_of, slides, walk
 
+from footfix.enforce.aims import levelled
 from footfix.enforce.ease import EaseParams
+from footfix.enforce.foot import feet, posed
+from footfix.enforce.ground import carried
+from footfix.enforce.plants import PlantParams, stances
 from footfix.enforce.run import EnforceParams, enforce
 from footfix.enforce.style import StyleParams
 from footfix.measure.clip import peak_acceleration
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contact, Contacts
+from footfix.motion.leadin import motion_proper
 
 GAITS = ("walk", "run", "turn", "backwards")
 ARTEFACTS = {
@@ -253,6 +258,66 @@ def test_a_foot_that_turns_on_its_ball_keeps_turning() -> None:
     turned = np.unwrap(np.arctan2(*(ball - heel)[:, [0, 2]].T))
     assert np.isclose(turned[-1] - turned[0], angle[-1], atol=np.radians(3.0))
     assert np.ptp(ball, axis=0).max() < 0.002
+
+
+def test_the_end_that_turns_has_no_place_while_the_other_is_not_held() -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    frames = len(made.clip)
+    angle = np.radians(70.0) * np.linspace(0.0, 1.0, frames)
+    clip = spun(made.clip, rig.tracks(rig.pose(made.clip))[0][0], angle)  # about the left heel
+    early = frames // 3
+    spans = {"left_heel": (early, frames), "left_toe": (0, frames)}
+    contacts = replace(made.contacts, effectors=tuple(
+        replace(e, contacts=(Contact(*spans[e.name], 1.0),) if e.name in spans else ())
+        for e in made.contacts.effectors
+    ))  # fmt: skip
+    after, found = cleaned(clip, rig, contacts)
+    assert "about its heel" in next(plant.reason for plant in found.plants if plant.effector == "left_toe")
+    moved = np.linalg.norm(
+        rig.pose(after).position(rig.legs[0].ankle) - rig.pose(clip).position(rig.legs[0].ankle), axis=1
+    )
+    assert moved[:early].max() < moved[early:].max() + 0.005
+
+
+def test_legs_that_go_on_through_a_cut_are_not_cut() -> None:
+    """Only the arms of the first frame are those of another pose: the correction comes in as everywhere else."""
+    made = walk("stand")
+    rig = rig_of(made)
+    clip = artefacts.sink(made.clip, 0.03)
+    rotations = clip.rotations.copy()
+    arms = [j for j, name in enumerate(clip.skeleton.names) if "Arm" in name or "Hand" in name or "Shoulder" in name]
+    assert arms
+    rotations[0, arms] = rotation.identity((len(arms),))
+    turned = rotation.from_axis_angle(np.array([[0.0, 0.0, 1.0]]), np.radians([80.0]))
+    rotations[1:, arms] = rotation.multiply(turned[:, None], clip.rotations[1:, arms])
+    clip = replace(clip, rotations=rotations)
+    assert motion_proper(clip).start == 1
+    after, _ = cleaned(clip, rig, made.contacts)
+    ankle = rig.pose(after).position(rig.legs[0].ankle)
+    assert np.linalg.norm(np.diff(ankle[:10], axis=0), axis=1).max() < 0.002
+
+
+@pytest.mark.parametrize(("left", "right", "floors"), [
+    (0.0, 0.0, (0.0, 0.0)),
+    (0.02, -0.02, (0.0, 0.0)),
+    (0.072, 0.042, (0.057, 0.057)),  # one would be drawn to the rig's floor, the other not
+    (0.060, 0.030, (0.0, 0.0)),
+    (0.172, 0.042, (0.172, 0.0)),  # a step apart
+])  # fmt: skip
+def test_feet_side_by_side_stand_on_one_floor(left: float, right: float, floors: tuple[float, float]) -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    assert 0.052 < PlantParams.snap * rig.leg_length < 0.056
+    legs = [
+        carried(foot, np.array([0.0, up, 0.0]))
+        for foot, up in zip(feet(rig, posed(made.clip, rig)), (left, right), strict=True)
+    ]
+    whole = Contact(0, len(made.clip), 1.0)
+    contacts = replace(made.contacts, effectors=tuple(replace(e, contacts=(whole,)) for e in made.contacts.effectors))
+    stands = stances(contacts, legs, made.clip.frame_time, rig.leg_length, PlantParams())
+    found = levelled(stands, legs, rig.floor, rig.leg_length, PlantParams())
+    assert np.allclose([stance.level - rig.floor for stance in found], floors, atol=0.003)
 
 
 def spun(clip: Clip, about: np.ndarray, angle: np.ndarray) -> Clip:

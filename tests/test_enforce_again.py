@@ -12,7 +12,7 @@ from walks import rig_of, walk
 
 from footfix.enforce import again as module
 from footfix.enforce.again import again
-from footfix.enforce.aims import aimed
+from footfix.enforce.aims import aimed, levelled
 from footfix.enforce.course import courses
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import feet, posed
@@ -36,7 +36,10 @@ def spoilt(gait: str) -> tuple[Any, ...]:
     legs = feet(rig, pose)
     found = stances(made.contacts, legs, clip.frame_time, rig.leg_length, PARAMS.plants)
     ways = courses(found, legs, PARAMS.plants)
-    stands = [aimed(s, ways[s.leg], rig.floor, rig.leg_length, PARAMS.plants) for s in found]
+    stands = [
+        aimed(s, ways[s.leg], rig.leg_length, PARAMS.plants)
+        for s in levelled(found, legs, rig.floor, rig.leg_length, PARAMS.plants)
+    ]
     return clip, rig, pose, limbs(clip, rig, pose, legs, stands, PARAMS), stands
 
 

@@ -100,3 +100,15 @@ def test_the_end_that_turned_goes_with_its_pivot() -> None:
     hurry[20] = 500.0
     gone = let_go(stance, still, np.zeros(40), hurry, np.full(40, 240.0), 0.9, params)
     assert all("jerk" in plant.reason for plant in gone.plants)
+
+
+def test_a_plant_held_in_part_is_held_there_and_swings_for_the_rest() -> None:
+    """Followed softly, the frames before it moved on would draw the foot half way to where it does not stand yet."""
+    plant = Plant(1, "toe", Contact(10, 40, 1.0), 10, 40, np.zeros(3))
+    points = [np.zeros((50, 3)), np.zeros((50, 3))]
+    points[1][10:20, 0] = 0.1  # [m] from its target
+    soft, hurry, most = np.where(np.arange(50) < 20, 0.16, 0.0), np.zeros(50), np.full(50, 240.0)
+    held = let_go(Stance(0, (plant,)), points, soft, hurry, most, 0.9, PlantParams()).plants[0]
+    assert (held.start, held.end, held.reason) == (20, 40, "")
+    points[1][10:30, 0] = 0.1
+    assert let_go(Stance(0, (plant,)), points, soft, hurry, most, 0.9, PlantParams()).plants[0].reason

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,15 +14,73 @@ from footfix.motion.clip import Floats
 from footfix.motion.segments import distinct, middle
 from footfix.motion.vectors import norm
 
+_BESIDE = 0.6  # of the shorter stance: feet that stand so long together stand side by side
 
-def aimed(stance: Stance, course: Course, floor: float, leg_length: float, params: PlantParams) -> Stance:
-    """The stance with its level and its plants' targets."""
-    level = level_of(stance, course.foot, floor, leg_length, params)
+
+def levelled(
+    stands: Sequence[Stance], feet: Sequence[Foot], floor: float, leg_length: float, params: PlantParams
+) -> list[Stance]:
+    """The stances with the floor under each: the one asked for, the rig's, or its own where that is a step away.
+
+    Feet that stand side by side, and nearly level, stand on one floor: none is drawn to the rig's without the other.
+    """
+    own = np.array([_height(stance, feet[stance.leg]) for stance in stands])
+    asked = [
+        [plant.contact.position[1] for plant in stance.plants if plant.contact.position is not None]
+        for stance in stands
+    ]
+    free = [k for k, stance in enumerate(stands) if not (asked[k] or stance.cleaned or stance.released)]
+    snap = params.snap * leg_length
+    level = np.where(np.abs(own - floor) <= snap, floor, own)
+    for group in _side_by_side([stands[k].frames for k in free], [stands[k].leg for k in free], own[free], snap):
+        members = np.array(free)[group]
+        if np.any(level[members] == floor) and np.any(level[members] != floor):
+            seconds = [stands[k].frames.stop - stands[k].frames.start for k in members]
+            common = float(np.average(own[members], weights=seconds))
+            level[members] = floor if abs(common - floor) <= snap else common
+    found = []
+    for k, stance in enumerate(stands):
+        where = float(np.median(asked[k])) if asked[k] else float(level[k])
+        found.append(stance if stance.cleaned or stance.released else replace(stance, level=where))
+    return found
+
+
+def _height(stance: Stance, foot: Foot) -> float:
+    """[m] at which it stands as captured."""
+    return middle(np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants]))
+
+
+def _side_by_side(spans: Sequence[slice], legs: Sequence[int], heights: Floats, near: float) -> list[list[int]]:
+    """Which stances stand side by side: most of the shorter while the other does, on another leg, about as high."""
+    first = list(range(len(spans)))  # by stance, another one of its group
+
+    def root(k: int) -> int:
+        while first[k] != k:
+            first[k] = k = first[first[k]]
+        return k
+
+    standing: list[int] = []
+    for k in sorted(first, key=lambda k: spans[k].start):
+        standing = [j for j in standing if spans[j].stop > spans[k].start]
+        for j in standing:
+            common = min(spans[k].stop, spans[j].stop) - spans[k].start
+            shorter = min(spans[k].stop - spans[k].start, spans[j].stop - spans[j].start)
+            if legs[j] != legs[k] and common >= _BESIDE * shorter and abs(heights[j] - heights[k]) <= near:
+                first[root(j)] = root(k)
+        standing.append(k)
+    groups: dict[int, list[int]] = {}
+    for k in range(len(spans)):
+        groups.setdefault(root(k), []).append(k)
+    return [group for group in groups.values() if len(group) > 1]
+
+
+def aimed(stance: Stance, course: Course, leg_length: float, params: PlantParams) -> Stance:
+    """The stance, its level known, with its plants' targets."""
     pivots = _pivots(stance, course, params)
-    plants = [replace(p, target=_place(p, course.spots[p.effector, p.start], level)) for p in stance.plants]
+    plants = [replace(p, target=_place(p, course.spots[p.effector, p.start], stance.level)) for p in stance.plants]
     if not pivots:
         plants = _rigid(plants, course.foot)
-    stance = replace(stance, plants=tuple(plants), level=level, pivots=pivots)
+    stance = replace(stance, plants=tuple(plants), pivots=pivots)
     if all(plant.contact.position is None for plant in plants):
         stance = _within_reach(stance, course, leg_length, params)
     return stance
@@ -44,16 +103,6 @@ def judged(stance: Stance, course: Course, frame_time: float, leg_length: float,
         if far > params.max_shift * leg_length:
             return stance.let_go(f"slides so far that it seems meant: {far:.2f} m from where it would stand")
     return stance
-
-
-def level_of(stance: Stance, foot: Foot, floor: float, leg_length: float, params: PlantParams) -> float:
-    """The floor under this stance: the one asked for, the rig's, or its own where that is a step away."""
-    asked = [plant.contact.position[1] for plant in stance.plants if plant.contact.position is not None]
-    if asked:
-        return float(np.median(asked))
-    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants])
-    own = middle(heights)
-    return floor if abs(own - floor) <= params.snap * leg_length else own
 
 
 def _place(plant: Plant, spot: Floats, level: float) -> Floats:

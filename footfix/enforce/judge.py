@@ -97,6 +97,8 @@ def let_go(
             plants.append(replace(plant, reason=why))
         elif slides:
             plants.append(replace(plant, reason=f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"))
+        elif softened and far > params.noticed * leg_length and not plant.given:  # held in part: the rest swings
+            plants.append(replace(plant, start=plant.start + held.start, end=plant.start + held.stop))
         else:
             plants.append(plant)
     if all(new is old for new, old in zip(plants, stance.plants, strict=True)):

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground, outcomes, root
-from footfix.enforce.aims import aimed, judged, level_of
+from footfix.enforce.aims import aimed, judged, levelled
 from footfix.enforce.cleaned import easily, set_aside
 from footfix.enforce.correction import Correction
 from footfix.enforce.course import courses
@@ -29,8 +29,11 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_proper
+from footfix.motion.vectors import norm
 from footfix.notes import Note
 from footfix.rig.rig import Rig
+
+_JUMP = 0.01  # leg lengths from frame to frame: legs that go no farther don't jump
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,10 +85,26 @@ def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
     """
-    proper = motion_proper(clip)
+    proper = _where_legs_jump(clip, rig, motion_proper(clip))
     if (proper.start, proper.stop) != (0, len(clip)):
         return _within(clip, rig, contacts, params, proper)
     return _on(clip, rig, contacts, params)
+
+
+def _where_legs_jump(clip: Clip, rig: Rig, proper: slice) -> slice:
+    """The motion proper, and with it frames before and after it from which only other joints than the legs' jump."""
+
+    def goes_on(frame: int) -> bool:  # from the frame before
+        pose = posed(clip.frames(slice(frame - 1, frame + 1)), rig)
+        places = np.stack([pose.position(joint) for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])
+        return float(norm(places[:, 1] - places[:, 0]).max()) <= _JUMP * rig.leg_length
+
+    start, stop = proper.start, proper.stop
+    while start > 0 and goes_on(start):
+        start -= 1
+    while stop < len(clip) and goes_on(stop):
+        stop += 1
+    return slice(start, stop)
 
 
 def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
@@ -120,11 +139,11 @@ def _held(
     offset = ride + rise
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
     stands, ways = [], courses([stance for stance in found if not stance.released], legs, params.plants)
-    for stance in found:
+    for stance in levelled(found, legs, rig.floor, rig.leg_length, params.plants):
         if stance.cleaned or stance.released:
             stands.append(stance if stance.cleaned else where_it_was(stance, legs[stance.leg]))
             continue
-        stance = aimed(stance, ways[stance.leg], rig.floor, rig.leg_length, params.plants)
+        stance = aimed(stance, ways[stance.leg], rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
         stance = judged(stance, ways[stance.leg], clip.frame_time, rig.leg_length, params.plants)
         if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
@@ -229,12 +248,8 @@ def _rise(
     """(3,) [m] what takes a common error of height out of the tracks."""
     if params.method == "root" or not clip.skeleton.translates[rig.root]:
         return np.zeros(3)
-    levelled = [
-        stance if stance.cleaned else
-        replace(stance, level=level_of(stance, legs[stance.leg], rig.floor, rig.leg_length, params.plants))
-        for stance in stands
-    ]  # fmt: skip
-    rise = ground.lift(levelled, legs, rig.leg_length, params.ground)
+    stands = levelled(stands, legs, rig.floor, rig.leg_length, params.plants)
+    rise = ground.lift(stands, legs, rig.leg_length, params.ground)
     if rise:
         text = f"the whole figure is {'raised' if rise > 0 else 'lowered'} by {1000.0 * abs(rise):.0f} mm to its floor"
         notes.append(Note("height-moved", text))

@@ -73,6 +73,7 @@ def goals(
         if stance.pivots:
             other = "heel" if stance.pivots == "toe" else "toe"
             both = on["heel"][stance.frames] & on["toe"][stance.frames]
+            on[other][stance.frames] = both  # it has no place of its own while the end that it goes around is not held
             at[other][stance.frames][both] = _carried(foot, at, stance, other)[both]
     planted = on["heel"] | on["toe"]
     near = within_reach(planted & ~kept, frame_time, params.seconds)
