@@ -10,8 +10,10 @@ import pytest
 from walks import cleaned, heights, rig_of, slides, walk
 
 from footfix.detect.run import detect
+from footfix.enforce.cleaned import as_rows
+from footfix.enforce.foot import feet, posed
 from footfix.enforce.plants import Plant, PlantParams, Stance
-from footfix.enforce.rest import new_since, off_their_floor, resting
+from footfix.enforce.rest import LEFT, locked, new_since, off_their_floor, resting
 from footfix.enforce.run import EnforceParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
@@ -41,9 +43,9 @@ def test_a_foot_that_rolls_about_a_point_of_its_own_rests() -> None:
     planted = np.zeros(60, dtype=bool)
     planted[5:55] = True
     guessed = point + [0.015, -0.01, 0.02]  # where the sole is thought to be
-    rests = resting(place, turn, guessed, planted, LEG, 2e-5)
+    rests = resting(place, turn, guessed, planted, 1 / 60, LEG, 2e-5)
     assert np.array_equal(rests, planted[1:] & planted[:-1])
-    far = resting(place, turn, point + [0.0, 0.2, 0.0], planted, LEG, 2e-5)
+    far = resting(place, turn, point + [0.0, 0.2, 0.0], planted, 1 / 60, LEG, 2e-5)
     assert not np.any(far)  # that point is none of this foot's
 
 
@@ -51,13 +53,13 @@ def test_captured_feet_do_not_rest() -> None:
     point = np.array([0.01, -0.05, 0.12])
     planted = np.ones(60, dtype=bool)
     shaking, turn = rolling(60, point, noise=1e-4)  # a tenth of a millimetre
-    assert not np.any(resting(shaking, turn, point, planted, LEG, 2e-5))
+    assert not np.any(resting(shaking, turn, point, planted, 1 / 60, LEG, 2e-5))
     made = walk()
     rig, clip = rig_of(made), artefacts.drift(made.clip, 0.05)
     pose = rig.pose(clip)
     for sole, on in zip(rig.soles, made.contacts.mask().T, strict=True):
         at = pose.position(sole.joint), pose.rotation(sole.joint), np.array(sole.offset)
-        assert resting(*at, on, LEG, 2e-5).sum() < 0.2 * on.sum()
+        assert resting(*at, on, 1 / 60, LEG, 2e-5).sum() < 0.2 * on.sum()
 
 
 @pytest.mark.parametrize("gait", ["walk", "run", "backwards"])
@@ -137,7 +139,40 @@ def test_only_several_stands_in_a_row_are_new() -> None:
         plant = Plant(0, "toe", Contact(start, start + 9, 1.0), start, start + 9, np.zeros(3))
         return Stance(0, (plant,), cleaned=rests)
 
-    rests = [True, False, False, True, False, False, False, False, True]
-    stands = [stand(20 * k, each) for k, each in enumerate(rests)]
-    assert new_since(stands) == [False] * 4 + [True] * 4 + [False]
-    assert new_since(stands[::-1]) == [False] + [True] * 4 + [False] * 4
+    def rows(*rests: bool, in_part: tuple[int, ...] = ()) -> list[int]:
+        stands = [stand(20 * k, each) for k, each in enumerate(rests)]
+        rows = new_since(stands, [each or k in in_part for k, each in enumerate(rests)])
+        backwards = new_since(stands[::-1], [each or k in in_part for k, each in enumerate(rests)][::-1])
+        assert np.array_equal(np.array(rows) > 0, np.array(backwards[::-1]) > 0)
+        return rows
+
+    rests = (True,) * 9
+    new = np.array(rows(*rests, False, False, *rests, *(False,) * 4, *rests))
+    assert np.flatnonzero(new).tolist() == [20, 21, 22, 23] and len(set(new[20:24])) == 1
+    # where as many are let go elsewhere, four in a row are chance
+    assert not any(rows(True, False, False, True, False, False, False, False, True))
+    # one that rests as far as the cut
+    new = np.array(rows(*rests, False, *(False,) * 4, *rests, in_part=(9,)))
+    assert np.flatnonzero(new).tolist() == [9, 10, 11, 12, 13]
+
+
+def test_of_what_was_put_in_together_few_give_way() -> None:
+    def stand(row: int, reason: str = "") -> Stance:
+        return Stance(0, (Plant(0, "toe", Contact(0, 9, 1.0), 0, 9, np.zeros(3), reason=reason),), row=row)
+
+    few = as_rows([stand(0, "far"), *[stand(1)] * 7, stand(1, "far"), stand(2), stand(2), stand(2, "far")])
+    assert [stance.released for stance in few] == [True, *[False] * 7, True, True, True, True]
+    assert few[-2].plants[0].reason == LEFT
+
+
+def test_rows_at_rest_are_locked_while_the_hip_goes_on() -> None:
+    made = walk()
+    rig = rig_of(made)
+    legs = feet(rig, posed(made.clip, rig))
+    rests = {e: np.zeros(len(made.clip) - 1, dtype=bool) for e in range(4)}
+    rests[0][10:30] = True
+    rests[3][40:44] = True  # too short
+    found = locked(rests, legs, made.clip.frame_time, rig.leg_length)
+    assert found == {0: [(10, 31)], 1: [], 2: [], 3: []}
+    frozen = [replace(foot, hip=np.zeros_like(foot.hip)) for foot in legs]
+    assert not any(locked(rests, frozen, made.clip.frame_time, rig.leg_length).values())

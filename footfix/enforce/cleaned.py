@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +12,7 @@ from footfix.enforce import outcomes
 from footfix.enforce.foot import Foot
 from footfix.enforce.legs import Held, enforced
 from footfix.enforce.plants import PlantParams, Stance
-from footfix.enforce.rest import LEFT, as_cleaned, new_since, off_their_floor, resting
+from footfix.enforce.rest import LEFT, as_cleaned, locked, new_since, off_their_floor, resting
 from footfix.enforce.solve import LegParams
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
@@ -19,6 +21,8 @@ from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _MOST = 0.3  # of the stands: a clip of which more rest was cleaned as a whole; of captured ones hardly any do
+_ROWS, _LOCKED = 5, 0.05  # and so was one with so many rows of frames at rest, in so much of the contacts' time
+_GIVES = 0.25  # of stances that were put in together: where more give way, they were let go when the clip was cleaned
 _ROUNDS = 3  # in which stances that give way are left out, before all are
 
 
@@ -47,7 +51,7 @@ def set_aside(
     rests = {
         e: resting(
             pose.position(sole.joint) + ride, pose.rotation(sole.joint), np.asarray(sole.offset), mask[:, e],
-            rig.leg_length, params.rest,
+            contacts.frame_time, rig.leg_length, params.rest,
         )
         for e, sole in enumerate(rig.soles)
     }  # fmt: skip
@@ -57,15 +61,41 @@ def set_aside(
     if off_their_floor(found, rig.floor, rig.leg_length, params):
         return list(stands), False
     cleaned = sum(stance.cleaned for stance in found)
-    if cleaned <= _MOST * len(found):
+    held = locked(rests, legs, contacts.frame_time, rig.leg_length)
+    spans = [span for each in held.values() for span in each]
+    time = sum(end - start for start, end in spans)
+    if cleaned <= _MOST * len(found) and not (len(spans) >= _ROWS and time >= _LOCKED * np.count_nonzero(mask)):
         return found, False
-    text = f"{cleaned} of {len(found)} stands rest already: this clip was cleaned before, and they stay as they are"
-    notes.append(Note("cleaned-before", text))
-    new = [method != "root" and each for each in new_since(found)]
-    return [
-        stance if stance.cleaned or each or any(plant.given for plant in stance.plants) else stance.let_go(LEFT)
-        for stance, each in zip(found, new, strict=True)
-    ], True
+    in_part = [stance.cleaned or _rests_in_part(stance, held) for stance in found]
+    at_rest = f"{sum(in_part)} of {len(found)} stands rest already"
+    notes.append(Note("cleaned-before", f"{at_rest}: this clip was cleaned before, and they stay as they are"))
+    rows = [0] * len(found) if method == "root" else new_since(found, in_part)
+    left = []
+    for stance, row in zip(found, rows, strict=True):
+        looked_at = stance.cleaned or row or any(plant.given for plant in stance.plants)
+        left.append(replace(stance, row=row) if looked_at else stance.let_go(LEFT))
+    return left, True
+
+
+def _rests_in_part(stance: Stance, held: Mapping[int, Sequence[tuple[int, int]]]) -> bool:
+    return any(
+        start < plant.contact.end and end > plant.contact.start
+        for plant in stance.plants
+        for start, end in held[plant.effector]
+    )
+
+
+def as_rows(stands: Sequence[Stance]) -> list[Stance]:
+    """The stances, those of a row let go of which many were: they were let go when the clip was cleaned."""
+    hopeless = _hopeless(stands, [stance.released for stance in stands])
+    return [stance.let_go(LEFT) if stance.row in hopeless else stance for stance in stands]
+
+
+def _hopeless(stands: Sequence[Stance], gives: Sequence[bool]) -> set[int]:
+    """The rows of which more than a few give way."""
+    gone = Counter(stance.row for stance, each in zip(stands, gives, strict=True) if each)
+    whole = Counter(stance.row for stance in stands)
+    return {row for row in gone if row and gone[row] > _GIVES * whole[row]}
 
 
 def easily(
@@ -79,6 +109,8 @@ def easily(
     for _ in range(_ROUNDS):
         done = enforced(clip, rig, pose, legs, held, params)
         easy = [_holds(old, new, done, rig, params.plants) for old, new in zip(held, done.stands, strict=True)]
+        hopeless = _hopeless(held, [not each for each in easy])
+        easy = [each and stance.row not in hopeless for stance, each in zip(held, easy, strict=True)]
         if all(easy):
             return done, left
         left += [stance.let_go(LEFT) for stance, each in zip(held, easy, strict=True) if not each]

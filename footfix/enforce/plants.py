@@ -93,6 +93,7 @@ class Stance:
         level: [m] height of the floor it stands on.
         pivots: "", or which end ("heel", "toe") it turns about while flat.
         cleaned: it rests already, and is left alone.
+        row: of stances that were put into a cleaned clip together, from 1; 0 for all others.
     """
 
     leg: int
@@ -100,6 +101,7 @@ class Stance:
     level: float = 0.0
     pivots: str = ""
     cleaned: bool = False
+    row: int = 0
 
     @cached_property
     def frames(self) -> slice:

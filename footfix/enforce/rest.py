@@ -17,18 +17,25 @@ from footfix.enforce.plants import Plant, PlantParams, Stance, longest
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
+from footfix.motion.vectors import norm
 
 LEFT = "left as it was when this clip was cleaned (enforce.again looks at it)"  # the reason of plants that are
 
 _ROUNDS = 20  # of reweighting, some more than exact solutions have needed,
 _COARSE = 0.01  # [leg lengths] from what a captured foot moves in a frame downwards
-_SHARE = 0.3  # of the steps that must rest: fewer are chance
+_SHARE = 0.3  # of the steps that must rest, or
+_LOCKED = 0.1  # [s] that they must in a row, and
+_FEWEST = 5  # steps: fewer are chance
+_GOES_ON = 0.001  # leg lengths that the hip moves meanwhile: a figure that does not move at all rests, too
 _MOST = 2000  # steps that are looked at: enough of any clip
-_IN_A_ROW = 4  # stands of which none rests: more than are let go one after the other
+_IN_A_ROW = 4  # stands of which none rests: more than are let go one after the other,
+_CHANCE = 0.002  # and less likely than this to be
 _FAR = 0.08  # leg lengths from the sole point, beyond which a point is none of this foot's
 
 
-def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_length: float, rest: float) -> Bools:
+def resting(
+    place: Floats, turn: Floats, offset: Floats, planted: Bools, frame_time: float, leg_length: float, rest: float
+) -> Bools:
     """(F - 1,) the steps between planted frames in which a point of a joint near its sole point rests.
 
     Of all points o near the sole point, the one is looked for for which |R(t+1) o + p(t+1) - R(t) o - p(t)| is
@@ -40,6 +47,7 @@ def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_len
         turn: (F, 4) its frame.
         offset: (3,) [m] the sole point in it.
         planted: (F,) frames in which it is in contact.
+        frame_time: [s].
         leg_length: [m].
         rest: leg lengths from frame to frame, less than which is rest.
     """
@@ -63,10 +71,36 @@ def resting(place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_len
         normal = np.einsum("nij,nik->jk", turned, weighted) + 1e-9 * weight.sum() * np.eye(3)
         delta = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, moved))
     rests = np.linalg.norm(moved + turned @ delta, axis=1) <= still
-    if np.linalg.norm(delta) > _FAR * leg_length or int(rests.sum()) < max(4, _SHARE * len(few)):
+    if np.linalg.norm(delta) > _FAR * leg_length:
         return none
     point = place + rotation.rotate(turn, offset + delta)
-    return np.asarray(planted[1:] & planted[:-1] & (np.linalg.norm(np.diff(point, axis=0), axis=1) <= still))
+    at_rest = np.asarray(planted[1:] & planted[:-1] & (np.linalg.norm(np.diff(point, axis=0), axis=1) <= still))
+    often = int(rests.sum()) >= max(4, _SHARE * len(few))
+    return at_rest if often or rows(at_rest, frame_time) else none
+
+
+def rows(rests: Bools, frame_time: float) -> list[tuple[int, int]]:
+    """The rows of steps at rest, of steps (F - 1,), that are too long for chance."""
+    fewest = max(_FEWEST, round(_LOCKED / frame_time))
+    return [(start, end) for start, end in runs(rests) if end - start >= fewest]
+
+
+def locked(
+    rests: Mapping[int, Bools], feet: Sequence[Foot], frame_time: float, leg_length: float
+) -> dict[int, list[tuple[int, int]]]:
+    """For each sole point the frames `[start, end)` in which it rests while its hip goes on: so a program leaves it.
+
+    `rests` (F - 1,) of each as of `resting`.
+    """
+    found = {}
+    for foot in feet:
+        for e in foot.effectors:
+            found[e] = [
+                (start, end + 1)
+                for start, end in rows(rests[e], frame_time)
+                if norm(np.ptp(foot.hip[start : end + 1], axis=0)) > _GOES_ON * leg_length
+            ]
+    return found
 
 
 def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: PlantParams) -> Stance:
@@ -86,15 +120,26 @@ def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: P
     return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
 
 
-def new_since(stands: Sequence[Stance]) -> list[bool]:
-    """Which of the stances were put into a clip after it was cleaned, as by splicing: some in a row, none at rest."""
+def new_since(stands: Sequence[Stance], rests: Sequence[bool]) -> list[int]:
+    """In which row of stances, from 1, each was put into a clip after it was cleaned, as by splicing; 0 if it was not.
+
+    There are some in a row, none of which `rests` in any part: more than chance would put there, of as many as are
+    let go in the rest of the clip (the rule of succession, P.-S. Laplace 1774). Stances beside them that were not
+    cleaned belong to them: they rest only as far as the cut.
+    """
     order = sorted(range(len(stands)), key=lambda k: stands[k].frames.start)
-    stir = np.array([not stands[k].cleaned for k in order], dtype=np.bool_)
-    new = [False] * len(stands)
-    for start, end in runs(stir):
-        if end - start >= _IN_A_ROW:
+    stir = np.array([not rests[k] for k in order], dtype=np.bool_)
+    new = [0] * len(stands)
+    for row, (start, end) in enumerate(runs(stir), start=1):
+        others = len(stir) - (end - start)
+        let_go = (np.count_nonzero(stir) - (end - start) + 1) / (others + 2)
+        if end - start >= _IN_A_ROW and let_go ** (end - start) < _CHANCE:
+            while start > 0 and not stands[order[start - 1]].cleaned:
+                start -= 1
+            while end < len(order) and not stands[order[end]].cleaned:
+                end += 1
             for k in order[start:end]:
-                new[k] = True
+                new[k] = row
     return new
 
 

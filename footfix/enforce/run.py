@@ -10,7 +10,7 @@ import numpy as np
 
 from footfix.enforce import ground, outcomes, root
 from footfix.enforce.aims import aimed, judged, levelled
-from footfix.enforce.cleaned import easily, set_aside
+from footfix.enforce.cleaned import as_rows, easily, set_aside
 from footfix.enforce.correction import Correction
 from footfix.enforce.course import courses
 from footfix.enforce.ease import EaseParams
@@ -149,6 +149,8 @@ def _held(
         if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
             stance = stance.let_go("the file has no rotation channels for a joint of this leg")
         stands.append(stance)
+    if cleaned:
+        stands = as_rows(stands)
     held = [stance for stance in stands if not all(plant.reason for plant in stance.plants)]
     left = [stance for stance in stands if all(plant.reason for plant in stance.plants)]
     limit = "the leg does not reach it"
