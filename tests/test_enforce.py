@@ -299,25 +299,28 @@ def test_legs_that_go_on_through_a_cut_are_not_cut() -> None:
 
 
 @pytest.mark.parametrize(("left", "right", "floors"), [
-    (0.0, 0.0, (0.0, 0.0)),
-    (0.02, -0.02, (0.0, 0.0)),
-    (0.072, 0.042, (0.057, 0.057)),  # one would be drawn to the rig's floor, the other not
-    (0.060, 0.030, (0.0, 0.0)),
-    (0.172, 0.042, (0.172, 0.0)),  # a step apart
+    (-0.03, -0.05, (None, None)),
+    (0.02, -0.015, (0.004, 0.004)),  # one would be drawn to the rig's floor, the other not
+    (0.01, -0.02, (None, None)),
+    (0.12, -0.01, (0.12, None)),  # a step apart
 ])  # fmt: skip
-def test_feet_side_by_side_stand_on_one_floor(left: float, right: float, floors: tuple[float, float]) -> None:
+def test_feet_side_by_side_stand_on_one_floor(
+    left: float, right: float, floors: tuple[float | None, float | None]
+) -> None:
+    """Heights beyond the one up to which plants are drawn to the rig's floor; None for that floor itself."""
     made = walk("stand")
     rig = rig_of(made)
-    assert 0.052 < PlantParams.snap * rig.leg_length < 0.056
+    snap = PlantParams.snap * rig.leg_length
     legs = [
         carried(foot, np.array([0.0, up, 0.0]))
-        for foot, up in zip(feet(rig, posed(made.clip, rig)), (left, right), strict=True)
+        for foot, up in zip(feet(rig, posed(made.clip, rig)), (snap + left, snap + right), strict=True)
     ]
     whole = Contact(0, len(made.clip), 1.0)
     contacts = replace(made.contacts, effectors=tuple(replace(e, contacts=(whole,)) for e in made.contacts.effectors))
     stands = stances(contacts, legs, made.clip.frame_time, rig.leg_length, PlantParams())
     found = levelled(stands, legs, rig.floor, rig.leg_length, PlantParams())
-    assert np.allclose([stance.level - rig.floor for stance in found], floors, atol=0.003)
+    wanted = [0.0 if floor is None else snap + floor for floor in floors]
+    assert np.allclose([stance.level - rig.floor for stance in found], wanted, atol=0.003)
 
 
 def spun(clip: Clip, about: np.ndarray, angle: np.ndarray) -> Clip:

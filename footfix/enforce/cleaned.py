@@ -62,27 +62,29 @@ def set_aside(
         return list(stands), False
     cleaned = sum(stance.cleaned for stance in found)
     held = locked(rests, legs, contacts.frame_time, rig.leg_length)
-    spans = [span for each in held.values() for span in each]
-    time = sum(end - start for start, end in spans)
-    if cleaned <= _MOST * len(found) and not (len(spans) >= _ROWS and time >= _LOCKED * np.count_nonzero(mask)):
+    rows = [row for stance in found for row in _at_rest(stance, held)]
+    time = sum(end - start for start, end in rows)
+    if cleaned <= _MOST * len(found) and not (len(rows) >= _ROWS and time >= _LOCKED * np.count_nonzero(mask)):
         return found, False
-    in_part = [stance.cleaned or _rests_in_part(stance, held) for stance in found]
+    in_part = [stance.cleaned or bool(_at_rest(stance, held)) for stance in found]
     at_rest = f"{sum(in_part)} of {len(found)} stands rest already"
     notes.append(Note("cleaned-before", f"{at_rest}: this clip was cleaned before, and they stay as they are"))
-    rows = [0] * len(found) if method == "root" else new_since(found, in_part)
+    new = [0] * len(found) if method == "root" else new_since(found, in_part)
     left = []
-    for stance, row in zip(found, rows, strict=True):
+    for stance, row in zip(found, new, strict=True):
         looked_at = stance.cleaned or row or any(plant.given for plant in stance.plants)
         left.append(replace(stance, row=row) if looked_at else stance.let_go(LEFT))
     return left, True
 
 
-def _rests_in_part(stance: Stance, held: Mapping[int, Sequence[tuple[int, int]]]) -> bool:
-    return any(
-        start < plant.contact.end and end > plant.contact.start
+def _at_rest(stance: Stance, held: Mapping[int, Sequence[tuple[int, int]]]) -> list[tuple[int, int]]:
+    """Those rows of frames `[start, end)` at rest, of each sole point, that the stance's found contacts have."""
+    return [
+        (start, end)
         for plant in stance.plants
         for start, end in held[plant.effector]
-    )
+        if not plant.given and start < plant.contact.end and end > plant.contact.start
+    ]
 
 
 def as_rows(stands: Sequence[Stance]) -> list[Stance]:
