@@ -11,7 +11,7 @@ from walks import rig_of, walk
 
 from footfix.enforce.ease import EaseParams
 from footfix.enforce.foot import Foot, feet, posed
-from footfix.enforce.judge import let_go
+from footfix.enforce.judge import dart_of, let_go
 from footfix.enforce.plants import Plant, PlantParams, Stance
 from footfix.enforce.targets import Goals, calmed, eased, goals, levels
 from footfix.motion import rotation
@@ -112,3 +112,16 @@ def test_a_plant_held_in_part_is_held_there_and_swings_for_the_rest() -> None:
     assert (held.start, held.end, held.reason) == (20, 40, "")
     points[1][10:30, 0] = 0.1
     assert let_go(Stance(0, (plant,)), points, soft, hurry, most, 0.9, PlantParams()).plants[0].reason
+
+
+def test_a_foot_that_was_held_and_catches_up_darts() -> None:
+    t = np.arange(100) / 100.0  # [s]
+    captured = np.stack([0.5 * t, 0.0 * t, 0.0 * t], axis=1)  # 0.5 m/s
+    held = captured.copy()
+    held[20:60] = captured[20]
+    held[60:80] = captured[20] + (np.arange(20) / 20.0)[:, None] * (captured[80] - captured[20])
+    dart = dart_of(captured, held, 0.01)
+    assert np.isclose(dart.max(), 1.5 - 0.5) and dart[:55].max() <= 1e-9 and dart[85:].max() <= 1e-9
+    turn = rotation.from_rotation_vector(np.array([0.3, -1.0, 0.5]))
+    assert np.allclose(dart_of(rotation.rotate(turn, captured), rotation.rotate(turn, held), 0.01), dart)
+    assert not np.any(dart_of(captured, captured, 0.01) > 0.0)

@@ -184,10 +184,10 @@ def sloped(x: Floats, most: float) -> Floats:
 
 def covered(need: Floats, width: int) -> Floats:
     """(F,) a smooth curve that is nowhere below `need` (F,), and 0 farther than four widths from where that is not."""
-    return _mean(_mean(_maximum(need, 2 * width), width), width)
+    return _mean(_mean(running_maximum(need, 2 * width), width), width)
 
 
-def _maximum(x: Floats, half: int) -> Floats:
+def running_maximum(x: Floats, half: int) -> Floats:
     """The largest of each frame's neighbours within `half` frames, by doubling."""
     padded = np.concatenate([np.zeros(half), x, np.zeros(half)])
     size, width = 1, 2 * half + 1

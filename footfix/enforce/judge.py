@@ -11,12 +11,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from footfix.enforce.ease import ease_frames, running_maximum
 from footfix.enforce.plants import PlantParams, Stance, longest
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.vectors import norm
 
 JERK = "holding it would jerk the leg"  # the reason of plants that are let go
+_THEREABOUTS = 0.1  # [s] on either side: how fast a foot was captured there
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +26,7 @@ class JudgeParams:
     """What holding a foot may do to the joints of its leg."""
 
     speed: float = 150.0  # [deg/s] by which a joint may turn faster than captured before a plant gives up its edges
+    dart: float = 0.44  # [leg lengths/s] by which its foot may go faster than captured, to the same end
     soften: float = 1.6  # times as fast, before its hold softens
     given: float = 4.0  # times as fast where the contacts were given, not detected
     peel: float = 0.05  # [s] at a plant's edges that are let go at a time, while the leg hurries there,
@@ -93,7 +96,7 @@ def let_go(
             plants.append(replace(plant, reason=f"out of reach: it would still be {1000.0 * far:.0f} mm away"))
         elif np.any(hurries):
             fast, may = float(hurry[own][hurries].max()), float(most[own][hurries].min())
-            why = f"{JERK}: by {fast:.0f} degrees/s beyond its own speed, of {may:.0f} (enforce.judge.speed)"
+            why = f"{JERK}: as by {fast:.0f} degrees/s beyond its own speed, of {may:.0f} (enforce.judge.speed)"
             plants.append(replace(plant, reason=why))
         elif slides:
             plants.append(replace(plant, reason=f"{JERK}: it would still slide by {1000.0 * far:.0f} mm"))
@@ -118,6 +121,21 @@ def hurry_of(clip: Clip, turned: dict[int, Floats]) -> Floats:
         more = np.degrees(after - around) / clip.frame_time
         fastest[1:] = np.maximum(fastest[1:], more)
         fastest[:-1] = np.maximum(fastest[:-1], more)
+    return fastest
+
+
+def dart_of(captured: Floats, ankle: Floats, frame_time: float) -> Floats:
+    """(F,) [m/s] by which an ankle (F, 3) [m] goes faster, to or from each frame, than it did thereabouts as captured.
+
+    A foot that was held while it slid has the whole way before it when it is let go.
+    """
+    fastest = np.zeros(len(ankle))
+    if len(ankle) < 2:
+        return fastest
+    before, after = (norm(np.diff(track, axis=0)) / frame_time for track in (captured, ankle))
+    more = after - running_maximum(before, ease_frames(frame_time, _THEREABOUTS))
+    fastest[1:] = np.maximum(fastest[1:], more)
+    fastest[:-1] = np.maximum(fastest[:-1], more)
     return fastest
 
 

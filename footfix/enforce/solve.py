@@ -10,7 +10,7 @@ import numpy as np
 from footfix.enforce import ik, reach, root
 from footfix.enforce.ease import EaseParams, covered, ease_frames, presence
 from footfix.enforce.foot import Foot, can_turn
-from footfix.enforce.judge import JudgeParams, hurry_of
+from footfix.enforce.judge import JudgeParams, dart_of, hurry_of
 from footfix.enforce.plants import PlantParams, Stance
 from footfix.enforce.reach import ReachParams
 from footfix.enforce.root import RootParams
@@ -32,7 +32,7 @@ class Solved:
         shift: (F, 3) [m] of the root.
         rotations: new local rotations (F, 4) by joint.
         points: (F, 3) [m] track of each sole point.
-        hurry: for each leg (F,) [deg/s] by which its joints turn faster than captured.
+        hurry: for each leg (F,) [deg/s] by which its joints turn faster than captured; its foot counts along with them.
     """
 
     shift: Floats
@@ -151,7 +151,9 @@ def solution(
         new.update(turned)
         if aim.toe is not None and turned:
             new[aim.toe.joint] = local_rotation(clip, aim.toe, turn, foot, aim.bend)
-        hurry.append(hurry_of(clip, turned))
+        most = max(params.judge.dart, 1e-9) * rig.leg_length
+        dart = dart_of(foot.ankle, ankle, clip.frame_time) / most if turned else np.zeros(len(clip))
+        hurry.append(np.maximum(hurry_of(clip, turned), params.judge.speed * dart))
         for e, at in zip(foot.effectors, (foot.heel_in_foot, foot.ball_in_foot), strict=True):
             points[e] = ankle + rotation.rotate(turn, at)
     return Solved(shift, new, tuple(points), tuple(hurry))
