@@ -260,6 +260,34 @@ def test_a_foot_that_turns_on_its_ball_keeps_turning() -> None:
     assert np.ptp(ball, axis=0).max() < 0.002
 
 
+@pytest.mark.parametrize("about", ["heel", "toe"])
+def test_a_foot_that_swivels_stands_before_and_after(about: str) -> None:
+    made = walk("stand", duration=5.0)
+    rig = rig_of(made)
+    frames, fps = len(made.clip), made.clip.fps
+    middle = 0.5 * (1.0 + np.tanh((np.arange(frames) / fps - 3.5) / 0.12))
+    angle = np.radians(50.0) * middle
+    pivot = 0 if about == "heel" else 1
+    clip = spun(made.clip, rig.tracks(rig.pose(made.clip))[pivot][0], angle)
+    clip = artefacts.wander(clip, 0.02, slowest=1.0)
+    contacts = replace(made.contacts, method="auto", effectors=tuple(
+        replace(e, contacts=(Contact(0, frames, 0.9),) if e.side == "left" else ()) for e in made.contacts.effectors
+    ))  # fmt: skip
+    after, found = cleaned(clip, rig, contacts)
+    stands, moves = ("left_heel", "left_toe") if about == "heel" else ("left_toe", "left_heel")
+    assert [plant.outcome for plant in found.plants if plant.effector == stands] == ["pinned"]
+    parts = [plant for plant in found.plants if plant.effector == moves]
+    assert [plant.outcome for plant in parts] == ["pinned", "released", "pinned"]
+    assert f"about its {'heel' if about == 'heel' else 'ball'}" in parts[1].reason
+    assert len(found.plants) == sum(len(effector.contacts) for effector in found.contacts.effectors)
+    tracks = rig.tracks(rig.pose(after))
+    assert np.ptp(tracks[pivot], axis=0).max() < 0.001
+    for part in (parts[0], parts[2]):
+        assert np.ptp(tracks[1 - pivot][part.start : part.end], axis=0).max() < 0.001
+    turned = np.unwrap(np.arctan2(*(tracks[1] - tracks[0])[:, [0, 2]].T))
+    assert np.isclose(turned[-1] - turned[0], angle[-1], atol=np.radians(3.0))
+
+
 def test_the_end_that_turns_has_no_place_while_the_other_is_not_held() -> None:
     made = walk("stand")
     rig = rig_of(made)

@@ -11,6 +11,7 @@ from footfix.enforce.course import Course
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Plant, PlantParams, Stance
 from footfix.motion.clip import Floats
+from footfix.motion.contacts import runs
 from footfix.motion.segments import distinct, middle
 from footfix.motion.vectors import norm
 
@@ -113,29 +114,42 @@ def _place(plant: Plant, spot: Floats, level: float) -> Floats:
 
 
 def _rigid(plants: list[Plant], foot: Foot) -> list[Plant]:
-    """Heel and ball as far apart as the foot is long: the longest plant stands, the others give way to it."""
-    order = sorted(range(len(plants)), key=lambda k: plants[k].start - plants[k].end)
+    """Heel and ball as far apart as the foot is long: the longest plant stands, the others give way to it.
+
+    Each in its turn goes by the placed one that it shares the most frames with, as in a tree that spans them (R. C.
+    Prim 1957): a foot that swivels on its heel has its ball in two places, and both go by that heel.
+    """
+    waiting = sorted(range(len(plants)), key=lambda k: plants[k].start - plants[k].end)
     placed: list[int] = []
-    for k in order:
-        plant = plants[k]
-        common = [
-            (min(plant.end, plants[j].end) - max(plant.start, plants[j].start), j)
-            for j in placed
-            if plants[j].part != plant.part
-        ]
-        shared, j = max(common, default=(0, -1))
-        if shared > 0:
-            other = plants[j]
-            both = slice(max(plant.start, other.start), min(plant.end, other.end))
-            span = foot.point(plant.part)[both] - foot.point(other.part)[both]
-            length = middle(norm(span))
-            asked = plant.contact.position is not None and other.contact.position is not None
-            heading = (plant.target - other.target)[[0, 2]] if asked else span[:, [0, 2]].sum(axis=0)
-            heading /= max(float(np.linalg.norm(heading)), 1e-300)
-            target = other.target + length * np.array([heading[0], 0.0, heading[1]])
-            plants[k] = replace(plant, target=target)
+    while waiting:
+        shared, _, k, j = max(
+            ((_shared(plants[k], plants[j]), -n, k, j) for n, k in enumerate(waiting) for j in placed),
+            default=(0, 0, waiting[0], -1),
+        )
+        if shared <= 0:
+            k, j = waiting[0], -1
+        waiting.remove(k)
         placed.append(k)
+        if j >= 0:
+            plants[k] = _at_length(plants[k], plants[j], foot)
     return plants
+
+
+def _shared(plant: Plant, other: Plant) -> int:
+    """In how many frames both hold, if they are of different ends."""
+    return 0 if plant.part == other.part else min(plant.end, other.end) - max(plant.start, other.start)
+
+
+def _at_length(plant: Plant, other: Plant, foot: Foot) -> Plant:
+    """The plant as far from the other end's as the foot is long, in the direction captured or asked for."""
+    both = slice(max(plant.start, other.start), min(plant.end, other.end))
+    span = foot.point(plant.part)[both] - foot.point(other.part)[both]
+    length = middle(norm(span))
+    asked = plant.contact.position is not None and other.contact.position is not None
+    heading = (plant.target - other.target)[[0, 2]] if asked else span[:, [0, 2]].sum(axis=0)
+    heading /= max(float(np.linalg.norm(heading)), 1e-300)
+    target = other.target + length * np.array([heading[0], 0.0, heading[1]])
+    return replace(plant, target=target)
 
 
 def _within_reach(stance: Stance, course: Course, leg_length: float, params: PlantParams) -> Stance:
@@ -168,7 +182,8 @@ def _within_reach(stance: Stance, course: Course, leg_length: float, params: Pla
 def _pivots(stance: Stance, course: Course, params: PlantParams) -> str:
     """Which end a flat foot turns about, if it turns."""
     flat = course.flat[stance.frames]
-    if np.count_nonzero(flat) < 2 or np.ptp(course.heading[stance.frames][flat]) < np.radians(params.pivot):
+    heading = course.heading[stance.frames]
+    if not any(end - start > 1 and np.ptp(heading[start:end]) >= np.radians(params.pivot) for start, end in runs(flat)):
         return ""
     places = [course.foot.point(part)[stance.frames][flat][:, [0, 2]] for part in ("heel", "toe")]
     travel = [float(norm(each - each.mean(axis=0)).max()) for each in places]
@@ -187,7 +202,8 @@ def _stands_well(
             return False
         if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
             return False
-    flat = course.flat[stance.frames]
-    if not np.any(flat) or stance.pivots:
+    if stance.pivots:
         return True
-    return bool(np.ptp(course.heading[stance.frames][flat]) <= np.radians(params.keep_turn))
+    heading = course.heading[stance.frames]
+    turns = [float(np.ptp(heading[start:end])) for start, end in runs(course.flat[stance.frames])]
+    return bool(max(turns, default=0.0) <= np.radians(params.keep_turn))

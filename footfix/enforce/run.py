@@ -25,6 +25,7 @@ from footfix.enforce.root import RootParams
 from footfix.enforce.solve import LegParams
 from footfix.enforce.steady import SteadyParams, steadied
 from footfix.enforce.style import StyleParams, styled
+from footfix.enforce.swivel import swivelled
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
@@ -134,6 +135,7 @@ def _held(
         found, cleaned = set_aside(pose, rig, contacts, legs, ride, found, notes, params.method, params.plants)
     if params.method != "root":
         found = lying(found, legs, params.plants)
+        contacts, found = swivelled(contacts, found, legs, params.plants)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     offset = ride + rise
