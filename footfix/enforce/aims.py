@@ -15,6 +15,7 @@ from footfix.motion.contacts import runs
 from footfix.motion.segments import distinct, middle
 from footfix.motion.vectors import norm
 
+_AGREE = 0.8  # of the stances: where so many are off the floor by about as much, the clip is
 _BESIDE = 0.6  # of the shorter stance: feet that stand so long together stand side by side
 
 
@@ -32,7 +33,8 @@ def levelled(
     ]
     free = [k for k, stance in enumerate(stands) if not (asked[k] or stance.cleaned or stance.released)]
     snap = params.snap * leg_length
-    level = np.where(np.abs(own - floor) <= snap, floor, own)
+    off = _off(own[free] - floor, params.off * leg_length)
+    level = np.where(np.minimum(np.abs(own - floor), np.abs(own - floor - off)) <= snap, floor, own)
     for group in _side_by_side([stands[k].frames for k in free], [stands[k].leg for k in free], own[free], snap):
         members = np.array(free)[group]
         if np.any(level[members] == floor) and np.any(level[members] != floor):
@@ -44,6 +46,15 @@ def levelled(
         where = float(np.median(asked[k])) if asked[k] else float(level[k])
         found.append(stance if stance.cleaned or stance.released else replace(stance, level=where))
     return found
+
+
+def _off(heights: Floats, most: float) -> float:
+    """[m] by which the stances (N,) are off their floor on the whole, if they agree and it is no more than `most`."""
+    if not len(heights):
+        return 0.0
+    off = float(np.median(heights))
+    agree = float(np.mean(np.abs(heights - off) < 0.5 * abs(off)))
+    return off if abs(off) <= most and agree >= _AGREE else 0.0
 
 
 def _height(stance: Stance, foot: Foot) -> float:
