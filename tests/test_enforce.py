@@ -387,6 +387,24 @@ def test_frames_of_a_t_pose_stay_as_they_are() -> None:
     assert found.contacts.frames == len(clip)
 
 
+def test_frames_that_lead_from_a_t_pose_to_the_motion_lead_to_what_is_corrected() -> None:
+    made = walk()
+    rig = rig_of(made)
+    clip = artefacts.t_pose_first(artefacts.turned(artefacts.sink(made.clip, 0.03), 0.0, (4.0, 4.0)), 3)
+    rotations, positions = clip.rotations.copy(), clip.positions.copy()
+    for frame in (1, 2):
+        share = frame / 3.0
+        rotations[frame] = rotation.slerp(rotations[0], rotations[3], np.array(share))
+        positions[frame] = (1.0 - share) * positions[0] + share * positions[3]
+    clip = replace(clip, rotations=rotations, positions=positions)
+    assert motion_proper(clip).start == 3
+    mask = np.concatenate([np.zeros((3, 4), dtype=bool), made.contacts.mask()])
+    after, _ = cleaned(clip, rig, replace(made.contacts, frames=len(clip)).with_mask(mask))
+    rise = (after.positions - clip.positions)[:, rig.root, 1]
+    assert np.array_equal(after.positions[0], clip.positions[0]) and np.isclose(rise[3], 0.03, atol=0.003)
+    assert np.allclose(rise[1:3] / rise[3], (1.0 / 3.0, 2.0 / 3.0), atol=0.05)
+
+
 def test_a_clip_without_contacts_needs_nothing() -> None:
     made = walk()
     rig = rig_of(made)

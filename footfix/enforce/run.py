@@ -26,6 +26,7 @@ from footfix.enforce.solve import LegParams
 from footfix.enforce.steady import SteadyParams, steadied
 from footfix.enforce.style import StyleParams, styled
 from footfix.enforce.swivel import swivelled
+from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
@@ -34,6 +35,7 @@ from footfix.motion.vectors import norm
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
+_REST = 1e-3  # [rad] root mean square over the joints: frames that differ by less are the same pose
 _JUMP = 0.01  # leg lengths from frame to frame: legs that go no farther don't jump
 
 
@@ -190,7 +192,10 @@ def _held(
 
 
 def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, proper: slice) -> Enforcement:
-    """Enforcement of the motion proper alone; the frames of a T-pose before or after it stay as they are."""
+    """Enforcement of the motion proper alone; the frames of a T-pose before or after it stay as they are.
+
+    Frames that lead from such a pose to the motion lead over to what is corrected in it, too.
+    """
     start, end = proper.start, proper.stop
     effectors = []
     for effector in contacts.effectors:
@@ -204,15 +209,33 @@ def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, pro
     if whole.joints:
         rotations = np.stack([clip.turn(joint) for joint in whole.joints], axis=1)
     rotations[proper] = whole.rotations
-    correction = replace(
-        whole, rotations=rotations, root_shift=np.pad(whole.root_shift, around), residual=np.pad(whole.residual, around)
-    )
+    shift = np.pad(whole.root_shift, around)
+    for rest, motion, between in ((0, start, slice(1, start)), (len(clip) - 1, end - 1, slice(end, len(clip) - 1))):
+        share = _way_over(clip, rest, motion, between)
+        shift[between] = share[:, None] * shift[motion]
+        for k, joint in enumerate(whole.joints):
+            captured = clip.turn(joint)
+            turn = rotation.multiply(rotations[motion, k], rotation.inverse(captured[motion]))
+            eased = rotation.from_rotation_vector(share[:, None] * rotation.to_rotation_vector(turn))
+            on_its_way = (share > 0.0)[:, None]
+            rotations[between, k] = np.where(on_its_way, rotation.multiply(eased, captured[between]), captured[between])
+    correction = replace(whole, rotations=rotations, root_shift=shift, residual=np.pad(whole.residual, around))
     plants = tuple(replace(plant, start=plant.start + start, end=plant.end + start) for plant in found.plants)
     held = []
     for effector in found.contacts.effectors:
         moved = tuple(replace(c, start=c.start + start, end=c.end + start) for c in effector.contacts)
         held.append(replace(effector, contacts=moved))
     return replace(found, plants=plants, correction=correction, contacts=replace(contacts, effectors=tuple(held)))
+
+
+def _way_over(clip: Clip, rest: int, motion: int, between: slice) -> Floats:
+    """For frames that lead from a rest pose over to the motion, how far on that way each one is, from 0 to 1."""
+
+    def far(other: int) -> Floats:  # [rad] from another frame, root mean square over the joints
+        turns = rotation.multiply(clip.rotations[between], rotation.inverse(clip.rotations[[other]]))
+        return np.asarray(np.sqrt(np.mean(rotation.angle(turns) ** 2, axis=1)))
+
+    return np.where(far(rest) < _REST, 0.0, far(rest) / np.maximum(far(rest) + far(motion), 1e-9))
 
 
 def _with_the_roots_help(
