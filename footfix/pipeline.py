@@ -84,13 +84,13 @@ def clean(
     contacts = contacts or detect(smoothed, rig, settings.detect)
     enforcement = enforce(smoothed, rig, contacts, settings.enforce)
     corrected = apply(smoothed, enforcement.correction)
-    held, levels, belt = enforcement.contacts, plant_levels(enforcement), enforcement.belt
-    before, plants_before = measure(clip, rig, held, levels=levels, belt=belt)
+    held, levels, ground = enforcement.contacts, plant_levels(enforcement), enforcement.ground
+    before, plants_before = measure(clip, rig, held, levels=levels, belt=ground)
     if as_written:
         corrected = as_written(corrected)
     after, plants_after = before, plants_before
     if corrected is not clip:
-        after, plants_after = measure(corrected, rig, held, levels=levels, belt=belt)
+        after, plants_after = measure(corrected, rig, held, levels=levels, belt=ground)
     return Result(
         clip=corrected,
         rig=rig,
@@ -108,8 +108,8 @@ def clean(
 def measure_plants(clip: Clip, settings: Settings, rig: Rig, contacts: Contacts) -> Measures:
     """Measures a clip as it is, over the frames in which cleaning would hold its plants."""
     enforcement = enforce(clip, rig, contacts, settings.enforce)
-    levels, belt = plant_levels(enforcement), enforcement.belt
-    return measure(clip, rig, enforcement.contacts, levels=levels, belt=belt)[0]
+    levels, ground = plant_levels(enforcement), enforcement.ground
+    return measure(clip, rig, enforcement.contacts, levels=levels, belt=ground)[0]
 
 
 def clean_figures(

@@ -44,7 +44,7 @@ def levelled(
     found = []
     for k, stance in enumerate(stands):
         where = float(np.median(asked[k])) if asked[k] else float(level[k])
-        found.append(stance if stance.cleaned or stance.released else replace(stance, level=where))
+        found.append(stance if stance.cleaned else replace(stance, level=where))
     return found
 
 
@@ -98,7 +98,9 @@ def aimed(stance: Stance, course: Course, leg_length: float, params: PlantParams
     return stance
 
 
-def judged(stance: Stance, course: Course, frame_time: float, leg_length: float, params: PlantParams) -> Stance:
+def judged(
+    stance: Stance, course: Course, floor: float, frame_time: float, leg_length: float, params: PlantParams
+) -> Stance:
     """The stance kept where it stands well enough, given up where a plant of it would have to move too far."""
     foot = course.foot
     if _stands_well(stance, course, frame_time, leg_length, params):
@@ -108,6 +110,11 @@ def judged(stance: Stance, course: Course, frame_time: float, leg_length: float,
     seconds = (stance.frames.stop - stance.frames.start) * frame_time
     if seconds < params.shortest and not any(plant.given for plant in stance.plants):
         return stance.let_go(f"too short to be a plant: {seconds:.3f} s")
+    if not any(plant.given for plant in stance.plants) and abs(stance.level - floor) > params.air * leg_length:
+        heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants])
+        if np.median(np.abs(heights - np.median(heights))) > params.steady * leg_length:
+            by, above = 1000.0 * np.ptp(heights), 1000.0 * (stance.level - floor)
+            return stance.let_go(f"no stand: it moves up and down by {by:.0f} mm, {above:.0f} mm above the floor")
     for plant in stance.plants:
         if stance.pivots and plant.part != stance.pivots:
             continue

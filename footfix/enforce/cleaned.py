@@ -12,7 +12,7 @@ from footfix.enforce import outcomes
 from footfix.enforce.foot import Foot
 from footfix.enforce.legs import Held, enforced
 from footfix.enforce.plants import PlantParams, Stance
-from footfix.enforce.rest import LEFT, as_cleaned, locked, new_since, off_their_floor, resting
+from footfix.enforce.rest import EXACTLY, LEFT, SHARE, as_cleaned, locked, new_since, off_their_floor, resting
 from footfix.enforce.solve import LegParams
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
@@ -21,7 +21,7 @@ from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _MOST = 0.3  # of the stands: a clip of which more rest was cleaned as a whole; of captured ones hardly any do
-_ROWS, _LOCKED = 5, 0.05  # and so was one with so many rows of frames at rest, in so much of the contacts' time
+_ROWS, _LOCKED = 3, 0.05  # and so was one with so many rows of frames at rest, in so much of the contacts' time
 _GIVES = 0.25  # of stances that were put in together: where more give way, they were let go when the clip was cleaned
 _ROUNDS = 3  # in which stances that give way are left out, before all are
 
@@ -48,20 +48,25 @@ def set_aside(
         params: measures.
     """
     mask = contacts.mask()
-    rests = {
-        e: resting(
-            pose.position(sole.joint) + ride, pose.rotation(sole.joint), np.asarray(sole.offset), mask[:, e],
-            contacts.frame_time, rig.leg_length, params.rest,
-        )
-        for e, sole in enumerate(rig.soles)
-    }  # fmt: skip
-    if not any(np.any(each) for each in rests.values()):
+    rests, exact = (
+        {
+            e: resting(
+                pose.position(sole.joint) + ride, pose.rotation(sole.joint), np.asarray(sole.offset), mask[:, e],
+                rig.leg_length, rest, share,
+            )
+            for e, sole in enumerate(rig.soles)
+        }
+        for rest, share in ((params.rest, SHARE), (EXACTLY * params.rest, 0.0))
+    )  # fmt: skip
+    if not any(np.any(each) for each in (*rests.values(), *exact.values())):
         return list(stands), False
     found = [as_cleaned(stance, legs[stance.leg], rests, params) for stance in stands]
     if off_their_floor(found, rig.floor, rig.leg_length, params):
         return list(stands), False
     cleaned = sum(stance.cleaned for stance in found)
-    held = locked(rests, legs, contacts.frame_time, rig.leg_length)
+    held = {
+        e: locked(exact[e], foot.hip, contacts.frame_time, rig.leg_length) for foot in legs for e in foot.effectors
+    }
     rows = [row for stance in found for row in _at_rest(stance, held)]
     time = sum(end - start for start, end in rows)
     if cleaned <= _MOST * len(found) and not (len(rows) >= _ROWS and time >= _LOCKED * np.count_nonzero(mask)):

@@ -14,8 +14,12 @@ import numpy as np
 
 from footfix.enforce.foot import Foot
 from footfix.enforce.plants import Stance, centre
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
 from footfix.motion.segments import middle
+
+_MOST = 0.75  # of the plants in a row must go with the belt,
+_OUTLIERS = 2  # and no more one after the other may not
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +28,8 @@ class GroundParams:
 
     belt: float = 0.15  # planted feet that all move at least this fast, in a figure that stays, are on a belt
     belt_spread: float = 0.3  # how far they may differ from each other, as a share of that speed
+    plants: int = 8  # one after the other that make a belt, where the figure is not on it all the time,
+    walk: float = 0.5  # and that they move at least as fast
     lift: float = 0.005  # leg lengths that all plants must be off the floor for the whole figure to be moved
     agree: float = 0.8  # share of plants that must agree, within half of that
 
@@ -39,25 +45,83 @@ def carried(foot: Foot, offset: Floats) -> Foot:
 def belt(
     stands: Sequence[Stance], legs: Sequence[Foot], frame_time: float, leg_length: float, params: GroundParams
 ) -> Floats:
-    """(3,) [m/s] with which planted feet move on purpose; zero on a floor at rest."""
-    velocities, seconds = [], []
+    """(F, 3) [m/s] with which planted feet move on purpose; zero on a floor at rest.
+
+    It is one velocity for as long as the figure is on the belt, which it may get on and off.
+    """
+    frames = len(legs[0])
+    rides = sorted(_rides(stands, legs, frame_time), key=lambda ride: ride.start + ride.end)
+    velocity = np.zeros((frames, 3))
+    if len(rides) < 4:
+        return velocity
+    hips = np.mean([foot.hip for foot in legs], axis=0)
+    common = _common(rides, (hips[-1] - hips[0]) / (frames * frame_time), params.belt * leg_length, params)
+    if common is not None:
+        return velocity + common
+    on_belt = np.zeros(len(rides), dtype=np.bool_)
+    for k in range(len(rides) - params.plants + 1):
+        some = rides[k : k + params.plants]
+        start, end = min(ride.start for ride in some), max(ride.end for ride in some)
+        travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)
+        common = _common(some, travel, params.walk * leg_length, params)
+        if common is not None and len({ride.leg for ride in some}) > 1:
+            speed = float(np.linalg.norm(common))
+            near = [float(np.linalg.norm(ride.velocity - common)) < params.belt_spread * speed for ride in some]
+            if np.mean(near) >= _MOST:
+                on_belt[k : k + params.plants] |= near
+    for first, last in runs(_without_gaps(on_belt, _OUTLIERS)):
+        some = rides[first:last]
+        velocity[min(ride.start for ride in some) : max(ride.end for ride in some)] = _centre(some)
+    return velocity
+
+
+def _without_gaps(mask: Bools, longest: int) -> Bools:
+    """(N,) the mask, True in its inner gaps that are no longer than that, too."""
+    out = mask.copy()
+    for start, end in runs(~mask):
+        if start > 0 and end < len(mask) and end - start <= longest:
+            out[start:end] = True
+    return out
+
+
+@dataclass(frozen=True)
+class _Ride:
+    """How a plant of a leg moves over the floor: its frames `[start, end)`, velocity (3,) [m/s] and time [s]."""
+
+    leg: int
+    start: int
+    end: int
+    velocity: Floats
+    seconds: float
+
+
+def _rides(stands: Sequence[Stance], legs: Sequence[Foot], frame_time: float) -> list[_Ride]:
+    rides = []
     for stance in stands:
         for plant in stance.plants:
             track = legs[stance.leg].point(plant.part)[plant.frames]
             if len(track) >= 3:
-                times = (len(track) - 1) * frame_time
-                velocities.append((track[-1] - track[0]) * [1.0, 0.0, 1.0] / times)
-                seconds.append(times)
-    if len(velocities) < 4:
-        return np.zeros(3)
-    v, weights = np.array(velocities), np.array(seconds)
-    common = centre(v, weights)
+                seconds = (len(track) - 1) * frame_time
+                velocity = (track[-1] - track[0]) * [1.0, 0.0, 1.0] / seconds
+                rides.append(_Ride(stance.leg, plant.start, plant.end, velocity, seconds))
+    return rides
+
+
+def _centre(rides: Sequence[_Ride]) -> Floats:
+    return centre(np.array([ride.velocity for ride in rides]), np.array([ride.seconds for ride in rides]))
+
+
+def _common(rides: Sequence[_Ride], travel: Floats, least: float, params: GroundParams) -> Floats | None:
+    """(3,) [m/s] the velocity of these plants if they share one, while the hips, which go on by `travel`, stay.
+
+    It is no less than `least` [m/s].
+    """
+    common = _centre(rides)
     speed = float(np.linalg.norm(common))
-    spread = _weighted_median(np.linalg.norm(v - common, axis=1), weights)
-    hips = np.mean([foot.hip for foot in legs], axis=0)
-    travel = float(np.linalg.norm((hips[-1] - hips[0])[[0, 2]])) / (len(hips) * frame_time)
-    on_belt = speed > params.belt * leg_length and max(spread, travel) < params.belt_spread * speed
-    return common if on_belt else np.zeros(3)
+    off = np.array([float(np.linalg.norm(ride.velocity - common)) for ride in rides])
+    spread = _weighted_median(off, np.array([ride.seconds for ride in rides]))
+    stays = max(spread, float(np.hypot(travel[0], travel[2]))) < params.belt_spread * speed
+    return common if stays and speed > least else None
 
 
 def lift(stands: Sequence[Stance], legs: Sequence[Foot], leg_length: float, params: GroundParams) -> float:

@@ -23,9 +23,9 @@ LEFT = "left as it was when this clip was cleaned (enforce.again looks at it)"  
 
 _ROUNDS = 20  # of reweighting, some more than exact solutions have needed,
 _COARSE = 0.01  # [leg lengths] from what a captured foot moves in a frame downwards
-_SHARE = 0.3  # of the steps that must rest, or
-_LOCKED = 0.1  # [s] that they must in a row, and
-_FEWEST = 5  # steps: fewer are chance
+SHARE = 0.3  # of the steps that must rest: fewer are chance
+EXACTLY = 0.1  # of what is rest: in a few frames at a time, nothing captured rests so exactly
+_LOCKED, _FEWEST = 0.1, 5  # [s] that it does in a row, and steps: fewer are chance
 _GOES_ON = 0.001  # leg lengths that the hip moves meanwhile: a figure that does not move at all rests, too
 _MOST = 2000  # steps that are looked at: enough of any clip
 _IN_A_ROW = 4  # stands of which none rests: more than are let go one after the other,
@@ -34,7 +34,7 @@ _FAR = 0.08  # leg lengths from the sole point, beyond which a point is none of 
 
 
 def resting(
-    place: Floats, turn: Floats, offset: Floats, planted: Bools, frame_time: float, leg_length: float, rest: float
+    place: Floats, turn: Floats, offset: Floats, planted: Bools, leg_length: float, rest: float, share: float = SHARE
 ) -> Bools:
     """(F - 1,) the steps between planted frames in which a point of a joint near its sole point rests.
 
@@ -47,9 +47,9 @@ def resting(
         turn: (F, 4) its frame.
         offset: (3,) [m] the sole point in it.
         planted: (F,) frames in which it is in contact.
-        frame_time: [s].
         leg_length: [m].
         rest: leg lengths from frame to frame, less than which is rest.
+        share: of the steps; where fewer rest, none do.
     """
     none = np.zeros(max(len(planted) - 1, 0), dtype=np.bool_)
     core = np.zeros_like(planted)  # without the ends of contacts, in which feet land and leave
@@ -63,44 +63,36 @@ def resting(
     m = rotation.to_matrix(turn[np.concatenate([few, few + 1])])  # (2 n, 3, 3)
     turned, still = m[len(few) :] - m[: len(few)], rest * leg_length
     moved = turned @ offset + place[few + 1] - place[few]  # (n, 3) [m] the sole point's steps
-    delta = np.zeros(3)
-    for e in np.geomspace(_COARSE * leg_length, 0.3 * still, _ROUNDS):
-        residual = moved + turned @ delta
-        weight = 1.0 / (np.einsum("ni,ni->n", residual, residual) + e * e)
-        weighted = weight[:, None, None] * turned
-        normal = np.einsum("nij,nik->jk", turned, weighted) + 1e-9 * weight.sum() * np.eye(3)
-        delta = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, moved))
-    rests = np.linalg.norm(moved + turned @ delta, axis=1) <= still
-    if np.linalg.norm(delta) > _FAR * leg_length:
-        return none
+    best = (0, np.zeros(3))
+    for coarsest in (_COARSE * leg_length, 30.0 * still):  # the sole may be known well: then few steps will do
+        delta = np.zeros(3)
+        for e in np.geomspace(coarsest, 0.3 * still, _ROUNDS):
+            residual = moved + turned @ delta
+            weight = 1.0 / (np.einsum("ni,ni->n", residual, residual) + e * e)
+            weighted = weight[:, None, None] * turned
+            normal = np.einsum("nij,nik->jk", turned, weighted) + 1e-9 * weight.sum() * np.eye(3)
+            delta = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, moved))
+        count = int(np.count_nonzero(norm(moved + turned @ delta) <= still))
+        if count > best[0] and np.linalg.norm(delta) <= _FAR * leg_length:
+            best = (count, delta)
+    rested, delta = best
     point = place + rotation.rotate(turn, offset + delta)
-    at_rest = np.asarray(planted[1:] & planted[:-1] & (np.linalg.norm(np.diff(point, axis=0), axis=1) <= still))
-    often = int(rests.sum()) >= max(4, _SHARE * len(few))
-    return at_rest if often or rows(at_rest, frame_time) else none
+    if rested < max(4, share * len(few)):
+        return none
+    return np.asarray(planted[1:] & planted[:-1] & (norm(np.diff(point, axis=0)) <= still))
 
 
-def rows(rests: Bools, frame_time: float) -> list[tuple[int, int]]:
-    """The rows of steps at rest, of steps (F - 1,), that are too long for chance."""
-    fewest = max(_FEWEST, round(_LOCKED / frame_time))
-    return [(start, end) for start, end in runs(rests) if end - start >= fewest]
+def locked(rests: Bools, hip: Floats, frame_time: float, leg_length: float) -> list[tuple[int, int]]:
+    """The rows of frames `[start, end)` in which a sole point rests while its hip (F, 3) [m] goes on.
 
-
-def locked(
-    rests: Mapping[int, Bools], feet: Sequence[Foot], frame_time: float, leg_length: float
-) -> dict[int, list[tuple[int, int]]]:
-    """For each sole point the frames `[start, end)` in which it rests while its hip goes on: so a program leaves it.
-
-    `rests` (F - 1,) of each as of `resting`.
+    So a program leaves it, if the steps (F - 1,) from `resting` rest far more exactly than slow feet do.
     """
-    found = {}
-    for foot in feet:
-        for e in foot.effectors:
-            found[e] = [
-                (start, end + 1)
-                for start, end in rows(rests[e], frame_time)
-                if norm(np.ptp(foot.hip[start : end + 1], axis=0)) > _GOES_ON * leg_length
-            ]
-    return found
+    fewest = max(_FEWEST, round(_LOCKED / frame_time))
+    return [
+        (start, end + 1)
+        for start, end in runs(rests)
+        if end - start >= fewest and norm(np.ptp(hip[start : end + 1], axis=0)) > _GOES_ON * leg_length
+    ]
 
 
 def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: PlantParams) -> Stance:

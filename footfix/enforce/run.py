@@ -66,14 +66,14 @@ class Enforcement:
         correction: what is to change in the clip.
         notes: what a person should know.
         contacts: the contacts without the frames at their edges in which the foot is still landing or gone.
-        belt: (x, y, z) [m/s] with which planted feet move on purpose, as on a treadmill; zero on a floor at rest.
+        ground: (F, 3) [m] how far the ground under planted feet has moved on purpose, as on a treadmill.
     """
 
     plants: tuple[Footplant, ...]
     correction: Correction
     notes: tuple[Note, ...]
     contacts: Contacts
-    belt: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    ground: Floats
 
 
 def enforce(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
@@ -149,7 +149,7 @@ def _held(
             continue
         stance = aimed(stance, ways[stance.leg], rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
-        stance = judged(stance, ways[stance.leg], clip.frame_time, rig.leg_length, params.plants)
+        stance = judged(stance, ways[stance.leg], rig.floor, clip.frame_time, rig.leg_length, params.plants)
         if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
             stance = stance.let_go("the file has no rotation channels for a joint of this leg")
         stands.append(stance)
@@ -186,9 +186,8 @@ def _held(
             stands, residual = narrower, outcomes.residual(rig, narrower, points)
     noticed = np.inf if params.method == "root" else params.plants.noticed * rig.leg_length
     plants = outcomes.footplants(rig, stands, residual, soft, offset, limit, noticed)
-    held_contacts, velocity = outcomes.held(contacts, rig, stands), (offset[0] - offset[-1]) / _duration(clip)
-    belt = (float(velocity[0]), 0.0, float(velocity[2]))
-    return Enforcement(plants, replace(correction, residual=residual), tuple(notes), held_contacts, belt)
+    held_contacts = outcomes.held(contacts, rig, stands)
+    return Enforcement(plants, replace(correction, residual=residual), tuple(notes), held_contacts, -ride)
 
 
 def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, proper: slice) -> Enforcement:
@@ -225,7 +224,9 @@ def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, pro
     for effector in found.contacts.effectors:
         moved = tuple(replace(c, start=c.start + start, end=c.end + start) for c in effector.contacts)
         held.append(replace(effector, contacts=moved))
-    return replace(found, plants=plants, correction=correction, contacts=replace(contacts, effectors=tuple(held)))
+    ground = np.pad(found.ground, around, mode="edge")
+    contacts = replace(contacts, effectors=tuple(held))
+    return replace(found, plants=plants, correction=correction, contacts=contacts, ground=ground)
 
 
 def _way_over(clip: Clip, rest: int, motion: int, between: slice) -> Floats:
@@ -253,20 +254,19 @@ def _with_the_roots_help(
     return shared
 
 
-def _duration(clip: Clip) -> float:
-    return max(len(clip) - 1, 1) * clip.frame_time
-
-
 def _ride(
     clip: Clip, rig: Rig, legs: Sequence[Foot], stands: Sequence[Stance], notes: list[Note], params: EnforceParams
 ) -> Floats:
     """(F, 3) [m] what takes the ground's own motion out of the tracks."""
     velocity = ground.belt(stands, legs, clip.frame_time, rig.leg_length, params.ground)
-    if np.any(velocity):
-        speed = float(np.linalg.norm(velocity))
-        text = f"the figure stays in place: planted feet are taken along at {speed:.2f} m/s, as on a belt"
+    rides = np.any(velocity != 0.0, axis=1)
+    if np.any(rides):
+        speed = float(np.median(norm(velocity[rides])))
+        where = "" if rides.all() else f" for {np.count_nonzero(rides) * clip.frame_time:.1f} s"
+        text = f"the figure stays in place{where}: planted feet are taken along at {speed:.2f} m/s, as on a belt"
         notes.append(Note("in-place", text))
-    return -np.arange(len(clip))[:, None] * clip.frame_time * velocity
+    # the frames before any ride are where they are
+    return -np.concatenate([np.zeros((1, 3)), np.cumsum(velocity[:-1] * clip.frame_time, axis=0)])
 
 
 def _rise(

@@ -67,7 +67,7 @@ def measure(
     contacts: Contacts,
     *,
     levels: Sequence[Floats] | None = None,
-    belt: Sequence[float] = AT_REST,
+    belt: Floats = AT_REST,
     pose: Pose | None = None,
 ) -> tuple[Measures, tuple[PlantMeasure, ...]]:
     """Measures a clip against its contacts.
@@ -78,8 +78,8 @@ def measure(
         contacts: which sole points are planted when.
         levels: the height of the floor under each contact [m], for each effector (contacts,); found from
             the plants themselves where it is not given.
-        belt: (x, y, z) [m/s] with which the floor itself moves under planted feet, as on a treadmill. Plants are
-            measured against it; measures from the literature know no belts.
+        belt: (3,) [m/s] with which the floor itself moves under planted feet, as on a treadmill, or (F, 3) [m] how
+            far it has moved. Plants are measured against it; measures from the literature know no belts.
         pose: forward kinematics of `rig.joints()`, if it is at hand.
 
     Returns:

@@ -18,7 +18,7 @@ from footfix.rig.rig import Rig
 # cleanup, SCA 2011.
 NOTICED_MM = 21.0
 
-AT_REST = (0.0, 0.0, 0.0)  # [m/s] of a floor that does not move
+AT_REST = np.zeros(3)  # [m/s] of a floor that does not move
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, 
 
 
 def measure_plants(
-    clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, levels: Sequence[Floats], belt: Sequence[float] = AT_REST
+    clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, levels: Sequence[Floats], belt: Floats = AT_REST
 ) -> tuple[PlantMeasure, ...]:
     """The measures of every contact.
 
@@ -88,13 +88,14 @@ def measure_plants(
         contacts: which of them are planted when.
         pose: forward kinematics of `rig.joints()`.
         levels: for each effector (contacts,) [m] the height of the floor under each of its contacts.
-        belt: (x, y, z) [m/s] with which the floor itself moves, as under an in-place cycle.
+        belt: (3,) [m/s] with which the floor itself moves, as under an in-place cycle, or (F, 3) [m] how far it has.
 
     Returns:
         One measure a contact, effector by effector, in order of time.
     """
     found: list[PlantMeasure] = []
-    carried = np.arange(len(clip))[:, None] * clip.frame_time * np.asarray(belt)  # (F, 3) [m]
+    belt = np.asarray(belt)
+    carried = belt if belt.ndim == 2 else np.arange(len(clip))[:, None] * clip.frame_time * belt  # (F, 3) [m]
     for sole, effector, heights in zip(rig.soles, contacts.effectors, levels, strict=True):
         counted = np.array([contact.wish != "forbid" for contact in effector.contacts], dtype=np.bool_)
         if not np.any(counted):
