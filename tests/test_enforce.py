@@ -345,7 +345,7 @@ def test_feet_side_by_side_stand_on_one_floor(
     ]
     whole = Contact(0, len(made.clip), 1.0)
     contacts = replace(made.contacts, effectors=tuple(replace(e, contacts=(whole,)) for e in made.contacts.effectors))
-    params = PlantParams(off=0.0)  # what they are off the floor, not all of the clip is
+    params = PlantParams(hovers=0.0)  # what they are off the floor, not all of the clip is
     stands = stances(contacts, legs, made.clip.frame_time, rig.leg_length, params)
     found = levelled(stands, legs, rig.floor, rig.leg_length, params)
     wanted = [0.0 if floor is None else snap + floor for floor in floors]

@@ -28,8 +28,8 @@ class GroundParams:
 
     belt: float = 0.15  # planted feet that all move at least this fast, in a figure that stays, are on a belt
     belt_spread: float = 0.3  # how far they may differ from each other, as a share of that speed
-    plants: int = 8  # one after the other that make a belt, where the figure is not on it all the time,
-    walk: float = 0.5  # and that they move at least as fast
+    belt_plants: int = 8  # one after the other that make a belt, where the figure is not on it all the time,
+    belt_walk: float = 0.5  # and that they move at least as fast
     lift: float = 0.005  # leg lengths that all plants must be off the floor for the whole figure to be moved
     agree: float = 0.8  # share of plants that must agree, within half of that
 
@@ -59,16 +59,16 @@ def belt(
     if common is not None:
         return velocity + common
     on_belt = np.zeros(len(rides), dtype=np.bool_)
-    for k in range(len(rides) - params.plants + 1):
-        some = rides[k : k + params.plants]
+    for k in range(len(rides) - params.belt_plants + 1):
+        some = rides[k : k + params.belt_plants]
         start, end = min(ride.start for ride in some), max(ride.end for ride in some)
         travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)
-        common = _common(some, travel, params.walk * leg_length, params)
+        common = _common(some, travel, params.belt_walk * leg_length, params)
         if common is not None and len({ride.leg for ride in some}) > 1:
             speed = float(np.linalg.norm(common))
             near = [float(np.linalg.norm(ride.velocity - common)) < params.belt_spread * speed for ride in some]
             if np.mean(near) >= _MOST:
-                on_belt[k : k + params.plants] |= near
+                on_belt[k : k + params.belt_plants] |= near
     for first, last in runs(_without_gaps(on_belt, _OUTLIERS)):
         some = rides[first:last]
         velocity[min(ride.start for ride in some) : max(ride.end for ride in some)] = _centre(some)
