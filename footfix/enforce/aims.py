@@ -113,8 +113,9 @@ def judged(
     if not any(plant.given for plant in stance.plants) and abs(stance.level - floor) > params.air * leg_length:
         heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants])
         if np.median(np.abs(heights - np.median(heights))) > params.steady * leg_length:
-            by, above = 1000.0 * np.ptp(heights), 1000.0 * (stance.level - floor)
-            return stance.let_go(f"no stand: it moves up and down by {by:.0f} mm, {above:.0f} mm above the floor")
+            by, off = 1000.0 * np.ptp(heights), 1000.0 * (stance.level - floor)
+            where = f"{abs(off):.0f} mm {'above' if off > 0.0 else 'below'} the floor"
+            return stance.let_go(f"no stand: it moves up and down by {by:.0f} mm, {where}")
     for plant in stance.plants:
         if stance.pivots and plant.part != stance.pivots:
             continue
