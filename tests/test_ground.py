@@ -60,6 +60,7 @@ def test_a_figure_gets_on_a_belt_and_off() -> None:
     few = np.zeros(40)
     few[10:15] = 1.2  # a slide or two are none
     assert not np.any(belt(*steps(few)[::-1], 1.0 / FPS, LEG, GroundParams()))
+    assert not np.any(belt(*steps(np.array([0.0, 1.2, 1.2, 1.2, 0.0]))[::-1], 1.0 / FPS, LEG, GroundParams()))
     slow = np.where(speeds > 0.0, 0.3, 0.0)  # a figure that wanders while its hips stay
     assert not np.any(belt(*steps(slow)[::-1], 1.0 / FPS, LEG, GroundParams()))
 

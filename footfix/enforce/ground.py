@@ -17,6 +17,7 @@ from footfix.enforce.plants import Stance, centre
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.segments import middle
+from footfix.motion.vectors import norm
 
 _MOST = 0.75  # of the plants in a row must go with the belt,
 _OUTLIERS = 2  # and no more one after the other may not
@@ -58,8 +59,13 @@ def belt(
     common = _common(rides, (hips[-1] - hips[0]) / (frames * frame_time), params.belt * leg_length, params)
     if common is not None:
         return velocity + common
+    if len(rides) < params.belt_plants:
+        return velocity
     on_belt = np.zeros(len(rides), dtype=np.bool_)
-    for k in range(len(rides) - params.belt_plants + 1):
+    slow = (1.0 - params.belt_spread) * params.belt_walk * leg_length
+    quick = norm(np.array([ride.velocity for ride in rides])) > slow
+    many = np.convolve(quick, np.ones(params.belt_plants), mode="valid") >= _MOST * params.belt_plants
+    for k in np.flatnonzero(many).tolist():
         some = rides[k : k + params.belt_plants]
         start, end = min(ride.start for ride in some), max(ride.end for ride in some)
         travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)

@@ -181,15 +181,16 @@ def where_it_was(stance: Stance, foot: Foot) -> Stance:
 
 def _above(plant: Plant, stance: Stance, foot: Foot, params: PlantParams) -> str:
     """Why a plant is let go whose end is above the other one, as it is planted, for most of its frames; or nothing."""
-    both = np.zeros(len(foot), dtype=np.bool_)
+    both = np.zeros(plant.end - plant.start, dtype=np.bool_)
     for other in stance.plants:
         if other.part != plant.part:
-            both[max(plant.start, other.start) : min(plant.end, other.end)] = True
+            both[max(other.start - plant.start, 0) : max(other.end - plant.start, 0)] = True
     forced = plant.given or plant.contact.wish == "force"
     if forced or np.count_nonzero(both) < params.stands * (plant.end - plant.start):
         return ""
     part, other_part = ("heel", "ball") if plant.part == "heel" else ("ball", "heel")
-    span = (foot.heel - foot.ball if plant.part == "heel" else foot.ball - foot.heel)[both]
+    heel, ball = foot.heel[plant.frames][both], foot.ball[plant.frames][both]
+    span = heel - ball if plant.part == "heel" else ball - heel
     pitch = float(np.median(np.degrees(np.arctan2(span[:, 1], np.hypot(span[:, 0], span[:, 2])))))
     if pitch <= params.lies:
         return ""

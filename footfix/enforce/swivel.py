@@ -74,10 +74,11 @@ def _swivels(
     stance: Stance, foot: Foot, frame_time: float, params: PlantParams
 ) -> list[tuple[str, tuple[int, int]]]:
     """Which end goes around in which frames `[start, end)`."""
-    on = {part: np.zeros(len(foot), dtype=np.bool_) for part in ("heel", "toe")}
+    first, last = stance.frames.start, stance.frames.stop
+    on = {part: np.zeros(last - first, dtype=np.bool_) for part in ("heel", "toe")}
     for plant in stance.plants:
-        on[plant.part][plant.frames] = True
-    along = foot.ball - foot.heel
+        on[plant.part][plant.start - first : plant.end - first] = True
+    along = foot.ball[first:last] - foot.heel[first:last]
     found = []
     for start, end in runs(on["heel"] & on["toe"]):
         heading = np.unwrap(np.arctan2(along[start:end, 0], along[start:end, 2]))
@@ -88,8 +89,9 @@ def _swivels(
         if turned < _MOST_OF_IT * float(np.ptp(heading)):
             continue
         for a, b in spans:
-            ways = [_way(foot.point(part)[start + a : start + b]) for part in ("heel", "toe")]
-            found.append(("toe" if ways[0] < ways[1] else "heel", (start + a, start + b)))
+            span = first + start + a, first + start + b
+            ways = [_way(foot.point(part)[slice(*span)]) for part in ("heel", "toe")]
+            found.append(("toe" if ways[0] < ways[1] else "heel", span))
     return found
 
 
