@@ -19,7 +19,7 @@ from footfix.motion.contacts import runs
 from footfix.motion.segments import middle
 from footfix.motion.vectors import norm
 
-_MOST = 0.75  # of the plants in a row must go with the belt,
+_MOST = 0.7  # of their time plants must go with the belt,
 _OUTLIERS = 2  # and no more one after the other may not
 
 
@@ -72,9 +72,9 @@ def belt(
         common = _common(some, travel, params.belt_walk * leg_length, params)
         if common is not None and len({ride.leg for ride in some}) > 1:
             speed = float(np.linalg.norm(common))
-            near = [float(np.linalg.norm(ride.velocity - common)) < params.belt_spread * speed for ride in some]
-            if np.mean(near) >= _MOST:
-                on_belt[k : k + params.belt_plants] |= near
+            on_belt[k : k + params.belt_plants] |= [
+                float(np.linalg.norm(ride.velocity - common)) < params.belt_spread * speed for ride in some
+            ]
     for first, last in runs(_without_gaps(on_belt, _OUTLIERS)):
         some = rides[first:last]
         velocity[min(ride.start for ride in some) : max(ride.end for ride in some)] = _centre(some)
@@ -125,9 +125,9 @@ def _common(rides: Sequence[_Ride], travel: Floats, least: float, params: Ground
     common = _centre(rides)
     speed = float(np.linalg.norm(common))
     off = np.array([float(np.linalg.norm(ride.velocity - common)) for ride in rides])
-    spread = _weighted_median(off, np.array([ride.seconds for ride in rides]))
-    stays = max(spread, float(np.hypot(travel[0], travel[2]))) < params.belt_spread * speed
-    return common if stays and speed > least else None
+    near = float(np.average(off < params.belt_spread * speed, weights=[ride.seconds for ride in rides]))
+    stays = float(np.hypot(travel[0], travel[2])) < params.belt_spread * speed
+    return common if stays and near >= _MOST and speed > least else None
 
 
 def lift(stands: Sequence[Stance], legs: Sequence[Foot], leg_length: float, params: GroundParams) -> float:
@@ -142,9 +142,3 @@ def lift(stands: Sequence[Stance], legs: Sequence[Foot], leg_length: float, para
     common = float(np.median(lacks))
     agreeing = float(np.mean(np.abs(lacks - common) < 0.5 * abs(common)))
     return common if abs(common) > params.lift * leg_length and agreeing >= params.agree else 0.0
-
-
-def _weighted_median(values: Floats, weights: Floats) -> float:
-    order = np.argsort(values)
-    total = np.cumsum(weights[order])
-    return float(values[order[np.searchsorted(total, 0.5 * total[-1])]])
