@@ -125,9 +125,59 @@ def _on(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enfo
     return replace(found, correction=correction, notes=(*notes, *found.notes))
 
 
+@dataclass(frozen=True, eq=False)
+class _Set:
+    """What is to stand where, before anything holds it.
+
+    Args:
+        legs: their tracks, on the floor's own ground.
+        contacts: those of feet that swivel cut.
+        stands: the stances with their targets, among them those that are let go already.
+        ride, rise: (F, 3) and (3,) [m] what takes the ground's own motion, and a common error of height, out.
+        cleaned: whether the clip was cleaned before.
+        notes: what a person should know.
+    """
+
+    legs: tuple[Foot, ...]
+    contacts: Contacts
+    stands: list[Stance]
+    ride: Floats
+    rise: Floats
+    cleaned: bool
+    notes: list[Note]
+
+    @property
+    def held(self) -> list[Stance]:
+        return [stance for stance in self.stands if not all(plant.reason for plant in stance.plants)]
+
+    @property
+    def left(self) -> list[Stance]:
+        return [stance for stance in self.stands if all(plant.reason for plant in stance.plants)]
+
+
 def _held(
     clip: Clip, pose: Pose, legs: tuple[Foot, ...], rig: Rig, contacts: Contacts, params: EnforceParams
 ) -> Enforcement:
+    aims = _set(clip, pose, legs, rig, contacts, params)
+    hold = _by_root if params.method == "root" else _by_legs
+    done = hold(clip, rig, pose, aims, params)
+    stands = done.stands
+    residual = outcomes.residual(rig, stands, done.points)
+    limit, noticed = "the root alone holds one point at a time", np.inf
+    if params.method != "root":
+        limit, noticed = "the leg does not reach it", params.plants.noticed * rig.leg_length
+        narrower = tuple(exact(stance, residual, rig.leg_length, params.plants) for stance in stands)
+        if any(new is not old for new, old in zip(narrower, stands, strict=True)):
+            stands, residual = narrower, outcomes.residual(rig, narrower, done.points)
+    plants = outcomes.footplants(rig, stands, residual, done.soft, aims.ride + aims.rise, limit, noticed)
+    held = outcomes.held(aims.contacts, rig, stands)
+    return Enforcement(plants, replace(done.correction, residual=residual), tuple(aims.notes), held, -aims.ride)
+
+
+def _set(
+    clip: Clip, pose: Pose, legs: tuple[Foot, ...], rig: Rig, contacts: Contacts, params: EnforceParams
+) -> _Set:
+    """The stances of a clip and their targets."""
     found = stances(contacts, legs, clip.frame_time, rig.leg_length, params.plants)
     notes = _places_not_taken(contacts, found)
     ride = _ride(clip, rig, legs, found, notes, params)
@@ -140,7 +190,6 @@ def _held(
         contacts, found = swivelled(contacts, found, legs, params.plants)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
-    offset = ride + rise
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
     stands, ways = [], courses([stance for stance in found if not stance.released], legs, params.plants)
     for stance in levelled(found, legs, rig.floor, rig.leg_length, params.plants):
@@ -153,41 +202,36 @@ def _held(
         if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
             stance = stance.let_go("the file has no rotation channels for a joint of this leg")
         stands.append(stance)
-    if cleaned:
-        stands = as_rows(stands)
-    held = [stance for stance in stands if not all(plant.reason for plant in stance.plants)]
-    left = [stance for stance in stands if all(plant.reason for plant in stance.plants)]
-    limit = "the leg does not reach it"
-    if params.method == "root":
-        limit = "the root alone holds one point at a time"
-        shift = _root_shift(rig, pose, legs, held, clip.frame_time, params)
-        correction = Correction(rig.root, shift, (), np.zeros((len(clip), 0, 4)), np.zeros((len(clip), len(rig.soles))))
-        points = tuple(track + shift + offset for track in rig.tracks(pose))
-        stands = [_where_it_stands(stance, points) for stance in stands]
-        soft: tuple[Floats, ...] = tuple(np.zeros(len(clip)) for _ in legs)
+    return _Set(legs, contacts, as_rows(stands) if cleaned else stands, ride, rise, cleaned, notes)
+
+
+def _by_root(clip: Clip, rig: Rig, pose: Pose, aims: _Set, params: EnforceParams) -> Held:
+    """What the root alone holds; each stance where it stands after all."""
+    shift = _root_shift(rig, pose, aims.legs, aims.held, clip.frame_time, params)
+    nothing = np.zeros((len(clip), 0, 4)), np.zeros((len(clip), len(rig.soles)))
+    points = tuple(track + shift + aims.ride + aims.rise for track in rig.tracks(pose))
+    stands = tuple(_where_it_stands(stance, points) for stance in aims.stands)
+    soft = tuple(np.zeros(len(clip)) for _ in aims.legs)
+    return Held(Correction(rig.root, shift, (), *nothing), points, stands, soft)
+
+
+def _by_legs(clip: Clip, rig: Rig, pose: Pose, aims: _Set, params: EnforceParams) -> Held:
+    """What the legs hold, and the stances that are left."""
+    wanted = LegParams(
+        solver=params.solver, shares=params.method == "both", strength=params.strength, plants=params.plants,
+        ease=params.ease, reach=params.reach, root=params.root, judge=params.judge,
+    )  # fmt: skip
+    left = aims.left
+    if aims.cleaned:
+        done, hard = easily(clip, rig, pose, aims.legs, aims.held, wanted)
+        left += hard
     else:
-        wanted = LegParams(
-            solver=params.solver, shares=params.method == "both", strength=params.strength, plants=params.plants,
-            ease=params.ease, reach=params.reach, root=params.root, judge=params.judge,
-        )  # fmt: skip
-        if cleaned:
-            done, hard = easily(clip, rig, pose, legs, held, wanted)
-            left += hard
-        else:
-            done = _with_the_roots_help(clip, rig, pose, legs, held, notes, wanted)
-        correction, points, soft = done.correction, done.points, done.soft
-        stands = [*done.stands, *left]
-        if np.any(rise):
-            correction = replace(correction, root_shift=correction.root_shift + params.strength * rise)
-    residual = outcomes.residual(rig, stands, points)
-    if params.method != "root":
-        narrower = [exact(stance, residual, rig.leg_length, params.plants) for stance in stands]
-        if any(new is not old for new, old in zip(narrower, stands, strict=True)):
-            stands, residual = narrower, outcomes.residual(rig, narrower, points)
-    noticed = np.inf if params.method == "root" else params.plants.noticed * rig.leg_length
-    plants = outcomes.footplants(rig, stands, residual, soft, offset, limit, noticed)
-    held_contacts = outcomes.held(contacts, rig, stands)
-    return Enforcement(plants, replace(correction, residual=residual), tuple(notes), held_contacts, -ride)
+        done = _with_the_roots_help(clip, rig, pose, aims.legs, aims.held, aims.notes, wanted)
+    done = replace(done, stands=(*done.stands, *left))
+    if not np.any(aims.rise):
+        return done
+    rise = params.strength * aims.rise
+    return replace(done, correction=replace(done.correction, root_shift=done.correction.root_shift + rise))
 
 
 def _within(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, proper: slice) -> Enforcement:
