@@ -33,6 +33,7 @@ from footfix.errors import NoLegsError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.rig.find import find_rig, find_rigs
+from footfix.rig.soles import Foot, alike
 from footfix.rig.survey import AXES, survey
 
 ON_ONE_LEVEL = sorted(set(STYLES) - {"stairs", "stairs-down"})
@@ -429,3 +430,17 @@ def test_duplicate_names_are_no_matter() -> None:
     clip = walk().clip
     names = ["LeftFoot" if name == "RightFoot" else name for name in clip.skeleton.names]
     assert legs(find_rig(with_names(clip, names))) == known_legs(clip)
+
+
+def test_left_and_right_feet_are_alike() -> None:
+    def foot(height: float, *guessed: str, ahead: float = 0.16) -> Foot:
+        up, forward = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+        return Foot(up, forward, up, height, 0.04, 0.06, ahead, guessed)
+
+    left, right, paw = foot(0.144), foot(0.109), foot(0.2, ahead=0.05)
+    ends = ["", "", "front_"]
+    made = alike([left, right, paw], ends)
+    assert np.isclose(made[0].ankle_height, 0.1265) and made[0].ankle_height == made[1].ankle_height
+    assert made[2].ankle_height == 0.2 and made[0].up is left.up
+    sure, guess = alike([left, foot(0.095, "slope")], ["", ""])
+    assert sure.ankle_height == guess.ankle_height == 0.144

@@ -60,7 +60,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
         else soles.foot(seen, leg.ankle, leg.toe, facing, figure.length)
         for leg in legs
     ]
-    feet = soles.alike(feet, [leg.name.removesuffix(leg.side) for leg in legs], figure.length)
+    feet = soles.alike(feet, [leg.name.removesuffix(leg.side) for leg in legs])
     points, given = _points(seen, legs, feet, params.soles)
     level, others = _floor(seen, points, figure.length)
     if params.floor is not None:

@@ -204,8 +204,12 @@ def _seen_from(sample: Sample, joint: int, tracks: list[Floats], frames: Ints) -
     return [np.median(rotation.rotate(back, track[frames] - origin), axis=0) for track in tracks]
 
 
-def alike(feet: list[Foot], ends: list[str], leg: float) -> list[Foot]:
-    """The same feet; left and right of one end of the body get the mean of their measures, where those agree."""
+def alike(feet: list[Foot], ends: list[str]) -> list[Foot]:
+    """The same feet; left and right of one end of the body get the mean of their measures.
+
+    Nobody stands on one thick sole and one thin one: where a clip seems to tell so, one of its feet seldom lay flat.
+    What only one of them could tell is the other's, too.
+    """
     out = list(feet)
     for end in set(ends):
         pair = [i for i, own in enumerate(ends) if own == end]
@@ -214,10 +218,10 @@ def alike(feet: list[Foot], ends: list[str], leg: float) -> list[Foot]:
         a, b = (feet[i] for i in pair)
         if (a.up_at_toe is None) != (b.up_at_toe is None):
             continue
-        means = {name: 0.5 * (getattr(a, name) + getattr(b, name)) for name in _MEASURES}
-        agreed = {name: mean for name, mean in means.items() if abs(getattr(a, name) - mean) < 0.015 * leg}
+        sure = [foot for foot in (a, b) if not foot.guessed] or [a, b]
+        means = {name: sum(getattr(foot, name) for foot in sure) / len(sure) for name in _MEASURES}
         for i in pair:
-            out[i] = replace(feet[i], **agreed)
+            out[i] = replace(feet[i], **means)
     return out
 
 
