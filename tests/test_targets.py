@@ -125,3 +125,23 @@ def test_a_foot_that_was_held_and_catches_up_darts() -> None:
     turn = rotation.from_rotation_vector(np.array([0.3, -1.0, 0.5]))
     assert np.allclose(dart_of(rotation.rotate(turn, captured), rotation.rotate(turn, held), 0.01), dart)
     assert not np.any(dart_of(captured, captured, 0.01) > 0.0)
+
+
+def test_a_plant_that_jerks_the_leg_at_its_end_is_held_before() -> None:
+    plant = Plant(1, "toe", Contact(10, 60, 1.0), 10, 60, np.zeros(3))
+    still = [np.zeros((80, 3)), np.zeros((80, 3))]
+    hurry, most = np.zeros(80), np.full(80, 240.0)
+    hurry[56:59] = 500.0
+
+    def judged(beside: int = 0, around: int = 0) -> Plant:
+        stance = Stance(0, (plant,))
+        return let_go(stance, still, np.zeros(80), hurry, most, 0.9, PlantParams(), beside, around).plants[0]
+
+    assert "jerk" in judged().reason
+    held = judged(around=3)
+    assert (held.start, held.end, held.reason) == (10, 53, "")
+    hurry[:] = 0.0
+    hurry[66] = 500.0  # on the way from it
+    assert not judged().reason and "jerk" in judged(beside=8).reason
+    hurry[20:50:8] = 500.0  # all over it: nothing is left to hold
+    assert "jerk" in judged(around=3).reason

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.ease import ease_frames, running_maximum
-from footfix.enforce.plants import PlantParams, Stance, longest
+from footfix.enforce.plants import Plant, PlantParams, Stance, longest
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.vectors import norm
@@ -34,6 +34,7 @@ class JudgeParams:
     peel_share: float = 0.3  # but no more of the plant than this
     softness: tuple[float, ...] = (0.04, 0.08, 0.16)  # [s] then the hold's steps: slower slides are still held
     around: float = 0.05  # [s] on either side of such a frame
+    beside: float = 0.2  # [s] before and after a plant: a leg that hurries there comes from it or goes to it
     share: float = 0.25  # of the stands: where the legs would let go of more, the root moves with the feet
     most: float = 1.6  # times as fast, at a plant, before that is released
 
@@ -70,14 +71,18 @@ def let_go(
     most: Floats,
     leg_length: float,
     params: PlantParams,
+    beside: int = 0,
+    around: int = 0,
 ) -> Stance:
     """The stance with those plants released that still slide, held as softly as they are, or still hurry the leg.
 
-    `hurry` (F,) [deg/s] says by how much its joints turn faster than captured, `most` (F,) by how much they may.
+    `hurry` (F,) [deg/s] says by how much its joints turn faster than captured, `most` (F,) by how much they may; so
+    many frames `beside` a plant are its doing, too. With `around`, a plant that hurries the leg in places lets go of
+    so many frames on either side of them, if most are left.
     """
     plants = []
-    around = slice(max(stance.frames.start - 1, 0), stance.frames.stop + 1)
-    calm = not np.any(hurry[around] > most[around]) and not np.any(soft[around])
+    near = slice(max(stance.frames.start - 1, 0), stance.frames.stop + 1)
+    calm = not np.any(hurry[near] > most[near]) and not np.any(soft[near])
     for plant in stance.plants:
         off = norm(points[plant.effector][plant.frames] - plant.target)
         far = float(off.max())
@@ -88,12 +93,15 @@ def let_go(
         softened = bool(np.any(soft[plant.frames]))
         slides = softened and far > params.holds * leg_length
         slides = slides and held.stop - held.start < params.stands * (plant.contact.end - plant.contact.start)
-        own = slice(max(plant.start - 1, 0), plant.end + 1)
+        first, last = min(plant.start, plant.contact.start), max(plant.end, plant.contact.end)
+        own = slice(max(first - 1 - beside, 0), last + 1 + beside)
         hurries = hurry[own] > most[own]
         if plant.contact.wish == "force" or plant.kept or plant.reason or stance.pivots not in ("", plant.part):
             plants.append(plant)
         elif far > params.noticed * leg_length and not plant.given and not softened:
             plants.append(replace(plant, reason=f"out of reach: it would still be {1000.0 * far:.0f} mm away"))
+        elif np.any(hurries) and not plant.given and (rest := _calm_part(plant, hurry > most, around, params)):
+            plants.append(replace(plant, start=rest.start, end=rest.stop))
         elif np.any(hurries):
             fast, may = float(hurry[own][hurries].max()), float(most[own][hurries].min())
             why = f"{JERK}: as by {fast:.0f} degrees/s beyond its own speed, of {may:.0f} (enforce.judge.speed)"
@@ -110,6 +118,17 @@ def let_go(
         why = next(plant.reason for plant in plants if plant.part == stance.pivots)
         plants = [plant if plant.reason else replace(plant, reason=why) for plant in plants]  # it turned about that end
     return replace(stance, plants=tuple(plants))
+
+
+def _calm_part(plant: Plant, hurries: Bools, around: int, params: PlantParams) -> slice | None:
+    """The longest frames of a plant that are farther than `around` from any in which the leg hurries, if most are."""
+    if not around:
+        return None
+    first, last = max(plant.start - around - 1, 0), plant.end + around + 1
+    near = running_maximum(hurries[first:last].astype(np.float64), around) > 0.0
+    calm = longest(~near[plant.start - first : plant.end - first])
+    enough = calm.stop - calm.start >= max(params.stands * (plant.contact.end - plant.contact.start), 2)
+    return slice(plant.start + calm.start, plant.start + calm.stop) if enough else None
 
 
 def hurry_of(clip: Clip, turned: dict[int, Floats]) -> Floats:

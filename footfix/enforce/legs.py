@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.enforce.again import again
 from footfix.enforce.correction import Correction
-from footfix.enforce.ease import within_reach
+from footfix.enforce.ease import ease_frames, within_reach
 from footfix.enforce.foot import Foot
 from footfix.enforce.judge import JudgeParams, let_go, peeled
 from footfix.enforce.plants import Stance
@@ -75,11 +75,13 @@ def enforced(
                 stands, soft = changed
                 solved = again(clip, rig, pose, whole, stands, soft, where, solved, params)
         most = [params.judge.most * each for each in usual]
-        for last in (False, True, True):
+        cut, beside = (ease_frames(clip.frame_time, each) for each in (params.judge.around, params.judge.beside))
+        for last, around in ((False, 0), (True, cut), (True, cut), (True, 0), (True, 0)):
             hurried = [hurry > each for hurry, each in zip(solved.hurry, most, strict=True)]
             fewer = tuple(
                 let_go(
-                    s, solved.points, soft[s.leg], solved.hurry[s.leg], most[s.leg], rig.leg_length, params.plants
+                    s, solved.points, soft[s.leg], solved.hurry[s.leg], most[s.leg], rig.leg_length, params.plants,
+                    beside, around,
                 )
                 if last else peeled(s, hurried[s.leg], clip.frame_time, wide) for s in stands
             )  # fmt: skip
