@@ -81,7 +81,7 @@ def let_go(
     so many frames on either side of them, if most are left.
     """
     plants = []
-    near = slice(max(stance.frames.start - 1, 0), stance.frames.stop + 1)
+    near = slice(max(stance.frames.start - 1 - beside, 0), stance.frames.stop + 1 + beside)
     calm = not np.any(hurry[near] > most[near]) and not np.any(soft[near])
     for plant in stance.plants:
         off = norm(points[plant.effector][plant.frames] - plant.target)
