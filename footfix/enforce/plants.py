@@ -155,20 +155,26 @@ def stances(
     return found
 
 
-def lying(stands: Sequence[Stance], feet: Sequence[Foot], params: PlantParams) -> list[Stance]:
+def lying(
+    stands: Sequence[Stance], feet: Sequence[Foot], frame_time: float, params: PlantParams
+) -> list[Stance]:
     """The stances; and apart from them, let go, plants of an end that is far above the other while both are planted.
 
-    Levelled, such a foot would be slammed on the floor: one that rests on its heel, or kneels on its toes.
+    Levelled, such a foot would be slammed on the floor: one that rests on its heel, or kneels on its toes. And so are
+    plants of a frame or two, for which a foot that lands or leaves would stamp.
     """
     found = []
     for stance in stands:
-        reasons = ["" if stance.cleaned or stance.released else _above(plant, stance, feet[stance.leg], params)
-                   for plant in stance.plants]  # fmt: skip
+        reasons = [""] * len(stance.plants)
+        if not stance.cleaned and not stance.released:
+            foot = feet[stance.leg]
+            reasons = [_brief(p, frame_time, params) or _above(p, stance, foot, params) for p in stance.plants]
         if not any(reasons):
             found.append(stance)
             continue
         both = list(zip(stance.plants, reasons, strict=True))
-        found.append(replace(stance, plants=tuple(plant for plant, why in both if not why)))
+        if not all(reasons):
+            found.append(replace(stance, plants=tuple(plant for plant, why in both if not why)))
         found.append(replace(stance, plants=tuple(replace(plant, reason=why) for plant, why in both if why)))
     return found
 
@@ -177,6 +183,14 @@ def where_it_was(stance: Stance, foot: Foot) -> Stance:
     """The stance, let go before it was aimed anywhere, with the middle of where each plant was as its target."""
     plants = [replace(p, target=np.median(foot.point(p.part)[p.frames], axis=0)) for p in stance.plants]
     return replace(stance, plants=tuple(plants))
+
+
+def _brief(plant: Plant, frame_time: float, params: PlantParams) -> str:
+    """Why a plant is let go that is no more than a moment; or nothing."""
+    frames = plant.contact.end - plant.contact.start
+    if plant.given or plant.contact.wish == "force" or (frames > 1 and frames * frame_time >= params.shortest):
+        return ""
+    return f"too short to be a plant: {frames * frame_time:.3f} s"
 
 
 def _above(plant: Plant, stance: Stance, foot: Foot, params: PlantParams) -> str:

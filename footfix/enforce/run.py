@@ -186,7 +186,7 @@ def _set(
     if not params.again and params.style == StyleParams():
         found, cleaned = set_aside(pose, rig, contacts, legs, ride, found, notes, params.method, params.plants)
     if params.method != "root":
-        found = lying(found, legs, params.plants)
+        found = lying(found, legs, clip.frame_time, params.plants)
         contacts, found = swivelled(contacts, found, legs, params.plants)
     rise = _rise(clip, rig, legs, found, notes, params)
     legs = tuple(ground.carried(foot, rise) for foot in legs)
