@@ -100,7 +100,7 @@ def let_go(
             plants.append(plant)
         elif far > params.noticed * leg_length and not plant.given and not softened:
             plants.append(replace(plant, reason=f"out of reach: it would still be {1000.0 * far:.0f} mm away"))
-        elif np.any(hurries) and not plant.given and (rest := _calm_part(plant, hurry > most, around, params)):
+        elif np.any(hurries) and not plant.given and (rest := _calm_part(plant, hurry > most, around, beside, params)):
             plants.append(replace(plant, start=rest.start, end=rest.stop))
         elif np.any(hurries):
             fast, may = float(hurry[own][hurries].max()), float(most[own][hurries].min())
@@ -120,13 +120,19 @@ def let_go(
     return replace(stance, plants=tuple(plants))
 
 
-def _calm_part(plant: Plant, hurries: Bools, around: int, params: PlantParams) -> slice | None:
-    """The longest frames of a plant that are farther than `around` from any in which the leg hurries, if most are."""
+def _calm_part(plant: Plant, hurries: Bools, around: int, beside: int, params: PlantParams) -> slice | None:
+    """The longest frames of a plant that are farther than `around` from any in which the leg hurries, if most are.
+
+    Where it hurries beside the plant, twice as many frames at that edge are not among them.
+    """
     if not around:
         return None
     first, last = max(plant.start - around - 1, 0), plant.end + around + 1
     near = running_maximum(hurries[first:last].astype(np.float64), around) > 0.0
-    calm = longest(~near[plant.start - first : plant.end - first])
+    near = near[plant.start - first : plant.end - first]
+    near[: 2 * around] |= np.any(hurries[max(plant.start - 1 - beside, 0) : plant.start])
+    near[max(len(near) - 2 * around, 0) :] |= np.any(hurries[plant.end : plant.end + 1 + beside])
+    calm = longest(~near)
     enough = calm.stop - calm.start >= max(params.stands * (plant.contact.end - plant.contact.start), 2)
     return slice(plant.start + calm.start, plant.start + calm.stop) if enough else None
 

@@ -76,7 +76,7 @@ def enforced(
                 solved = again(clip, rig, pose, whole, stands, soft, where, solved, params)
         most = [params.judge.most * each for each in usual]
         cut, beside = (ease_frames(clip.frame_time, each) for each in (params.judge.around, params.judge.beside))
-        for last, around in ((False, 0), (True, cut), (True, cut), (True, 0), (True, 0)):
+        for last, around in ((False, 0), *[(True, cut)] * 3, (True, 0), (True, 0)):
             hurried = [hurry > each for hurry, each in zip(solved.hurry, most, strict=True)]
             fewer = tuple(
                 let_go(

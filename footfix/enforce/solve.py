@@ -148,9 +148,9 @@ def solution(
             else:
                 local = ik.local_rotations(clip, pose, foot, turns, turn)
                 turned = {joint: np.where(changed[:, None], q, clip.turn(joint)) for joint, q in local.items()}
-        new.update(turned)
         if aim.toe is not None and turned:
-            new[aim.toe.joint] = local_rotation(clip, aim.toe, turn, foot, aim.bend)
+            turned[aim.toe.joint] = local_rotation(clip, aim.toe, turn, foot, aim.bend)
+        new.update(turned)
         most = max(params.judge.dart, 1e-9) * rig.leg_length
         dart = dart_of(foot.ankle, ankle, clip.frame_time) / most if turned else np.zeros(len(clip))
         hurry.append(np.maximum(hurry_of(clip, turned), params.judge.speed * dart))
