@@ -32,6 +32,7 @@ class SteadyParams:
     share: float = 0.14  # of the calm leg's peak acceleration, what noise may still add to it; 0 steadies nothing
 
 
+_FEWEST = 24  # frames, of which noise can be told from motion
 _PEAK = 99.0  # [percentile] of a leg's accelerations
 _SETTLE = np.geomspace(0.002, 0.06, 30)  # [s] times that are tried, from what no noise needs to a third of a step
 
@@ -117,6 +118,8 @@ def steadied(
     Returns:
         The clip, the joints that turn otherwise in it, and a note; the same clip where no leg shakes.
     """
+    if len(clip) < _FEWEST:
+        return clip, (), ()
     settle = max(
         (settle_of(foot.ankle - foot.hip, clip.frame_time, rig.leg_length, params) for foot in legs), default=0.0
     )
