@@ -34,7 +34,9 @@ def levelled(
     free = [k for k, stance in enumerate(stands) if not (asked[k] or stance.cleaned or stance.released)]
     snap = params.snap * leg_length
     off = _off(own[free] - floor, params.hovers * leg_length)
-    level = np.where(np.minimum(np.abs(own - floor), np.abs(own - floor - off)) <= snap, floor, own)
+    near = np.minimum(np.abs(own - floor), np.abs(own - floor - off)) <= snap
+    sunk = (own < floor) & (own >= floor - params.sunk * leg_length)
+    level = np.where(near | sunk, floor, own)
     for group in _side_by_side([stands[k].frames for k in free], [stands[k].leg for k in free], own[free], snap):
         members = np.array(free)[group]
         if np.any(level[members] == floor) and np.any(level[members] != floor):

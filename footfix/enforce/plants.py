@@ -20,6 +20,7 @@ class PlantParams:
     """When a plant is corrected, and where it goes. Lengths in leg lengths."""
 
     snap: float = 0.045  # a plant nearer than this to the rig's floor stands on it; else on its own level (stairs)
+    sunk: float = 0.075  # or, below that floor, nearer than this: there are steps up, but hardly pits
     hovers: float = 0.06  # or nearer than that to where they all are, if that is no farther than this from the floor
     air: float = 0.1  # a plant that is farther off the rig's floor stands on a step, if it is steady:
     steady: float = 0.01  # if half the time it is no farther than this from its usual height; else it is in the air
