@@ -145,3 +145,19 @@ def test_a_plant_that_jerks_the_leg_at_its_end_is_held_before() -> None:
     assert not judged().reason and "jerk" in judged(beside=8).reason
     hurry[20:50:8] = 500.0  # all over it: nothing is left to hold
     assert "jerk" in judged(around=3).reason
+
+
+def test_no_knee_is_pushed_through_the_floor() -> None:
+    plant = Plant(1, "toe", Contact(10, 60, 1.0), 10, 60, np.zeros(3))
+    still = [np.zeros((80, 3)), np.zeros((80, 3))]
+    sunk = np.zeros(80)
+    sunk[30:33] = 0.05  # [m] deeper than captured
+
+    def judged(plant: Plant) -> str:
+        stance = Stance(0, (plant,))
+        return let_go(
+            stance, still, np.zeros(80), np.zeros(80), np.full(80, 240.0), 0.9, PlantParams(), sunk=sunk
+        ).plants[0].reason  # fmt: skip
+
+    assert "50 mm deeper into the floor" in judged(plant)
+    assert not judged(replace(plant, start=40)) and not judged(replace(plant, given=True))

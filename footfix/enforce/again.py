@@ -67,6 +67,7 @@ def again(
         },
         tuple(_joined(old, new, at, place) for old, new in zip(before.points, part.points, strict=True)),
         tuple(_joined(old, new, at, place) for old, new in zip(before.hurry, part.hurry, strict=True)),
+        tuple(_joined(old, new, at, place) for old, new in zip(before.sunk, part.sunk, strict=True)),
     )
 
 

@@ -73,20 +73,24 @@ def let_go(
     params: PlantParams,
     beside: int = 0,
     around: int = 0,
+    sunk: Floats | None = None,
 ) -> Stance:
     """The stance with those plants released that still slide, held as softly as they are, or still hurry the leg.
 
     `hurry` (F,) [deg/s] says by how much its joints turn faster than captured, `most` (F,) by how much they may; so
     many frames `beside` a plant are its doing, too. With `around`, a plant that hurries the leg in places lets go of
-    so many frames on either side of them, if most are left.
+    so many frames on either side of them, if most are left. `sunk` (F,) [m] says how much deeper than captured the
+    knee is below the floor: a kneeling figure is not pushed through it.
     """
     plants = []
     near = slice(max(stance.frames.start - 1 - beside, 0), stance.frames.stop + 1 + beside)
     calm = not np.any(hurry[near] > most[near]) and not np.any(soft[near])
+    deep = np.zeros(len(hurry)) if sunk is None else sunk
     for plant in stance.plants:
         off = norm(points[plant.effector][plant.frames] - plant.target)
         far = float(off.max())
-        if calm and far <= params.noticed * leg_length:
+        down = float(deep[plant.frames].max())
+        if calm and far <= params.noticed * leg_length and down <= params.knee_sink * leg_length:
             plants.append(plant)
             continue
         held = longest(off <= params.holds * leg_length)
@@ -98,6 +102,9 @@ def let_go(
         hurries = hurry[own] > most[own]
         if plant.contact.wish == "force" or plant.kept or plant.reason or stance.pivots not in ("", plant.part):
             plants.append(plant)
+        elif down > params.knee_sink * leg_length and not plant.given:
+            why = f"its knee would be pushed {1000.0 * down:.0f} mm deeper into the floor"
+            plants.append(replace(plant, reason=why))
         elif far > params.noticed * leg_length and not plant.given and not softened:
             plants.append(replace(plant, reason=f"out of reach: it would still be {1000.0 * far:.0f} mm away"))
         elif np.any(hurries) and not plant.given and (rest := _calm_part(plant, hurry > most, around, beside, params)):

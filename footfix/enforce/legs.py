@@ -81,7 +81,7 @@ def enforced(
             fewer = tuple(
                 let_go(
                     s, solved.points, soft[s.leg], solved.hurry[s.leg], most[s.leg], rig.leg_length, params.plants,
-                    beside, around,
+                    beside, around, solved.sunk[s.leg],
                 )
                 if last else peeled(s, hurried[s.leg], clip.frame_time, wide) for s in stands
             )  # fmt: skip

@@ -34,6 +34,7 @@ class PlantParams:
     off_floor: float = 0.025  # stands that rest, but on the whole farther than this from their floor, are moved to it
     low: float = 0.12  # an unplanted foot that is lower than this over the floor stays there when the figure moves
     sink: float = 0.0025  # what of a moving foot is deeper in the floor than this is lifted out of it
+    knee_sink: float = 0.03  # a plant that pushes the knee of its leg this much deeper into the floor is released
     toe_sink: float = 0.006  # toes of a planted foot that are deeper in the floor than this, and than flat, bend
     quiver: float = 0.0002  # toes that carry the ball to and fro in a foot that stands, by more than this, are stilled
     lies: float = 20.0  # [degrees] a foot that is pitched farther does not lie flat: its higher end is let go

@@ -33,12 +33,14 @@ class Solved:
         rotations: new local rotations (F, 4) by joint.
         points: (F, 3) [m] track of each sole point.
         hurry: for each leg (F,) [deg/s] by which its joints turn faster than captured; its foot counts along with them.
+        sunk: for each leg (F,) [m] how much deeper its knee is below the floor than captured.
     """
 
     shift: Floats
     rotations: dict[int, Floats]
     points: tuple[Floats, ...]
     hurry: tuple[Floats, ...]
+    sunk: tuple[Floats, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,7 +133,7 @@ def solution(
     shift, limits = _root_shift(clip, rig, legs, aims, params)
     new: dict[int, Floats] = {}
     points: list[Floats] = [np.zeros((0, 3))] * len(rig.soles)
-    hurry = []
+    hurry, sunk = [], []
     for k, (leg, aim) in enumerate(zip(legs, aims, strict=True)):
         foot = aim.foot
         goal, ankle = _reached(
@@ -139,10 +141,13 @@ def solution(
         )
         turn = goal.foot_turn(foot)
         turned: dict[int, Floats] = {}
+        deeper = np.zeros(len(clip))
         if leg.able and (np.any(goal.planted) or np.any(shift)):
             turns, ankle, changed = _bent(
                 leg.hinge, foot, goal, foot.hip + shift, ankle, clip.frame_time, rig.leg_length, params
             )
+            knee = foot.hip + shift + rotation.rotate(turns.swing, foot.knee - foot.hip)
+            deeper = _below(knee, goal.level) - _below(foot.knee, goal.level)
             if params.solver == "priorities":
                 turned = _by_priorities(clip, pose, foot, leg.hinge.axis, foot.hip + shift, ankle, turn, changed)
             else:
@@ -154,9 +159,15 @@ def solution(
         most = max(params.judge.dart, 1e-9) * rig.leg_length
         dart = dart_of(foot.ankle, ankle, clip.frame_time) / most if turned else np.zeros(len(clip))
         hurry.append(np.maximum(hurry_of(clip, turned), params.judge.speed * dart))
+        sunk.append(deeper)
         for e, at in zip(foot.effectors, (foot.heel_in_foot, foot.ball_in_foot), strict=True):
             points[e] = ankle + rotation.rotate(turn, at)
-    return Solved(shift, new, tuple(points), tuple(hurry))
+    return Solved(shift, new, tuple(points), tuple(hurry), tuple(sunk))
+
+
+def _below(place: Floats, level: Floats) -> Floats:
+    """(F,) [m] how far a place (F, 3) is below the floor (F,); nothing where nobody knows the floor."""
+    return np.maximum(np.where(np.isfinite(level), level, -np.inf) - place[:, 1], 0.0)
 
 
 @dataclass(frozen=True, eq=False)
