@@ -184,6 +184,14 @@ def test_both_solvers_clean_alike() -> None:
     assert np.abs(a.positions - b.positions).max() < 1e-4
 
 
+def test_the_priorities_of_a_clip_that_needs_nothing_are_no_trouble() -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    clip, _ = cleaned(made.clip, rig, made.contacts)
+    again, _ = cleaned(clip, rig, made.contacts, EnforceParams(solver="priorities"))
+    assert np.array_equal(again.rotations, clip.rotations)
+
+
 def with_twist(clip: Clip, rig: Rig) -> tuple[Clip, Rig]:
     """The same walk with a twist bone in each thigh, half way down, as game skeletons have."""
     skeleton = clip.skeleton

@@ -283,6 +283,8 @@ def _by_priorities(
     """The same from the prioritised solver: every joint of the chain that bends takes its part."""
     from footfix.enforce.priorities import leg_chain, solve  # seldom asked for
 
+    if not np.any(changed):
+        return {joint: clip.turn(joint) for joint in foot.leg.chain}
     chain = leg_chain(clip, pose, foot, axis, changed)
     chain = replace(chain, base=hip[changed])
     goal, foot_turn = ankle[changed], turn[changed]
