@@ -326,6 +326,23 @@ def test_legs_that_go_on_through_a_cut_are_not_cut() -> None:
     assert np.linalg.norm(np.diff(ankle[:10], axis=0), axis=1).max() < 0.002
 
 
+def test_contacts_of_a_frame_or_two_are_let_go() -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    frames = len(made.clip)
+    spans = {
+        "left_heel": [(0, 1), (60, 61), (100, 102)], "left_toe": [(0, frames)],
+        "right_heel": [(40, 60), (frames - 1, frames)],
+        "right_toe": [(40, 60), (frames - 3, frames)],
+    }  # fmt: skip
+    contacts = replace(made.contacts, method="auto", effectors=tuple(
+        replace(e, contacts=tuple(Contact(*span, 0.9) for span in spans[e.name])) for e in made.contacts.effectors
+    ))  # fmt: skip
+    _, found = cleaned(artefacts.wander(made.clip, 0.02), rig, contacts)
+    brief = {(p.effector, p.start) for p in found.plants if "too short" in p.reason}
+    assert brief == {("left_heel", 60), ("left_heel", 100)}  # those at the ends may go on beyond them
+
+
 @pytest.mark.parametrize(("left", "right", "floors"), [
     (-0.03, -0.05, (None, None)),
     (0.02, -0.015, (0.004, 0.004)),  # one would be drawn to the rig's floor, the other not

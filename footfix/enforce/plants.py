@@ -170,7 +170,10 @@ def lying(
         reasons = [""] * len(stance.plants)
         if not stance.cleaned and not stance.released:
             foot = feet[stance.leg]
-            reasons = [_brief(p, frame_time, params) or _above(p, stance, foot, params) for p in stance.plants]
+            reasons = [
+                _brief(plant, len(foot), frame_time, params) or _above(plant, stance, foot, params)
+                for plant in stance.plants
+            ]
         if not any(reasons):
             found.append(stance)
             continue
@@ -187,10 +190,12 @@ def where_it_was(stance: Stance, foot: Foot) -> Stance:
     return replace(stance, plants=tuple(plants))
 
 
-def _brief(plant: Plant, frame_time: float, params: PlantParams) -> str:
-    """Why a plant is let go that is no more than a moment; or nothing."""
+def _brief(plant: Plant, clip: int, frame_time: float, params: PlantParams) -> str:
+    """Why a plant is let go that is a moment only, and none that the clip, of so many frames, cuts off; or nothing."""
     frames = plant.contact.end - plant.contact.start
-    if plant.given or plant.contact.wish == "force" or (frames > 1 and frames * frame_time >= params.shortest):
+    goes_on = plant.contact.start == 0 or plant.contact.end == clip
+    forced = plant.given or plant.contact.wish == "force"
+    if forced or goes_on or (frames > 1 and frames * frame_time >= params.shortest):
         return ""
     return f"too short to be a plant: {frames * frame_time:.3f} s"
 
