@@ -76,7 +76,11 @@ def enforced(
                 solved = again(clip, rig, pose, whole, stands, soft, where, solved, params)
         most = [params.judge.most * each for each in usual]
         cut, beside = (ease_frames(clip.frame_time, each) for each in (params.judge.around, params.judge.beside))
-        for last, around in ((False, 0), *[(True, cut)] * 3, (True, 0), (True, 0)):
+        settled = None
+        for step in ((False, 0), *[(True, cut)] * 3, (True, 0), (True, 0)):
+            if step == settled:  # it changed nothing the time before
+                continue
+            last, around = step
             hurried = [hurry > each for hurry, each in zip(solved.hurry, most, strict=True)]
             fewer = tuple(
                 let_go(
@@ -86,6 +90,9 @@ def enforced(
                 if last else peeled(s, hurried[s.leg], clip.frame_time, wide) for s in stands
             )  # fmt: skip
             if all(new is old for new, old in zip(fewer, stands, strict=True)):
+                if last and not any(np.any(each) for each in hurried):
+                    break
+                settled = step
                 continue
             where = _differ(stands, fewer, soft, soft)
             stands = fewer
