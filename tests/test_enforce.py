@@ -345,8 +345,9 @@ def test_contacts_of_a_frame_or_two_are_let_go() -> None:
 
 @pytest.mark.parametrize(("left", "right", "floors"), [
     (-0.03, -0.05, (None, None)),
-    (0.02, -0.015, (0.004, 0.004)),  # one would be drawn to the rig's floor, the other not
-    (0.01, -0.02, (None, None)),
+    (0.013, -0.007, (0.0047, 0.0047)),  # one would be drawn to the rig's floor, the other not
+    (0.02, -0.015, (0.02, -0.015)),  # nor both, if they are uneven
+    (0.006, -0.012, (None, None)),
     (0.12, -0.01, (0.12, None)),  # a step apart
 ])  # fmt: skip
 def test_feet_side_by_side_stand_on_one_floor(

@@ -16,6 +16,7 @@ from footfix.motion.segments import distinct, middle
 from footfix.motion.vectors import norm
 
 _AGREE = 0.8  # of the stances: where so many are off the floor by about as much, the clip is
+_EVEN = 0.025  # leg lengths: feet side by side that differ by less are level
 _BESIDE = 0.6  # of the shorter stance: feet that stand so long together stand side by side
 
 
@@ -24,7 +25,8 @@ def levelled(
 ) -> list[Stance]:
     """The stances with the floor under each: the one asked for, the rig's, or its own where that is a step away.
 
-    Feet that stand side by side, and nearly level, stand on one floor: none is drawn to the rig's without the other.
+    Feet that stand side by side are not drawn to the rig's floor one without the other: if they are nearly level they
+    stand on one floor, otherwise each on its own, for levelled, one knee would have to bend.
     """
     own = np.array([_height(stance, feet[stance.leg]) for stance in stands])
     asked = [
@@ -42,7 +44,8 @@ def levelled(
         if np.any(level[members] == floor) and np.any(level[members] != floor):
             seconds = [stands[k].frames.stop - stands[k].frames.start for k in members]
             common = float(np.average(own[members], weights=seconds))
-            level[members] = floor if abs(common - floor) <= snap else common
+            even = np.ptp(own[members]) <= _EVEN * leg_length
+            level[members] = own[members] if not even else floor if abs(common - floor) <= snap else common
     found = []
     for k, stance in enumerate(stands):
         where = float(np.median(asked[k])) if asked[k] else float(level[k])
