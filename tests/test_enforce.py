@@ -326,6 +326,27 @@ def test_legs_that_go_on_through_a_cut_are_not_cut() -> None:
     assert np.linalg.norm(np.diff(ankle[:10], axis=0), axis=1).max() < 0.002
 
 
+def test_straight_legs_stay_straight_on_uneven_feet() -> None:
+    made = walk("stand")
+    rig = rig_of(made)
+    legs = []
+    for foot, up in zip(feet(rig, posed(made.clip, rig)), (0.03, 0.01), strict=True):
+        # the knee between hip and ankle, all of them as high as the foot is
+        whole = carried(replace(foot, knee=0.5 * (foot.hip + foot.ankle)), np.array([0.0, up, 0.0]))
+        legs.append(whole)
+    whole_clip = Contact(0, len(made.clip), 1.0)
+    contacts = replace(
+        made.contacts, effectors=tuple(replace(e, contacts=(whole_clip,)) for e in made.contacts.effectors)
+    )
+    stands = stances(contacts, legs, made.clip.frame_time, rig.leg_length, PlantParams())
+    level = [s.level - rig.floor for s in levelled(stands, legs, rig.floor, rig.leg_length, PlantParams())]
+    assert np.isclose(min(level), 0.0, atol=1e-6) and np.isclose(np.ptp(level), 0.02, atol=0.002)
+    bent = [replace(leg, knee=leg.knee + [0.0, 0.0, 0.05]) for leg in legs]
+    stands = stances(contacts, bent, made.clip.frame_time, rig.leg_length, PlantParams())
+    level = [s.level - rig.floor for s in levelled(stands, bent, rig.floor, rig.leg_length, PlantParams())]
+    assert np.allclose(level, 0.0)
+
+
 def test_contacts_of_a_frame_or_two_are_let_go() -> None:
     made = walk("stand")
     rig = rig_of(made)

@@ -17,6 +17,7 @@ from footfix.motion.vectors import norm
 
 _AGREE = 0.8  # of the stances: where so many are off the floor by about as much, the clip is
 _EVEN = 0.025  # leg lengths: feet side by side that differ by less are level
+_STRAIGHT, _LEGS_APART = 0.004, 0.015  # legs that lack so little to their length, on feet that differ by more
 _BESIDE = 0.6  # of the shorter stance: feet that stand so long together stand side by side
 
 
@@ -26,7 +27,8 @@ def levelled(
     """The stances with the floor under each: the one asked for, the rig's, or its own where that is a step away.
 
     Feet that stand side by side are not drawn to the rig's floor one without the other: if they are nearly level they
-    stand on one floor, otherwise each on its own, for levelled, one knee would have to bend.
+    stand on one floor, otherwise each on its own. Of two straight legs with their feet at different heights one would
+    have to bend, by 20 degrees for 12 mm: they stay so, on and above the floor.
     """
     own = np.array([_height(stance, feet[stance.leg]) for stance in stands])
     asked = [
@@ -41,16 +43,27 @@ def levelled(
     level = np.where(near | sunk, floor, own)
     for group in _side_by_side([stands[k].frames for k in free], [stands[k].leg for k in free], own[free], snap):
         members = np.array(free)[group]
-        if np.any(level[members] == floor) and np.any(level[members] != floor):
+        drawn, uneven = level[members] == floor, float(np.ptp(own[members])) / leg_length
+        straight = [_reserve(stands[k], feet[stands[k].leg]) < _STRAIGHT for k in members]
+        if uneven > _LEGS_APART and all(straight):  # the lowest on its floor, the others as far above it as captured
+            level[members] = own[members] + float(np.min(level[members])) - float(np.min(own[members]))
+        elif np.any(drawn) and not np.all(drawn):
             seconds = [stands[k].frames.stop - stands[k].frames.start for k in members]
             common = float(np.average(own[members], weights=seconds))
-            even = np.ptp(own[members]) <= _EVEN * leg_length
-            level[members] = own[members] if not even else floor if abs(common - floor) <= snap else common
+            level[members] = own[members] if uneven > _EVEN else floor if abs(common - floor) <= snap else common
     found = []
     for k, stance in enumerate(stands):
         where = float(np.median(asked[k])) if asked[k] else float(level[k])
         found.append(stance if stance.cleaned else replace(stance, level=where))
     return found
+
+
+def _reserve(stance: Stance, foot: Foot) -> float:
+    """What its leg usually lacks to its full length while it stands, as a share of it."""
+    t = stance.frames
+    return float(np.median(1.0 - norm(foot.ankle[t] - foot.hip[t]) / (
+        norm(foot.knee[t] - foot.hip[t]) + norm(foot.ankle[t] - foot.knee[t])
+    )))  # fmt: skip
 
 
 def _off(heights: Floats, most: float) -> float:
