@@ -234,8 +234,10 @@ def _stands_well(
         off = course.foot.point(plant.part)[plant.frames] - plant.target
         moves = stance.pivots not in ("", plant.part)
         slides = 0.0 if moves else float(np.hypot(off[:, 0], off[:, 2]).max()) / leg_length
-        fastest = float(np.hypot(*np.diff(off[:, [0, 2]], axis=0).T).max(initial=0.0)) / (frame_time * leg_length)
-        if slides > params.keep_slide or (slides > params.keep_slow and fastest > params.keep_speed):
+        speeds = np.hypot(*np.diff(off[:, [0, 2]], axis=0).T) / (frame_time * leg_length)
+        mean, fastest = (0.0, 0.0) if moves or not len(speeds) else (float(speeds.mean()), float(speeds.max()))
+        stirs = fastest > params.keep_speed or mean > params.keep_mean
+        if slides > params.keep_slide or (slides > params.keep_slow and stirs):
             return False
         if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
             return False

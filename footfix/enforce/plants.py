@@ -26,6 +26,7 @@ class PlantParams:
     steady: float = 0.01  # if half the time it is no farther than this from its usual height; else it is in the air
     keep_slide: float = 0.0009  # a plant that slides less, stands as level and turns as little, is left alone
     keep_speed: float = 0.011  # [leg lengths/s] if it is at no time faster than this,
+    keep_mean: float = 0.0012  # [leg lengths/s] and on the whole no faster than this,
     keep_slow: float = 0.0002  # or slides even less,
     keep_height: float = 0.006  # and is no farther than this from its floor
     keep_turn: float = 0.7  # [degrees]
