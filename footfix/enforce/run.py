@@ -192,13 +192,15 @@ def _set(
     legs = tuple(ground.carried(foot, rise) for foot in legs)
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
     stands, ways = [], courses([stance for stance in found if not stance.released], legs, params.plants)
+    # how fast a belt goes is not known to the millimetre a second
+    still = replace(params.plants, keep_mean=np.inf) if np.any(ride) else params.plants
     for stance in levelled(found, legs, rig.floor, rig.leg_length, params.plants):
         if stance.cleaned or stance.released:
             stands.append(stance if stance.cleaned else where_it_was(stance, legs[stance.leg]))
             continue
         stance = aimed(stance, ways[stance.leg], rig.leg_length, params.plants)
         stance = styled(stance, legs[stance.leg], names, rig.leg_length, params.style)
-        stance = judged(stance, ways[stance.leg], rig.floor, clip.frame_time, rig.leg_length, params.plants)
+        stance = judged(stance, ways[stance.leg], rig.floor, clip.frame_time, rig.leg_length, still)
         if params.method != "root" and not can_turn(clip, legs[stance.leg].leg):
             stance = stance.let_go("the file has no rotation channels for a joint of this leg")
         stands.append(stance)
