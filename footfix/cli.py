@@ -9,6 +9,7 @@ import gc
 import os
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,11 @@ def main() -> None:
     except KeyboardInterrupt:  # one more, on the way out
         _hear_no_more()
         code = INTERRUPTED
+    if code == INTERRUPTED:  # Python itself would end as killed, had it been at code from a string, as dataclasses are
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(code)
     sys.exit(code)
 
 
