@@ -9,7 +9,8 @@ import numpy as np
 
 from footfix.enforce.course import Course
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Plant, PlantParams, Stance
+from footfix.enforce.plants import Plant, PlantParams, Stance, agreement, heights, stiller, too_short
+from footfix.enforce.reach import reserve
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
 from footfix.motion.segments import distinct, middle
@@ -30,7 +31,7 @@ def levelled(
     stand on one floor, otherwise each on its own. Of two straight legs with their feet at different heights one would
     have to bend, by 20 degrees for 12 mm: they stay so, on and above the floor.
     """
-    own = np.array([_height(stance, feet[stance.leg]) for stance in stands])
+    own = np.array([middle(heights(stance.plants, feet[stance.leg])) for stance in stands])
     asked = [
         [plant.contact.position[1] for plant in stance.plants if plant.contact.position is not None]
         for stance in stands
@@ -41,10 +42,11 @@ def levelled(
     near = np.minimum(np.abs(own - floor), np.abs(own - floor - off)) <= snap
     sunk = (own < floor) & (own >= floor - params.sunk * leg_length)
     level = np.where(near | sunk, floor, own)
+    lacks = [reserve(foot) for foot in feet]
     for group in _side_by_side([stands[k].frames for k in free], [stands[k].leg for k in free], own[free], snap):
         members = np.array(free)[group]
         drawn, uneven = level[members] == floor, float(np.ptp(own[members])) / leg_length
-        straight = [_reserve(stands[k], feet[stands[k].leg]) < _STRAIGHT for k in members]
+        straight = [np.median(lacks[stands[k].leg][stands[k].frames]) < _STRAIGHT for k in members]
         if uneven > _LEGS_APART and all(straight):  # the lowest on its floor, the others as far above it as captured
             level[members] = own[members] + float(np.min(level[members])) - float(np.min(own[members]))
         elif np.any(drawn) and not np.all(drawn):
@@ -58,26 +60,12 @@ def levelled(
     return found
 
 
-def _reserve(stance: Stance, foot: Foot) -> float:
-    """What its leg usually lacks to its full length while it stands, as a share of it."""
-    t = stance.frames
-    return float(np.median(1.0 - norm(foot.ankle[t] - foot.hip[t]) / (
-        norm(foot.knee[t] - foot.hip[t]) + norm(foot.ankle[t] - foot.knee[t])
-    )))  # fmt: skip
-
-
-def _off(heights: Floats, most: float) -> float:
+def _off(above: Floats, most: float) -> float:
     """[m] by which the stances (N,) are off their floor on the whole, if they agree and it is no more than `most`."""
-    if not len(heights):
+    if not len(above):
         return 0.0
-    off = float(np.median(heights))
-    agree = float(np.mean(np.abs(heights - off) < 0.5 * abs(off)))
+    off, agree = agreement(above)
     return off if abs(off) <= most and agree >= _AGREE else 0.0
-
-
-def _height(stance: Stance, foot: Foot) -> float:
-    """[m] at which it stands as captured."""
-    return middle(np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants]))
 
 
 def _side_by_side(spans: Sequence[slice], legs: Sequence[int], heights: Floats, near: float) -> list[list[int]]:
@@ -127,11 +115,11 @@ def judged(
         return stance
     seconds = (stance.frames.stop - stance.frames.start) * frame_time
     if seconds < params.shortest and not any(plant.given for plant in stance.plants):
-        return stance.let_go(f"too short to be a plant: {seconds:.3f} s")
+        return stance.let_go(too_short(seconds))
     if not any(plant.given for plant in stance.plants) and abs(stance.level - floor) > params.air * leg_length:
-        heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in stance.plants])
-        if np.median(np.abs(heights - np.median(heights))) > params.steady * leg_length:
-            by, off = 1000.0 * np.ptp(heights), 1000.0 * (stance.level - floor)
+        at = heights(stance.plants, foot)
+        if np.median(np.abs(at - np.median(at))) > params.steady * leg_length:
+            by, off = 1000.0 * np.ptp(at), 1000.0 * (stance.level - floor)
             where = f"{abs(off):.0f} mm {'above' if off > 0.0 else 'below'} the floor"
             return stance.let_go(f"no stand: it moves up and down by {by:.0f} mm, {where}")
     for plant in stance.plants:
@@ -218,13 +206,16 @@ def _within_reach(stance: Stance, course: Course, leg_length: float, params: Pla
 
 def _pivots(stance: Stance, course: Course, params: PlantParams) -> str:
     """Which end a flat foot turns about, if it turns."""
-    flat = course.flat[stance.frames]
-    heading = course.heading[stance.frames]
-    if not any(end - start > 1 and np.ptp(heading[start:end]) >= np.radians(params.pivot) for start, end in runs(flat)):
+    if _turn(stance, course) < np.radians(params.pivot):
         return ""
-    places = [course.foot.point(part)[stance.frames][flat][:, [0, 2]] for part in ("heel", "toe")]
-    travel = [float(norm(each - each.mean(axis=0)).max()) for each in places]
-    return "heel" if travel[0] < travel[1] else "toe"
+    return stiller(course.foot, stance.frames.start + np.flatnonzero(course.flat[stance.frames]))
+
+
+def _turn(stance: Stance, course: Course) -> float:
+    """[rad] that it turns while the foot is flat, the most of all such times; below zero where it never is for long."""
+    heading = course.heading[stance.frames]
+    flat = [span for span in runs(course.flat[stance.frames]) if span[1] - span[0] > 1]
+    return max((float(np.ptp(heading[start:end])) for start, end in flat), default=-np.inf)
 
 
 def _stands_well(
@@ -241,8 +232,4 @@ def _stands_well(
             return False
         if np.abs(off[:, 1]).max() > params.keep_height * leg_length:
             return False
-    if stance.pivots:
-        return True
-    heading = course.heading[stance.frames]
-    turns = [float(np.ptp(heading[start:end])) for start, end in runs(course.flat[stance.frames])]
-    return bool(max(turns, default=0.0) <= np.radians(params.keep_turn))
+    return bool(stance.pivots) or _turn(stance, course) <= np.radians(params.keep_turn)

@@ -184,7 +184,7 @@ def sloped(x: Floats, most: float) -> Floats:
 
 def covered(need: Floats, width: int) -> Floats:
     """(F,) a smooth curve that is nowhere below `need` (F,), and 0 farther than four widths from where that is not."""
-    return _mean(_mean(running_maximum(need, 2 * width), width), width)
+    return _ended_mean(_ended_mean(running_maximum(need, 2 * width), width), width)
 
 
 def running_maximum(x: Floats, half: int) -> Floats:
@@ -197,12 +197,17 @@ def running_maximum(x: Floats, half: int) -> Floats:
     return np.asarray(np.maximum(padded[: len(x)], padded[width - size : width - size + len(x)]))
 
 
-def _mean(x: Floats, half: int) -> Floats:
+def _ended_mean(x: Floats, half: int) -> Floats:
+    """`running_mean`, ended where it has all but died away."""
+    mean = running_mean(x, half)
+    return np.where(mean > 1e-9, mean, 0.0)
+
+
+def running_mean(x: Floats, half: int) -> Floats:
     """The mean of each frame's neighbours within `half` frames; the ends go on beyond the clip."""
     padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
     width = 2 * half + 1
-    kernel_sum = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
-    return np.asarray(np.where(kernel_sum > 1e-9, kernel_sum, 0.0))
+    return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
 
 
 def gamma(u: Floats) -> Floats:

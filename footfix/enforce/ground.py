@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Stance, centre
+from footfix.enforce.plants import Stance, agreement, centre
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.segments import middle
@@ -56,9 +56,9 @@ def belt(
     if len(rides) < 4:
         return velocity
     hips = np.mean([foot.hip for foot in legs], axis=0)
-    common = _common(rides, (hips[-1] - hips[0]) / (frames * frame_time), params.belt * leg_length, params)
-    if common is not None:
-        return velocity + common
+    travel = (hips[-1] - hips[0]) / (frames * frame_time)
+    if _go_along(rides, travel, params.belt * leg_length, params) is not None:
+        return velocity + _centre(rides)
     if len(rides) < params.belt_plants:
         return velocity
     on_belt = np.zeros(len(rides), dtype=np.bool_)
@@ -69,12 +69,9 @@ def belt(
         some = rides[k : k + params.belt_plants]
         start, end = min(ride.start for ride in some), max(ride.end for ride in some)
         travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)
-        common = _common(some, travel, params.belt_walk * leg_length, params)
-        if common is not None and len({ride.leg for ride in some}) > 1:
-            speed = float(np.linalg.norm(common))
-            on_belt[k : k + params.belt_plants] |= [
-                float(np.linalg.norm(ride.velocity - common)) < params.belt_spread * speed for ride in some
-            ]
+        along = _go_along(some, travel, params.belt_walk * leg_length, params)
+        if along is not None and len({ride.leg for ride in some}) > 1:
+            on_belt[k : k + params.belt_plants] |= along
     for first, last in runs(_without_gaps(on_belt, _OUTLIERS)):
         some = rides[first:last]
         velocity[min(ride.start for ride in some) : max(ride.end for ride in some)] = _centre(some)
@@ -117,17 +114,17 @@ def _centre(rides: Sequence[_Ride]) -> Floats:
     return centre(np.array([ride.velocity for ride in rides]), np.array([ride.seconds for ride in rides]))
 
 
-def _common(rides: Sequence[_Ride], travel: Floats, least: float, params: GroundParams) -> Floats | None:
-    """(3,) [m/s] the velocity of these plants if they share one, while the hips, which go on by `travel`, stay.
+def _go_along(rides: Sequence[_Ride], travel: Floats, least: float, params: GroundParams) -> Bools | None:
+    """(N,) which of these plants go along with what is their common velocity, `least` [m/s] or more.
 
-    It is no less than `least` [m/s].
+    None where not most of them do, or the hips, which go on by `travel` (3,) [m/s], don't stay.
     """
     common = _centre(rides)
     speed = float(np.linalg.norm(common))
-    off = np.array([float(np.linalg.norm(ride.velocity - common)) for ride in rides])
-    near = float(np.average(off < params.belt_spread * speed, weights=[ride.seconds for ride in rides]))
+    near = np.array([float(np.linalg.norm(ride.velocity - common)) < params.belt_spread * speed for ride in rides])
+    most = float(np.average(near, weights=[ride.seconds for ride in rides])) >= _MOST
     stays = float(np.hypot(travel[0], travel[2])) < params.belt_spread * speed
-    return common if stays and near >= _MOST and speed > least else None
+    return near if stays and most and speed > least else None
 
 
 def lift(stands: Sequence[Stance], legs: Sequence[Foot], leg_length: float, params: GroundParams) -> float:
@@ -139,6 +136,5 @@ def lift(stands: Sequence[Stance], legs: Sequence[Foot], leg_length: float, para
     ])  # fmt: skip
     if len(lacks) < 3:
         return 0.0
-    common = float(np.median(lacks))
-    agreeing = float(np.mean(np.abs(lacks - common) < 0.5 * abs(common)))
+    common, agreeing = agreement(lacks)
     return common if abs(common) > params.lift * leg_length and agreeing >= params.agree else 0.0

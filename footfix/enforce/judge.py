@@ -149,10 +149,8 @@ def hurry_of(clip: Clip, turned: dict[int, Floats]) -> Floats:
     fastest = np.zeros(len(clip))
     for joint, q in turned.items():
         before, after = _steps(clip.turn(joint)), _steps(q)
-        around = np.maximum(before, np.maximum(np.append(before[1:], 0.0), np.append(0.0, before[:-1])))
-        more = np.degrees(after - around) / clip.frame_time
-        fastest[1:] = np.maximum(fastest[1:], more)
-        fastest[:-1] = np.maximum(fastest[:-1], more)
+        more = np.degrees(after - running_maximum(before, 1)) / clip.frame_time
+        fastest = np.maximum(fastest, _to_or_from(more))
     return fastest
 
 
@@ -161,14 +159,16 @@ def dart_of(captured: Floats, ankle: Floats, frame_time: float) -> Floats:
 
     A foot that was held while it slid has the whole way before it when it is let go.
     """
-    fastest = np.zeros(len(ankle))
     if len(ankle) < 2:
-        return fastest
+        return np.zeros(len(ankle))
     before, after = (norm(np.diff(track, axis=0)) / frame_time for track in (captured, ankle))
-    more = after - running_maximum(before, ease_frames(frame_time, _THEREABOUTS))
-    fastest[1:] = np.maximum(fastest[1:], more)
-    fastest[:-1] = np.maximum(fastest[:-1], more)
-    return fastest
+    return _to_or_from(after - running_maximum(before, ease_frames(frame_time, _THEREABOUTS)))
+
+
+def _to_or_from(steps: Floats) -> Floats:
+    """(F,) the larger of the steps (F - 1,) to and from each frame; zero where neither is above."""
+    ends = np.concatenate([[0.0], steps, [0.0]])
+    return np.asarray(np.maximum(np.maximum(ends[1:], ends[:-1]), 0.0))
 
 
 def _steps(q: Floats) -> Floats:

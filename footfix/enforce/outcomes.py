@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant, Outcome
 from footfix.enforce.judge import JERK
-from footfix.enforce.plants import Plant, Stance
+from footfix.enforce.plants import Plant, Stance, turns_about
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.vectors import norm
@@ -64,7 +64,7 @@ def _outcome(
     if plant.reason:
         return "released", plant.reason
     if stance.pivots and plant.part != stance.pivots:
-        return "released", f"the foot turns on the floor, about its {'ball' if stance.pivots == 'toe' else 'heel'}"
+        return "released", turns_about(stance.pivots)
     if plant.kept:
         return "kept", ""
     if far <= 0.002 * leg_length:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from footfix.enforce.foot import Foot
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import Contact, Contacts, runs
 from footfix.motion.segments import centres, segments
 from footfix.motion.vectors import norm
@@ -122,6 +122,15 @@ class Stance:
         """The stance released; what is kept stays kept."""
         return replace(self, plants=tuple(p if p.kept else replace(p, reason=reason) for p in self.plants))
 
+    @cached_property
+    def flat(self) -> Bools:
+        """(n,) of its frames, in which both ends are planted."""
+        first = self.frames.start
+        on = {part: np.zeros(self.frames.stop - first, dtype=np.bool_) for part in ("heel", "toe")}
+        for plant in self.plants:
+            on[plant.part][plant.start - first : plant.end - first] = True
+        return np.asarray(on["heel"] & on["toe"])
+
     def parts(self, part: str) -> list[Plant]:
         """Its plants of one end of the foot."""
         return [plant for plant in self.plants if plant.part == part]
@@ -195,20 +204,15 @@ def _brief(plant: Plant, clip: int, frame_time: float, params: PlantParams) -> s
     """Why a plant is let go that is a moment only, and none that the clip, of so many frames, cuts off; or nothing."""
     frames = plant.contact.end - plant.contact.start
     goes_on = plant.contact.start == 0 or plant.contact.end == clip
-    forced = plant.given or plant.contact.wish == "force"
-    if forced or goes_on or (frames > 1 and frames * frame_time >= params.shortest):
+    if plant.given or goes_on or (frames > 1 and frames * frame_time >= params.shortest):
         return ""
-    return f"too short to be a plant: {frames * frame_time:.3f} s"
+    return too_short(frames * frame_time)
 
 
 def _above(plant: Plant, stance: Stance, foot: Foot, params: PlantParams) -> str:
     """Why a plant is let go whose end is above the other one, as it is planted, for most of its frames; or nothing."""
-    both = np.zeros(plant.end - plant.start, dtype=np.bool_)
-    for other in stance.plants:
-        if other.part != plant.part:
-            both[max(other.start - plant.start, 0) : max(other.end - plant.start, 0)] = True
-    forced = plant.given or plant.contact.wish == "force"
-    if forced or np.count_nonzero(both) < params.stands * (plant.end - plant.start):
+    both = stance.flat[plant.start - stance.frames.start : plant.end - stance.frames.start]
+    if plant.given or np.count_nonzero(both) < params.stands * (plant.end - plant.start):
         return ""
     part, other_part = ("heel", "ball") if plant.part == "heel" else ("ball", "heel")
     heel, ball = foot.heel[plant.frames][both], foot.ball[plant.frames][both]
@@ -266,6 +270,34 @@ def _still(
     for k, begin, end in zip(able, first.tolist(), last.tolist(), strict=True):
         spans[k] = (spans[k][0] + begin, spans[k][0] + end)
     return spans
+
+
+def too_short(seconds: float) -> str:
+    """Why what stands for so long [s] is let go."""
+    return f"too short to be a plant: {seconds:.3f} s"
+
+
+def turns_about(part: str) -> str:
+    """Why the other end of a foot is let go that turns about its "heel" or "toe"."""
+    return f"the foot turns on the floor, about its {'ball' if part == 'toe' else 'heel'}"
+
+
+def stiller(foot: Foot, frames: slice | Ints) -> str:
+    """Which end of a foot, "heel" or "toe", keeps nearer to where it is on the floor in these frames."""
+    places = [foot.point(part)[frames][:, [0, 2]] for part in ("heel", "toe")]
+    ways = [float(norm(each - each.mean(axis=0)).max()) for each in places]
+    return "heel" if ways[0] < ways[1] else "toe"
+
+
+def heights(plants: Sequence[Plant], foot: Foot) -> Floats:
+    """(N,) [m] of plants of a foot, in all of their frames."""
+    return np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants])
+
+
+def agreement(values: Floats) -> tuple[float, float]:
+    """What is common to values (N,), and the share of them that is off it by less than half of it."""
+    common = float(np.median(values))
+    return common, float(np.mean(np.abs(values - common) < 0.5 * abs(common)))
 
 
 def centre(points: Floats, weights: Floats | None = None) -> Floats:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Plant, PlantParams, Stance, longest
+from footfix.enforce.plants import Plant, PlantParams, Stance, agreement, heights, longest
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
@@ -108,8 +108,8 @@ def as_cleaned(stance: Stance, foot: Foot, rests: Mapping[int, Bools], params: P
     if len({t for core in cores for t in range(core.start, core.stop)}) < max(params.cleaned * frames, 3):
         return stance
     plants = tuple(_as_held(plant, foot, core) for plant, core in zip(stance.plants, cores, strict=True))
-    heights = np.concatenate([foot.point(plant.part)[plant.frames, 1] for plant in plants if plant.kept])
-    return replace(stance, plants=plants, level=float(np.median(heights)), cleaned=True)
+    level = float(np.median(heights([plant for plant in plants if plant.kept], foot)))
+    return replace(stance, plants=plants, level=level, cleaned=True)
 
 
 def new_since(stands: Sequence[Stance], rests: Sequence[bool]) -> list[int]:
@@ -141,9 +141,8 @@ def off_their_floor(stands: Sequence[Stance], floor: float, leg_length: float, p
     near = off[np.abs(off) <= params.snap]
     if not len(near):
         return False
-    common = float(np.median(near))
+    common, agree = agreement(near)
     # a whole clip is moved as a whole: where its stands disagree, their soles were found elsewhere than before
-    agree = float(np.mean(np.abs(near - common) < 0.5 * abs(common)))
     return abs(common) > params.off_floor and agree > 0.75
 
 

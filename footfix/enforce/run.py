@@ -188,13 +188,16 @@ def _set(
     if params.method != "root":
         found = lying(found, legs, clip.frame_time, params.plants)
         contacts, found = swivelled(contacts, found, legs, params.plants)
+    found = levelled(found, legs, rig.floor, rig.leg_length, params.plants)
     rise = _rise(clip, rig, legs, found, notes, params)
-    legs = tuple(ground.carried(foot, rise) for foot in legs)
+    if np.any(rise):
+        legs = tuple(ground.carried(foot, rise) for foot in legs)
+        found = levelled(found, legs, rig.floor, rig.leg_length, params.plants)
     names = {e: sole.name for e, sole in enumerate(rig.soles)}
     stands, ways = [], courses([stance for stance in found if not stance.released], legs, params.plants)
     # how fast a belt goes is not known to the millimetre a second
     still = replace(params.plants, keep_mean=np.inf) if np.any(ride) else params.plants
-    for stance in levelled(found, legs, rig.floor, rig.leg_length, params.plants):
+    for stance in found:
         if stance.cleaned or stance.released:
             stands.append(stance if stance.cleaned else where_it_was(stance, legs[stance.leg]))
             continue
@@ -282,7 +285,8 @@ def _way_over(clip: Clip, rest: int, motion: int, between: slice) -> Floats:
         turns = rotation.multiply(clip.rotations[between], rotation.inverse(clip.rotations[[other]]))
         return np.asarray(np.sqrt(np.mean(rotation.angle(turns) ** 2, axis=1)))
 
-    return np.where(far(rest) < _REST, 0.0, far(rest) / np.maximum(far(rest) + far(motion), 1e-9))
+    from_rest = far(rest)
+    return np.where(from_rest < _REST, 0.0, from_rest / np.maximum(from_rest + far(motion), 1e-9))
 
 
 def _with_the_roots_help(
@@ -321,7 +325,6 @@ def _rise(
     """(3,) [m] what takes a common error of height out of the tracks."""
     if params.method == "root" or not clip.skeleton.translates[rig.root]:
         return np.zeros(3)
-    stands = levelled(stands, legs, rig.floor, rig.leg_length, params.plants)
     rise = ground.lift(stands, legs, rig.leg_length, params.ground)
     if rise:
         text = f"the whole figure is {'raised' if rise > 0 else 'lowered'} by {1000.0 * abs(rise):.0f} mm to its floor"

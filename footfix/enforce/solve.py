@@ -134,6 +134,7 @@ def solution(
     new: dict[int, Floats] = {}
     points: list[Floats] = [np.zeros((0, 3))] * len(rig.soles)
     hurry, sunk = [], []
+    most = max(params.judge.dart, 1e-9) * rig.leg_length  # [m/s]
     for k, (leg, aim) in enumerate(zip(legs, aims, strict=True)):
         foot = aim.foot
         goal, ankle = _reached(
@@ -156,7 +157,6 @@ def solution(
         if aim.toe is not None and turned:
             turned[aim.toe.joint] = local_rotation(clip, aim.toe, turn, foot, aim.bend)
         new.update(turned)
-        most = max(params.judge.dart, 1e-9) * rig.leg_length
         dart = dart_of(foot.ankle, ankle, clip.frame_time) / most if turned else np.zeros(len(clip))
         hurry.append(np.maximum(hurry_of(clip, turned), params.judge.speed * dart))
         sunk.append(deeper)
@@ -167,7 +167,7 @@ def solution(
 
 def _below(place: Floats, level: Floats) -> Floats:
     """(F,) [m] how far a place (F, 3) is below the floor (F,); nothing where nobody knows the floor."""
-    return np.maximum(np.where(np.isfinite(level), level, -np.inf) - place[:, 1], 0.0)
+    return np.maximum(level - place[:, 1], 0.0)  # `levels` are -inf there
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,12 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.enforce.ease import ease_frames
+from footfix.enforce.ease import ease_frames, running_mean
 from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Plant, PlantParams, Stance
+from footfix.enforce.plants import Plant, PlantParams, Stance, stiller, turns_about
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Contact, Contacts, runs
-from footfix.motion.vectors import norm
 
 _SMOOTH = 0.1  # [s] over which the heading is averaged
 _FAST, _SLOW = 45.0, 15.0  # [degrees/s] a swivel is somewhere faster than this, and begins and ends with that
@@ -41,7 +40,7 @@ def swivelled(
     found: list[Stance] = []
     cuts: dict[tuple[int, int], list[Contact]] = {}
     for stance in stands:
-        if stance.cleaned or stance.released or any(p.given or p.contact.wish == "force" for p in stance.plants):
+        if stance.cleaned or stance.released or any(plant.given for plant in stance.plants):
             found.append(stance)
             continue
         held, gone = list(stance.plants), list[Plant]()
@@ -74,13 +73,10 @@ def _swivels(
     stance: Stance, foot: Foot, frame_time: float, params: PlantParams
 ) -> list[tuple[str, tuple[int, int]]]:
     """Which end goes around in which frames `[start, end)`."""
-    first, last = stance.frames.start, stance.frames.stop
-    on = {part: np.zeros(last - first, dtype=np.bool_) for part in ("heel", "toe")}
-    for plant in stance.plants:
-        on[plant.part][plant.start - first : plant.end - first] = True
-    along = foot.ball[first:last] - foot.heel[first:last]
+    first = stance.frames.start
+    along = foot.ball[stance.frames] - foot.heel[stance.frames]
     found = []
-    for start, end in runs(on["heel"] & on["toe"]):
+    for start, end in runs(stance.flat):
         heading = np.unwrap(np.arctan2(along[start:end, 0], along[start:end, 2]))
         if end - start < 3 or np.ptp(heading) < np.radians(params.pivot):
             continue
@@ -90,17 +86,14 @@ def _swivels(
             continue
         for a, b in spans:
             span = first + start + a, first + start + b
-            ways = [_way(foot.point(part)[slice(*span)]) for part in ("heel", "toe")]
-            found.append(("toe" if ways[0] < ways[1] else "heel", span))
+            found.append(("toe" if stiller(foot, slice(*span)) == "heel" else "heel", span))
     return found
 
 
 def _quick(heading: Floats, frame_time: float) -> list[tuple[int, int]]:
     """The frames `[start, end)` in which a heading (N,) [rad] swivels."""
     half = max(1, round(0.5 * _SMOOTH / frame_time))
-    padded = np.concatenate([np.full(half, heading[0]), heading, np.full(half, heading[-1])])
-    smooth = np.convolve(padded, np.full(2 * half + 1, 1.0 / (2 * half + 1)), mode="valid")
-    speed = np.degrees(np.abs(np.gradient(smooth))) / frame_time
+    speed = np.degrees(np.abs(np.gradient(running_mean(heading, half)))) / frame_time
     moves: Bools = speed > _SLOW
     return [
         (start, end)
@@ -109,19 +102,12 @@ def _quick(heading: Floats, frame_time: float) -> list[tuple[int, int]]:
     ]
 
 
-def _way(places: Floats) -> float:
-    """[m] how far places (N, 3) on the floor are from their mean."""
-    level = places[:, [0, 2]]
-    return float(norm(level - level.mean(axis=0)).max())
-
-
 def _cut(
     plants: Sequence[Plant], part: str, span: tuple[int, int], shortest: int
 ) -> tuple[list[Plant], list[Plant]]:
     """The plants without those frames of one end, and what was taken from them; pieces that are too short go along."""
     held, gone = [], []
-    other = "ball" if part == "heel" else "heel"
-    why = f"the foot turns on the floor, about its {other}"
+    why = turns_about("toe" if part == "heel" else "heel")
     for plant in plants:
         start, end = max(span[0], plant.start), min(span[1], plant.end)
         if plant.part != part or end <= start:
