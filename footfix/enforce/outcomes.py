@@ -1,4 +1,4 @@
-"""What became of each contact: how far from its target it stayed, and what a person is told about it."""
+"""What became of each footplant, read from the solution."""
 
 from __future__ import annotations
 
@@ -8,84 +8,61 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.enforce.footplant import Footplant, Outcome
-from footfix.enforce.judge import JERK
-from footfix.enforce.plants import Plant, Stance, turns_about
-from footfix.motion.clip import Floats
-from footfix.motion.contacts import Contacts
-from footfix.motion.vectors import norm
-from footfix.rig.rig import Rig
+from footfix.enforce.leg import POINTS, LegTracks, posed
+from footfix.enforce.pins import Floors
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
+
+_STANDS = 0.05  # [leg lengths/s] of slip: what moves less stands
+_PINNED = 0.0055  # [leg lengths] a plant that strays no farther over its whole contact is pinned
+_MOST = 0.5  # of its frames: a plant that stands in fewer is released
 
 
-def residual(rig: Rig, stands: Sequence[Stance], points: Sequence[Floats]) -> Floats:
-    """(F, E) [m] how far each sole point is from its target while it is held."""
-    residual = np.zeros((len(points[0]), len(rig.soles)))
-    for stance in stands:
-        if stance.pivots and not stance.released:  # the end that moves around has no place of its own
-            stance = replace(stance, plants=tuple(stance.parts(stance.pivots)))
-        for plant in stance.plants:
-            off = points[plant.effector][plant.frames] - plant.target
-            residual[plant.frames, plant.effector] = norm(off)
-    return residual
+def outcomes(
+    plants: Sequence[Footplant], legs: Sequence[LegTracks], x: Floats, columns: Sequence[slice], ground: Floats,
+    keep: Sequence[bool], floors: Floors, level: float, frame_time: float, leg_length: float,
+) -> tuple[Footplant, ...]:  # fmt: skip
+    """Say of each plant whether it was kept, stands, stands in part, or slides.
 
-
-def footplants(
-    rig: Rig,
-    stands: Sequence[Stance],
-    residual: Floats,
-    soft: Sequence[Floats],
-    offset: Floats,
-    limit: str,
-    noticed: float,
-) -> tuple[Footplant, ...]:
-    """What became of each contact, by effector and time.
-
-    `limit` says what keeps a plant off its target; one farther than `noticed` [m] from it is not held.
+    Args:
+        plants: as asked for.
+        legs: as captured.
+        x: (U, F) the solution.
+        columns: where each leg's unknowns stand in it.
+        ground: (F, 3) [m] displacement of the ground.
+        keep: for each plant whether it was to stay as it was.
+        floors: the heights the joints stand at.
+        level: [m] height of the rig's floor.
+        frame_time: [s].
+        leg_length: [m].
     """
-    made = []
-    softened = [bool(np.any(each)) for each in soft]
-    for stance in stands:
-        for plant in stance.plants:
-            far = float(residual[plant.frames, plant.effector].max())
-            why = JERK if softened[stance.leg] and np.any(soft[stance.leg][plant.frames]) else limit
-            outcome, reason = _outcome(stance, plant, far, why, rig.leg_length, noticed)
-            middle = (plant.start + plant.end) // 2
-            x, y, z = (float(v) for v in plant.target - offset[middle] * [1.0, 0.0, 1.0])
-            name, (start, end) = rig.soles[plant.effector].name, _span(plant)
-            made.append((plant.effector, Footplant(
-                name, start, end, plant.contact.confidence, (x, y, z), outcome, reason, far,
-            )))  # fmt: skip
-    made.sort(key=lambda pair: (pair[0], pair[1].start))
-    return tuple(plant for _, plant in made)
+    tracks = [posed(leg, x[:3], x[own], derive=False).places for leg, own in zip(legs, columns, strict=True)]
+    found = []
+    for plant in plants:
+        track = tracks[plant.leg][POINTS.index(plant.part)][:, plant.frames].T - ground[plant.frames]
+        slip = np.linalg.norm(np.diff(track, axis=0), axis=1)
+        still = slip <= _STANDS * leg_length * frame_time
+        held = tuple((plant.start + a, plant.start + b + 1) for a, b in runs(still))
+        on = np.append(still, still[-1:]) if len(still) else np.ones(1, dtype=np.bool_)
+        place = np.median(track[on] if np.any(on) else track, axis=0)
+        middle = ground[(plant.start + plant.end) // 2]
+        far = float(np.hypot(*(track - place)[:, [0, 2]].T).max())
+        outcome, reason = _outcome(bool(keep[plant.id]), still, far, leg_length, plant)
+        up = floors.rest[plant.effector] - level  # a plant stands where its sole does
+        x_, y, z = (place + middle).tolist()
+        found.append(replace(
+            plant, target=(x_, y - up, z), outcome=outcome, reason=reason, residual=far, held=held,
+        ))  # fmt: skip
+    return tuple(found)
 
 
-def _outcome(
-    stance: Stance, plant: Plant, far: float, why: str, leg_length: float, noticed: float
-) -> tuple[Outcome, str]:
-    if plant.reason:
-        return "released", plant.reason
-    if stance.pivots and plant.part != stance.pivots:
-        return "released", turns_about(stance.pivots)
-    if plant.kept:
+def _outcome(keep: bool, still: Bools, far: float, leg_length: float, plant: Footplant) -> tuple[Outcome, str]:
+    if keep:
         return "kept", ""
-    if far <= 0.002 * leg_length:
+    if far <= _PINNED * leg_length:
         return "pinned", ""
-    stays = f"stays up to {1000.0 * far:.0f} mm away: {why}"
-    return ("released" if far > noticed and not plant.given else "partly"), stays
-
-
-def _span(plant: Plant) -> tuple[int, int]:
-    """The frames that a plant was held in; those it was detected in, where it was released."""
-    return (plant.contact.start, plant.contact.end) if plant.reason else (plant.start, plant.end)
-
-
-def held(contacts: Contacts, rig: Rig, stands: Sequence[Stance]) -> Contacts:
-    """The contacts as they were held; those released or forbidden as they were given."""
-    held = {(p.effector, p.contact.start): _span(p) for stance in stands for p in stance.plants}
-    effectors = []
-    for e, effector in enumerate(contacts.effectors):
-        kept = []
-        for contact in effector.contacts:
-            start, end = held.get((e, contact.start), (contact.start, contact.end))
-            kept.append(replace(contact, start=start, end=end))
-        effectors.append(replace(effector, contacts=tuple(kept)))
-    return replace(contacts, effectors=tuple(effectors))
+    share = float(still.mean()) if len(still) else 0.0
+    slides = f"it slides by {1000.0 * far:.0f} mm in {np.count_nonzero(~still)} of {plant.end - plant.start} frames"
+    if share >= _MOST:
+        return "partly", f"{slides}: holding it there would cost more than the slide"
+    return "released", f"{slides}: holding it would cost more than the slide"

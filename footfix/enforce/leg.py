@@ -1,0 +1,352 @@
+"""A leg as captured, and where its sole points go when root, leg, knee, foot and toes are turned.
+
+Arrays have their components first and frames last, (3, F), so that each operation runs over contiguous memory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose
+from footfix.motion.vectors import cross as cross_rows
+from footfix.motion.vectors import dot, norm, unit
+from footfix.rig.rig import Leg, Rig
+
+# The unknowns of one leg and of the root, in the order of the state vector.
+ROOT = 3  # d: shift of the root [m]
+LEG = 8  # q (3): turn of the line from hip to ankle, k: flexion of the knee, w (3): turn of the foot, b: bend of the toes
+Q, K, W, B = slice(0, 3), 3, slice(4, 7), 7  # within a leg's eight
+POINTS = ("heel", "toe", "tip")
+
+_STRAIGHT = 0.4  # [sine] up to this bend the captured leg is too straight to say about which axis its knee flexes
+_STRETCHED = 3.6  # [degrees] of flexion: two equal bones at 99.95 % of their length
+_STRAIGHTEST = 1.0  # [percentile] of a clip's flexion that counts as its straightest knee
+
+
+@dataclass(frozen=True, eq=False)
+class LegCalibration:
+    """What is measured of a leg on the whole clip.
+
+    Args:
+        knee_axis: (3,) about which the knee flexes, in the hip joint's frame.
+        straightest: [rad] flexion of the knee where it is straightest, but for outliers.
+        toe_hinge: (3,) about which the toes turn up, in the ankle's frame.
+        noise: (3,) [rad] of each frame, in the line from hip to ankle, the knee, and the foot.
+    """
+
+    knee_axis: Floats
+    straightest: float
+    toe_hinge: Floats
+    noise: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class LegTracks:
+    """A leg as captured over F frames, in the world.
+
+    Args:
+        leg: its joints.
+        hip, ankle: (3, F) [m].
+        line: (3, F) unit vector from hip to ankle.
+        thigh, shank: (3, F) [m] from hip to knee, and from knee to ankle.
+        axis: (3, F) about which the knee flexes.
+        flexion: (F,) [rad] of the knee, 0 where it is straight, negative where it bends backwards.
+        least: (F,) [rad] the straightest that the knee may become.
+        reach: (3, F) coefficients c of D(k)^2 = c0 + c1 cos k + c2 sin k, the distance from hip to ankle [m^2].
+        points: heel and toe (and tip, where the toes have one), (3, F) [m] each: heel and toe from the ankle, the
+            tip from the toe.
+        toe_hinge: (3, F) about which the toes bend.
+        bends: whether the file can bend the toes.
+        turns: whether the file can turn hip, knee and ankle.
+    """
+
+    leg: Leg
+    hip: Floats
+    ankle: Floats
+    line: Floats
+    thigh: Floats
+    shank: Floats
+    axis: Floats
+    flexion: Floats
+    least: Floats
+    reach: Floats
+    points: tuple[Floats, ...]
+    toe_hinge: Floats
+    bends: bool
+    turns: bool
+
+    def place(self, point: int) -> Floats:
+        """(3, F) [m] track of a sole point as captured."""
+        own = self.ankle + self.points[min(point, 1)]
+        return own + self.points[2] if point == 2 else own
+
+    def frames(self, which: slice | Sequence[int]) -> LegTracks:
+        """The leg in some frames only."""
+        some = {
+            name: np.ascontiguousarray(getattr(self, name)[..., which])
+            for name in ("hip", "ankle", "line", "thigh", "shank", "axis", "flexion", "least", "reach", "toe_hinge")
+        }
+        points = tuple(np.ascontiguousarray(each[:, which]) for each in self.points)
+        return LegTracks(self.leg, **some, points=points, bends=self.bends, turns=self.turns)
+
+
+def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
+    """Measure what enforcement needs to know of each leg over the whole clip.
+
+    Args:
+        rig: its legs.
+        pose: of the clip, from `posed`.
+        clip: F frames, metres, y up.
+    """
+    found = []
+    for k, leg in enumerate(rig.legs):
+        hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
+        thigh, shank, hip_turn = knee - hip, ankle - knee, pose.rotation(leg.hip)
+        in_thigh = rotation.rotate(rotation.inverse(hip_turn), cross_rows(unit(thigh), unit(shank)))
+        usual = in_thigh.sum(axis=0)
+        heel, toe = (pose.point(s.joint, np.array(s.offset)) for s in rig.soles if s.leg == k)
+        if np.linalg.norm(usual) <= 0.01 * len(clip):  # a leg that is never bent: its shank goes away from the toes
+            across = cross_rows(thigh, heel - toe)
+            usual = rotation.rotate(rotation.inverse(hip_turn), unit(across)).sum(axis=0)
+        axis = _axis(thigh, shank, hip_turn, unit(usual))
+        flexion = _flexion(thigh, shank, axis)
+        straightest = float(np.percentile(flexion, _STRAIGHTEST))
+        up = np.array([0.0, 1.0, 0.0])
+        ahead = unit((toe - heel) * [1.0, 0.0, 1.0])
+        hinge = rotation.rotate(rotation.inverse(pose.rotation(leg.ankle)), cross_rows(ahead, up[None])).sum(axis=0)
+        length = np.median(norm(ankle - hip))
+        noise = np.array([
+            noise_of((ankle - hip) / length), noise_of(flexion[:, None]), noise_of(unit(toe - ankle)),
+        ])  # fmt: skip
+        found.append(LegCalibration(unit(usual), straightest, unit(hinge), noise))
+    return tuple(found)
+
+
+def noise_of(track: Floats) -> float:
+    """Estimate the standard deviation of what is new in every frame of a track (F, D), along one axis.
+
+    By the median of fourth differences, in which motion hardly shows and steps and strikes, being few, don't count.
+    Source: the difference-based estimator of J. von Neumann et al., Annals of Mathematical Statistics 12 (1941).
+    """
+    if len(track) < 9:
+        return 0.0
+    fourth = np.abs(np.diff(track, n=4, axis=0))
+    # 0.6745: of a normal distribution; 70 = 1 + 16 + 36 + 16 + 1 times a frame's variance
+    deviation = np.median(fourth, axis=0) / 0.6745
+    return float(np.sqrt(np.mean(deviation**2) / 70.0))
+
+
+def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibration]) -> tuple[LegTracks, ...]:
+    """Lay out the legs of a clip for the optimisation.
+
+    Args:
+        clip: F frames, metres, y up.
+        rig: its legs.
+        pose: of the clip, from `posed`.
+        calibration: one a leg.
+    """
+    found = []
+    for k, (leg, known) in enumerate(zip(rig.legs, calibration, strict=True)):
+        hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
+        thigh, shank = knee - hip, ankle - knee
+        axis = _axis(thigh, shank, pose.rotation(leg.hip), known.knee_axis)
+        flexion = _flexion(thigh, shank, axis)
+        least = np.minimum(flexion, max(known.straightest, np.radians(_STRETCHED)))
+        # D(k)^2 = |thigh|^2 + |shank|^2 + 2 thigh . R(axis, k) shank
+        along = dot(thigh, axis) * dot(shank, axis)
+        reach = np.stack([
+            dot(thigh, thigh) + dot(shank, shank) + 2.0 * along,
+            2.0 * (dot(thigh, shank) - along),
+            2.0 * dot(thigh, cross_rows(axis, shank)),
+        ])  # fmt: skip
+        points, bends = _points(clip, rig, pose, k)
+        found.append(LegTracks(
+            leg, *(np.ascontiguousarray(each.T) for each in (hip, ankle, unit(ankle - hip), thigh, shank, axis)),
+            flexion, least, reach, tuple(np.ascontiguousarray(each.T) for each in points),
+            np.ascontiguousarray(rotation.rotate(pose.rotation(leg.ankle), known.toe_hinge).T), bends,
+            bool(np.all(clip.skeleton.rotates[[leg.hip, leg.knee, leg.ankle]])),
+        ))  # fmt: skip
+    return tuple(found)
+
+
+def _axis(thigh: Floats, shank: Floats, hip_turn: Floats, usual: Floats) -> Floats:
+    """(F, 3) unit axis in the world about which the knee flexes, at right angles to the thigh.
+
+    Where the leg is bent it is the normal of the captured leg's plane. Where it is straight the normal means
+    nothing, and the axis the knee has on the whole, fixed in the thigh, leads over.
+    """
+    normal = cross_rows(unit(thigh), unit(shank))  # as long as the sine of the flexion
+    usual_in_world = rotation.rotate(hip_turn, usual)
+    c = dot(normal, usual_in_world)
+    aside = normal - c[:, None] * usual_in_world
+    square = c * c + _STRAIGHT**2
+    axis = np.sqrt(square)[:, None] * usual_in_world + (c * np.abs(c) / square)[:, None] * aside
+    along = unit(thigh)
+    return unit(axis - dot(axis, along)[:, None] * along)
+
+
+def _flexion(thigh: Floats, shank: Floats, axis: Floats) -> Floats:
+    """(F,) [rad] how far the knee is bent about its axis (F, 3)."""
+    in_plane = shank - dot(shank, axis)[:, None] * axis
+    return np.arctan2(dot(axis, cross_rows(thigh, in_plane)), dot(thigh, in_plane))
+
+
+def _points(clip: Clip, rig: Rig, pose: Pose, k: int) -> tuple[tuple[Floats, ...], bool]:
+    """Heel and toe seen from the ankle, the tip seen from the toe, (F, 3) [m] each, and whether the toes bend."""
+    leg, skeleton = rig.legs[k], clip.skeleton
+    ankle = pose.position(leg.ankle)
+    heel, ball = (pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles if sole.leg == k)
+    if leg.toe is None:
+        return (heel - ankle, ball - ankle), False
+    # G §4: the effector is the metatarsal joint itself, which is what the skin of the toes hangs on
+    toe = pose.position(leg.toe)
+    ends = np.flatnonzero(skeleton.end_parents == leg.toe)
+    offset = skeleton.end_offsets[ends[0]] if len(ends) else np.zeros(3)
+    below_foot = leg.ankle in skeleton.ancestors(int(skeleton.parents[leg.toe]))
+    if float(np.linalg.norm(offset)) < 0.01 * rig.leg_length or not below_foot:
+        return (heel - ankle, toe - ankle), False
+    return (heel - ankle, toe - ankle, pose.point(leg.toe, offset) - toe), bool(skeleton.rotates[leg.toe])
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """Sole points of a leg in a state, and their derivatives.
+
+    Args:
+        places: for each point (3, F) [m] in the world.
+        jacobians: for each point (3, 11, F) [m/m] and [m/rad] by the root's three unknowns, then the leg's eight;
+            none where they were not asked for.
+    """
+
+    places: tuple[Floats, ...]
+    jacobians: tuple[Floats, ...]
+
+
+def posed(leg: LegTracks, root: Floats, x: Floats, *, derive: bool = True) -> Posed:
+    """Put the sole points of a leg where a state has them.
+
+    ankle = hip + d + exp(q) line D(k),   point = ankle + exp(w) p,   tip = ankle + exp(w) (p + R(hinge, b) t)
+
+    Args:
+        leg: as captured, F frames.
+        root: (3, F) [m] shift of the root.
+        x: (8, F) [rad] the leg's unknowns.
+        derive: whether the derivatives are wanted.
+    """
+    q, k, w, b = x[Q], x[K], x[W], x[B]
+    c0, c1, c2 = leg.reach
+    distance = np.sqrt(np.maximum(c0 + c1 * np.cos(k) + c2 * np.sin(k), 1e-12))
+    line = turned(q, leg.line)
+    ankle = leg.hip + root + line * distance
+    arms = [turned(w, each) for each in leg.points[:2]]
+    toes = []
+    if len(leg.points) > 2:
+        toes = [turned(w, turned(b * leg.toe_hinge, leg.points[2]))]
+        arms.append(arms[1] + toes[0])
+    places = tuple(ankle + arm for arm in arms)
+    if not derive:
+        return Posed(places, ())
+    frames = len(k)
+    by_ankle = np.zeros((3, ROOT + LEG, frames))
+    by_ankle[range(3), range(3)] = 1.0
+    by_ankle[:, ROOT : ROOT + 3] = _swept(q, line * distance)
+    by_ankle[:, ROOT + K] = line * ((c2 * np.cos(k) - c1 * np.sin(k)) / (2.0 * distance))  # dD/dk
+    jacobians = []
+    for n, arm in enumerate(arms):
+        by = by_ankle.copy()
+        by[:, ROOT + 4 : ROOT + 7] = _swept(w, arm)
+        if n == 2:
+            by[:, ROOT + B] = cross(turned(w, leg.toe_hinge), toes[0])
+        jacobians.append(by)
+    return Posed(places, tuple(jacobians))
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """(3, F) vector products."""
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def turned(vector: Floats, v: Floats) -> Floats:
+    """(3, F) the vectors v (3, F), turned by rotation vectors (3, F) [rad] (Rodrigues)."""
+    square = vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2
+    if not np.any(square):
+        return v
+    angle = np.sqrt(square)
+    once = cross(vector, v)
+    # sin(x) / x and (1 - cos x) / x^2 = (sin(x/2) / (x/2))^2 / 2
+    return v + np.sinc(angle / np.pi) * once + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * cross(vector, once)
+
+
+def _swept(vector: Floats, v: Floats) -> Floats:
+    """(3, 3, F) derivative of `turned` with the result v (3, F) by its rotation vector: columns J_l(vector)_j x v.
+
+    J_l = I + (1 - cos x) / x^2 [vector] + (x - sin x) / x^3 [vector]^2, the left Jacobian of the exponential map.
+    """
+    square = vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2
+    angle = np.sqrt(square)
+    first = 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2
+    second = np.where(angle > 1e-3, (1.0 - np.sinc(angle / np.pi)) / np.maximum(square, 1e-12), 1.0 / 6.0)
+    out = np.empty((3, 3, v.shape[1]))
+    for j in range(3):
+        e = np.zeros_like(v)
+        e[j] = 1.0
+        once = cross(vector, e)
+        out[:, j] = cross(e + first * once + second * cross(vector, once), v)
+    return out
+
+
+def local_rotations(clip: Clip, pose: Pose, leg: LegTracks, x: Floats) -> dict[int, Floats]:
+    """New local rotations (F, 4) of hip, knee, ankle and toe joint; what lies between them keeps its own.
+
+    Args:
+        clip: as captured.
+        pose: of the clip.
+        leg: as captured.
+        x: (8, F) [rad] the leg's unknowns.
+    """
+    joints, parents = leg.leg, clip.skeleton.parents
+    swing, bend = leg_turns(leg, x)
+    thigh = swing  # T1, of everything from the hip down to the knee
+    shank = rotation.multiply(swing, bend)  # T2, from the knee down to the ankle
+    foot = rotation.from_rotation_vector(x[W].T)
+    new = {}
+    for joint, above, turn in ((joints.hip, None, thigh), (joints.knee, thigh, shank), (joints.ankle, shank, foot)):
+        new[joint] = _local(pose, joint, int(parents[joint]), above, turn)
+    if joints.toe is not None and leg.bends:
+        toes = rotation.multiply(foot, rotation.from_rotation_vector((x[B] * leg.toe_hinge).T))
+        new[joints.toe] = _local(pose, joints.toe, int(parents[joints.toe]), foot, toes)
+    return new
+
+
+def leg_turns(leg: LegTracks, x: Floats) -> tuple[Floats, Floats]:
+    """(F, 4), (F, 4) what turns thigh and knee together about the hip, and the shank about the knee before that."""
+    bend = rotation.from_rotation_vector((x[K] * leg.axis).T)
+    reached = leg.thigh.T + rotation.rotate(bend, leg.shank.T)
+    # the line from hip to ankle keeps its direction while the knee bends
+    back = rotation.between(reached, leg.line.T)
+    return rotation.multiply(rotation.from_rotation_vector(x[Q].T), back), bend
+
+
+def _local(pose: Pose, joint: int, parent: int, above: Floats | None, turn: Floats) -> Floats:
+    """(F, 4) the local rotation of a joint that is turned in the world, below a parent that is turned by `above`."""
+    world = rotation.multiply(turn, pose.rotation(joint))
+    if parent < 0:
+        return rotation.normalize(world)
+    frame = pose.rotation(parent) if above is None else rotation.multiply(above, pose.rotation(parent))
+    return rotation.normalize(rotation.multiply(rotation.inverse(frame), world))
+
+
+def stretch(leg: LegTracks, x: Floats) -> Floats:
+    """(F,) [m] from hip to ankle in a state."""
+    c0, c1, c2 = leg.reach
+    return np.sqrt(np.maximum(c0 + c1 * np.cos(x[K]) + c2 * np.sin(x[K]), 1e-12))
+
+
+def bone_length(leg: LegTracks) -> Floats:
+    """(F,) [m] of thigh and shank together."""
+    return norm(leg.thigh.T) + norm(leg.shank.T)

@@ -1,0 +1,276 @@
+"""Pins: what is to stand in which frames, how surely, and how high its floor is.
+
+A pin belongs to a point of the foot: the heel, the toe joint, or the tip of the toes. Contacts say when it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.leg import POINTS, LegTracks
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import Contacts, runs
+from footfix.motion.segments import segments
+from footfix.rig.rig import Rig
+
+_BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
+_FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
+_RESTS = 0.0025  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
+_RESTING = 0.6  # of its frames in which a plant rests whose other frames are left as they are, too
+
+
+@dataclass(frozen=True, kw_only=True)
+class PinParams:
+    """When a plant is corrected, and what of it is held. Lengths in leg lengths."""
+
+    keep_slide: float = 0.0022  # [leg lengths] a plant that slides no farther (2 mm of a grown-up), and
+    keep_height: float = 0.0055  # [leg lengths] that is no farther than this from its floor, stays as it is
+    edge: float = 0.015  # [s] at both ends of a detected contact in which the foot may still land or leave
+    edge_weight: float = 0.05  # of a pin's weight at the outermost frame of these
+    tip: float = 0.3  # weight of the toes' tip against that of the toe joint
+    near: float = 0.067  # [leg lengths] a plant nearer than this to the floor stands on it, else on a step of its own
+    sink: float = 0.0033  # [leg lengths] how deep a point may be in the floor, if it was not captured deeper
+    asked: float = 0.12  # [leg lengths] a place that labels ask for farther away is not taken, unless forced
+
+
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """What one point of a foot is to do, over F frames.
+
+    Args:
+        hold: (F - 1,) how much a metre of slip from each frame to the next counts, 1 for a sure contact.
+        slip: (3, F - 1) [m] the slip that is none: the ground's own, or the captured one of a plant that is kept.
+        stands: (F,) whether it is planted.
+        level: (F,) [m] the height it is drawn to while it is planted.
+        draw: (F,) how much that counts, 0 or more.
+        lowest: (F,) [m] how low it may be.
+        place, placed: (3, F) [m] where labels or a style want it, and (F,) in which frames.
+    """
+
+    hold: Floats
+    slip: Floats
+    stands: Bools
+    level: Floats
+    draw: Floats
+    lowest: Floats
+    place: Floats
+    placed: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Floors:
+    """How high each sole point's joint is while it stands on the floor.
+
+    Args:
+        rest: (E,) [m] usual height of the toe joint, or of the heel, at rest.
+        tips: (legs,) [m] usual height of the toes' tip while the foot lies flat.
+        plants: for each plant, by its id, the height [m] its joint stands at.
+    """
+
+    rest: Floats
+    tips: Floats
+    plants: tuple[float, ...]
+
+
+def footplants(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
+    """Make a footplant of each contact; forbidden ones are none.
+
+    Args:
+        contacts: as detected or given, the effectors in the order of `rig.soles`.
+        rig: its sole points.
+    """
+    made: list[Footplant] = []
+    for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
+        for c in effector.contacts:
+            if c.wish != "forbid" and c.end > c.start:
+                made.append(Footplant(
+                    len(made), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence, c.wish == "force", c.position
+                ))  # fmt: skip
+    return tuple(made)
+
+
+def given(contacts: Contacts, plant: Footplant) -> bool:
+    """Whether somebody gave a contact, so that its ends are certain."""
+    return plant.force or (contacts.method in _BY_HAND and plant.confidence >= 1.0)
+
+
+def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, params: PinParams) -> Floors:
+    """Find the height at which each joint stands on its floor, from the heights at which it usually does.
+
+    Args:
+        plants: of the clip.
+        legs: as captured.
+        rig: its floor and soles.
+        params: what is near.
+    """
+    near = params.near * rig.leg_length
+    rest = np.array([nominal(rig, e) for e in range(len(rig.soles))])
+    own = [float(np.median(legs[p.leg].place(_point(p))[1, p.frames])) for p in plants]
+    for e in range(len(rest)):
+        mine = [p for p in plants if p.effector == e and abs(own[p.id] - rest[e]) < near]
+        if mine:
+            rest[e] = np.median(np.concatenate([legs[p.leg].place(_point(p))[1, p.frames] for p in mine]))
+    on = stands(plants, len(legs[0].flexion), len(legs))
+    tips = np.zeros(len(legs))
+    for k, leg in enumerate(legs):
+        flat = on[k, 0] & on[k, 1]
+        if len(leg.points) > 2:
+            frames = flat if np.any(flat) else on[k, 1] if np.any(on[k, 1]) else np.ones_like(flat)
+            tips[k] = np.median(leg.place(2)[1, frames])
+    heights = tuple(float(rest[p.effector]) if abs(own[p.id] - rest[p.effector]) < near else own[p.id] for p in plants)
+    return Floors(rest, tips, heights)
+
+
+def nominal(rig: Rig, effector: int) -> float:
+    """[m] the height of a sole point's joint when the sole is on the rig's floor: a toe joint's own height above it."""
+    sole = rig.soles[effector]
+    at_joint = sole.part == "toe" and rig.legs[sole.leg].toe is not None
+    return rig.floor + (float(np.linalg.norm(sole.offset)) if at_joint else 0.0)
+
+
+def stands(plants: Sequence[Footplant], frames: int, legs: int) -> Bools:
+    """(legs, 2, F) whether heel and toe of each leg are planted."""
+    on = np.zeros((legs, 2, frames), dtype=np.bool_)
+    for plant in plants:
+        on[plant.leg, _point(plant), plant.frames] = True
+    return on
+
+
+def _point(plant: Footplant) -> int:
+    return POINTS.index(plant.part)
+
+
+def kept(
+    plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, frame_time: float,
+    leg_length: float, *, heights: bool, params: PinParams,
+) -> tuple[bool, ...]:  # fmt: skip
+    """Tell for each plant whether it stands well enough as it is.
+
+    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in most of its
+    frames as only what a program has put to rest does.
+
+    Args:
+        plants: of the clip.
+        legs: as captured.
+        ground: (F, 3) [m] displacement of the ground.
+        floors: from `floors`.
+        frame_time: [s].
+        leg_length: [m].
+        heights: whether heights count.
+        params: the tolerances.
+    """
+    found = [False] * len(plants)
+    for e in {plant.effector for plant in plants}:
+        own = [plant for plant in plants if plant.effector == e]
+        parts = segments([(p.start, p.end) for p in own])
+        point = _point(own[0])
+        track = (legs[own[0].leg].place(point).T - ground)[parts.frames]
+        middle = np.stack([parts.median(track[:, axis]) for axis in (0, 1, 2)], axis=1)
+        slide = parts.largest(np.hypot(*(track - middle[parts.owner])[:, [0, 2]].T))
+        off = np.abs(middle[:, 1] - np.array([floors.plants[p.id] for p in own]))
+        still = (slide <= params.keep_slide * leg_length) & (~np.bool_(heights) | (off <= params.keep_height * leg_length))
+        step = np.zeros(len(track))
+        step[1:] = np.linalg.norm(np.diff(track, axis=0), axis=1)
+        step[parts.starts] = 0.0
+        rests = parts.mean((step <= _RESTS * leg_length * frame_time).astype(np.float64)) >= _RESTING
+        for plant, keep in zip(own, (still | (rests & (parts.lengths > 3))).tolist(), strict=True):
+            found[plant.id] = keep
+    return tuple(found)
+
+
+def pins(
+    plants: Sequence[Footplant], leg: LegTracks, k: int, rig: Rig, ground: Floats, floors: Floors, keep: Sequence[bool],
+    by_hand: Sequence[bool], frame_time: float, *, heights: bool, params: PinParams,
+) -> tuple[Pins, ...]:  # fmt: skip
+    """Lay out what each point of a leg's foot is to do.
+
+    Args:
+        plants: of the clip.
+        leg: leg number `k` as captured.
+        k: which one it is.
+        rig: its soles and floor.
+        ground: (F, 3) [m] displacement of the ground.
+        floors: from `floors`.
+        keep: for each plant whether it stays as it is.
+        by_hand: for each plant whether its ends are certain.
+        frame_time: [s].
+        heights: whether plants are drawn to their floor.
+        params: the tolerances.
+    """
+    own = [plant for plant in plants if plant.leg == k]
+    effector = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
+    step = _floor_steps(own, floors, len(leg.flexion))
+    found = []
+    for point in range(len(leg.points)):
+        part = POINTS[min(point, 1)]
+        mine = [plant for plant in own if plant.part == part]
+        rest = floors.tips[k] if point == 2 else floors.rest[effector[part]]
+        found.append(_pins(mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params))
+    return tuple(found)
+
+
+def _pins(
+    own: Sequence[Footplant], leg: LegTracks, point: int, rest: float, step: Floats, ground: Floats, floors: Floors,
+    keep: Sequence[bool], by_hand: Sequence[bool], rig: Rig, frame_time: float, heights: bool, params: PinParams,
+) -> Pins:  # fmt: skip
+    frames = len(leg.flexion)
+    track = leg.place(point)  # (3, F) [m]
+    hold, stand = np.zeros(frames - 1), np.zeros(frames, dtype=np.bool_)
+    slip = np.diff(ground.T, axis=1)
+    level, draw = track[1].copy(), np.zeros(frames)
+    place, placed = np.zeros((3, frames)), np.zeros(frames)
+    for plant in own:
+        a, b = plant.start, plant.end
+        stand[a:b] = True
+        weight = _FORCED if plant.force else plant.confidence
+        weight *= params.tip if point == 2 else 1.0
+        ramp = np.ones(b - a - 1) if by_hand[plant.id] else _ramp(a, b, frames, frame_time, params)
+        hold[a : b - 1] = weight * ramp
+        draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
+        if keep[plant.id]:
+            slip[:, a : b - 1] = np.diff(track[:, a:b], axis=1)
+        elif point < 2:
+            level[a:b] = floors.plants[plant.id]
+        if plant.asked is not None and point < 2:
+            up = floors.plants[plant.id] - rig.floor - step[plant.start]
+            place[:, a:b] = np.array(plant.asked)[:, None] + np.array([0.0, up, 0.0])[:, None]
+            placed[a:b] = _FORCED if plant.force else 1.0
+            level[a:b], draw[a:b] = place[1, a:b], 0.0
+    if not heights or point == 2:
+        draw[:] = 0.0
+    lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)
+    return Pins(hold, slip, stand, level, draw, lowest, place, placed)
+
+
+def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParams) -> Floats:
+    """(n - 1,) weights of a contact's steps, less at its ends where the foot lands or leaves; none at a clip's own ends."""
+    steps = np.arange(end - start - 1)
+    soft = max(1, round(params.edge / frame_time))
+    soft = min(soft, len(steps) // 2)
+    ramp = np.ones(len(steps))
+    if soft:
+        rise = np.minimum(((np.arange(soft) + 0.5) / max(1, round(params.edge / frame_time))) ** 2 + params.edge_weight, 1.0)
+        if start > 0:
+            ramp[:soft] = rise
+        if end < frames:
+            ramp[-soft:] = np.minimum(ramp[-soft:], rise[::-1])
+    return ramp
+
+
+def _floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int) -> Floats:
+    """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
+    step = np.zeros(frames)
+    by_plant = sorted(((p.start, p.end, floors.plants[p.id] - floors.rest[p.effector]) for p in plants))
+    if not by_plant:
+        return step
+    known = np.full(frames, np.nan)
+    for start, end, high in by_plant:
+        known[start:end] = np.fmin(known[start:end], high)
+    for start, end in runs(np.isnan(known)):
+        sides = known[max(start - 1, 0)], known[min(end, frames - 1)]
+        known[start:end] = np.fmin(*sides)
+    return known
