@@ -21,7 +21,8 @@ from footfix.rig.rig import Leg, Rig
 ROOT = 3  # d: shift of the root [m]
 LEG = 8  # q (3): turn of the line from hip to ankle, k: flexion of the knee, w (3): turn of the foot, b: bend of the toes
 Q, K, W, B = slice(0, 3), 3, slice(4, 7), 7  # within a leg's eight
-POINTS = ("heel", "toe", "tip")
+POINTS = ("heel", "toe", "ankle", "tip")
+HEEL, TOE, ANKLE, TIP = range(4)
 
 _STRAIGHT = 0.4  # [sine] up to this bend the captured leg is too straight to say about which axis its knee flexes
 _STRETCHED = 3.6  # [degrees] of flexion: two equal bones at 99.95 % of their length
@@ -59,7 +60,7 @@ class LegTracks:
         least: (F,) [rad] the straightest that the knee may become.
         reach: (3, F) coefficients c of D(k)^2 = c0 + c1 cos k + c2 sin k, the distance from hip to ankle [m^2].
         points: heel and toe (and tip, where the toes have one), (3, F) [m] each: heel and toe from the ankle, the
-            tip from the toe.
+            tip from the toe. The ankle is a point, too.
         toe_hinge: (3, F) about which the toes bend.
         bends: whether the file can bend the toes.
         turns: whether the file can turn hip, knee and ankle.
@@ -82,8 +83,10 @@ class LegTracks:
 
     def place(self, point: int) -> Floats:
         """(3, F) [m] track of a sole point as captured."""
-        own = self.ankle + self.points[min(point, 1)]
-        return own + self.points[2] if point == 2 else own
+        if point == ANKLE:
+            return self.ankle
+        own = self.ankle + self.points[min(point, TOE)]
+        return own + self.points[2] if point == TIP else own
 
     def frames(self, which: slice | Sequence[int]) -> LegTracks:
         """The leg in some frames only."""
@@ -243,11 +246,11 @@ def posed(leg: LegTracks, root: Floats, x: Floats, *, derive: bool = True) -> Po
     distance = np.sqrt(np.maximum(c0 + c1 * np.cos(k) + c2 * np.sin(k), 1e-12))
     line = turned(q, leg.line)
     ankle = leg.hip + root + line * distance
-    arms = [turned(w, each) for each in leg.points[:2]]
-    toes = []
+    arms = [*(turned(w, each) for each in leg.points[:2]), np.zeros_like(ankle)]
+    toes = np.zeros_like(ankle)
     if len(leg.points) > 2:
-        toes = [turned(w, turned(b * leg.toe_hinge, leg.points[2]))]
-        arms.append(arms[1] + toes[0])
+        toes = turned(w, turned(b * leg.toe_hinge, leg.points[2]))
+        arms.append(arms[TOE] + toes)
     places = tuple(ankle + arm for arm in arms)
     if not derive:
         return Posed(places, ())
@@ -259,9 +262,10 @@ def posed(leg: LegTracks, root: Floats, x: Floats, *, derive: bool = True) -> Po
     jacobians = []
     for n, arm in enumerate(arms):
         by = by_ankle.copy()
-        by[:, ROOT + 4 : ROOT + 7] = _swept(w, arm)
-        if n == 2:
-            by[:, ROOT + B] = cross(turned(w, leg.toe_hinge), toes[0])
+        if n != ANKLE:
+            by[:, ROOT + 4 : ROOT + 7] = _swept(w, arm)
+        if n == TIP:
+            by[:, ROOT + B] = cross(turned(w, leg.toe_hinge), toes)
         jacobians.append(by)
     return Posed(places, tuple(jacobians))
 

@@ -40,7 +40,7 @@ def outcomes(
     found = []
     for plant in plants:
         track = tracks[plant.leg][POINTS.index(plant.part)][:, plant.frames].T - ground[plant.frames]
-        slip = np.linalg.norm(np.diff(track, axis=0), axis=1)
+        slip = np.hypot(*np.diff(track, axis=0)[:, [0, 2]].T)
         still = slip <= _STANDS * leg_length * frame_time
         held = tuple((plant.start + a, plant.start + b + 1) for a, b in runs(still))
         on = np.append(still, still[-1:]) if len(still) else np.ones(1, dtype=np.bool_)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.leg import POINTS, LegTracks
+from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Contacts, runs
 from footfix.motion.segments import segments
@@ -31,6 +31,7 @@ class PinParams:
     keep_height: float = 0.0055  # [leg lengths] that is no farther than this from its floor, stays as it is
     edge: float = 0.015  # [s] at both ends of a detected contact in which the foot may still land or leave
     edge_weight: float = 0.05  # of a pin's weight at the outermost frame of these
+    ankle: float = 0.4  # weight of the ankle against that of the toe joint, while heel and toe stand
     tip: float = 0.3  # weight of the toes' tip against that of the toe joint
     near: float = 0.067  # [leg lengths] a plant nearer than this to the floor stands on it, else on a step of its own
     sink: float = 0.0033  # [leg lengths] how deep a point may be in the floor, if it was not captured deeper
@@ -120,7 +121,7 @@ def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, par
         flat = on[k, 0] & on[k, 1]
         if len(leg.points) > 2:
             frames = flat if np.any(flat) else on[k, 1] if np.any(on[k, 1]) else np.ones_like(flat)
-            tips[k] = np.median(leg.place(2)[1, frames])
+            tips[k] = np.median(leg.place(TIP)[1, frames])
     heights = tuple(float(rest[p.effector]) if abs(own[p.id] - rest[p.effector]) < near else own[p.id] for p in plants)
     return Floors(rest, tips, heights)
 
@@ -204,13 +205,35 @@ def pins(
     own = [plant for plant in plants if plant.leg == k]
     effector = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
     step = _floor_steps(own, floors, len(leg.flexion))
-    found = []
-    for point in range(len(leg.points)):
-        part = POINTS[min(point, 1)]
+    found: list[Pins] = []
+    for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
+        part = POINTS[min(point, TOE)]
         mine = [plant for plant in own if plant.part == part]
-        rest = floors.tips[k] if point == 2 else floors.rest[effector[part]]
+        rest = floors.tips[k] if point == TIP else floors.rest[effector[part]]
+        if point == ANKLE:
+            found.append(_ankle(found, own, leg, ground, keep, params))
+            continue
         found.append(_pins(mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params))
     return tuple(found)
+
+
+def _ankle(
+    feet: Sequence[Pins], plants: Sequence[Footplant], leg: LegTracks, ground: Floats, keep: Sequence[bool],
+    params: PinParams,
+) -> Pins:  # fmt: skip
+    """The ankle's pin: it stands while heel and toe do, as surely as the less sure of them."""
+    heel, toe = feet
+    frames = len(leg.flexion)
+    slides = np.zeros(frames, dtype=np.bool_)
+    for plant in plants:
+        slides[plant.frames] |= not keep[plant.id]
+    as_captured = ~(slides[1:] & slides[:-1])
+    slip = np.where(as_captured, np.diff(leg.ankle, axis=1), np.diff(ground.T, axis=1))
+    nothing = np.zeros(frames)
+    return Pins(
+        params.ankle * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
+        np.full(frames, -np.inf), np.zeros((3, frames)), nothing,
+    )  # fmt: skip
 
 
 def _pins(
@@ -227,20 +250,26 @@ def _pins(
         a, b = plant.start, plant.end
         stand[a:b] = True
         weight = _FORCED if plant.force else plant.confidence
-        weight *= params.tip if point == 2 else 1.0
+        weight *= params.tip if point == TIP else 1.0
         ramp = np.ones(b - a - 1) if by_hand[plant.id] else _ramp(a, b, frames, frame_time, params)
         hold[a : b - 1] = weight * ramp
         draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
+        import os
+        ee = float(os.environ.get('EDGEV', 0.0))
+        if ee > 0:
+            tt = (np.arange(b - a) + 0.5) * frame_time / ee
+            if a > 0: draw[a:b] *= np.minimum(1, tt) ** 2
+            if b < frames: draw[a:b] *= np.minimum(1, tt[::-1]) ** 2
         if keep[plant.id]:
             slip[:, a : b - 1] = np.diff(track[:, a:b], axis=1)
-        elif point < 2:
+        elif point != TIP:
             level[a:b] = floors.plants[plant.id]
-        if plant.asked is not None and point < 2:
+        if plant.asked is not None and point != TIP:
             up = floors.plants[plant.id] - rig.floor - step[plant.start]
             place[:, a:b] = np.array(plant.asked)[:, None] + np.array([0.0, up, 0.0])[:, None]
             placed[a:b] = _FORCED if plant.force else 1.0
             level[a:b], draw[a:b] = place[1, a:b], 0.0
-    if not heights or point == 2:
+    if not heights or point == TIP:
         draw[:] = 0.0
     lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)
     return Pins(hold, slip, stand, level, draw, lowest, place, placed)

@@ -29,6 +29,8 @@ from footfix.motion.clip import Floats
 
 # r: the standard deviations below are those of independent frames, so many a second
 _RATE = 60.0
+import os
+_NOISY = float(os.environ.get('NOISY', 3.0))  # times a cost's acceleration that noise may add to it
 _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults are
 
 
@@ -49,13 +51,14 @@ class CostParams:
     knee_acceleration: float = 200.0  # [degrees/s^2]
     foot_acceleration: float = 300.0  # [degrees/s^2]
     toes_acceleration: float = 500.0  # [degrees/s^2]
+    ankle_farthest: float = 25.0  # [degrees] beyond this the foot hardly turns against the shank
     speed: float = 130.0  # [degrees/s] by which a joint may turn faster than captured
     level: float = 0.0045  # [leg lengths] of a plant from its floor, in a tenth of a second
 
 
 # Bounds, as standard deviations of what is beyond them.
-_FLOOR, _KNEE, _SPEED, _FARTHEST, _PLACE = 0.0033, 0.3, 0.15, 0.005, 0.0011  # [leg lengths], [deg], [deg], [leg lengths] x 2
-_CUT, _CUT_ROOT = 1.0, 0.003  # [degrees], [leg lengths] in 1/120 s
+_FLOOR, _KNEE, _SPEED, _FARTHEST, _PLACE, _ANKLE = 0.0033, 0.3, 0.15, 0.005, 0.0011, 2.0  # [leg lengths], [deg], [deg], [leg lengths] x 2
+_CUT, _CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +123,7 @@ class Problem:
         # motions of similar figures: accelerations of joints go with 1 / size, those of places are the same
         s2 *= _GROWN / size
         # what the capture's own noise accelerates is not held to: second differences have 1 + 4 + 1 times its variance
-        return s0, np.hypot(s2, np.sqrt(6.0) * self.noise / self.frame_time**2)
+        return s0, np.hypot(s2, np.minimum(np.sqrt(6.0) * self.noise / self.frame_time**2, _NOISY * s2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,34 +194,63 @@ def product(bands: Floats, x: Floats) -> Floats:
 
 
 def _speed(problem: Problem, x: Floats, out: System) -> float:
-    """SPEED: one-sided, on the turn of each joint from frame to frame."""
-    dt = problem.frame_time
-    most, sv = np.radians(problem.costs.speed) * dt, np.radians(_SPEED) * 120.0 * dt
+    """SPEED: one-sided, on the turn of hip, knee and ankle from frame to frame, in their parents' frames.
+
+    While the knee bends by k, thigh and shank turn by k / 2 to either side of the line from hip to ankle: so the hip
+    turns by about q - k / 2 axis, the ankle by w - q - k / 2 axis.
+    """
+    most, sv = np.radians(problem.costs.speed) * problem.frame_time, np.radians(_SPEED)
+    one = np.eye(3)
     cost = 0.0
-    for k in range(len(problem.legs)):
-        base = problem.columns(k).start
-        for part in (range(0, 3), range(K, K + 1), range(4, 7)):
-            rows = [base + each for each in part]
-            cost += _hinge(x, rows, most, sv, out)
+    for k, leg in enumerate(problem.legs):
+        cost += _ankle(problem, k, x, out)
+        q, w = np.zeros((3, LEG)), np.zeros((3, LEG))
+        q[:, Q], w[:, W] = one, one
+        half = np.zeros((3, LEG, problem.frames))
+        half[:, K] = 0.5 * leg.axis
+        knee = np.zeros((1, LEG, 1))
+        knee[0, K] = 1.0
+        for turn in (q[..., None] - half, knee, (w - q)[..., None] - half):
+            cost += _hinge(np.broadcast_to(turn, (*turn.shape[:2], problem.frames)), x, problem.columns(k), most, sv, out)
     return cost
 
 
-def _hinge(x: Floats, rows: Sequence[int], most: float, sigma: float, out: System) -> float:
-    step = np.diff(x[rows], axis=1)
+def _ankle(problem: Problem, k: int, x: Floats, out: System) -> float:
+    """ANKLE: one-sided, on how far the foot turns against the shank."""
+    far, sa = np.radians(problem.costs.ankle_farthest), np.radians(_ANKLE)
+    own = problem.columns(k)
+    turn = x[own][W] - x[own][Q]
+    size = np.sqrt(np.sum(turn**2, axis=0))
+    over = np.flatnonzero(size > far)
+    if not len(over):
+        return 0.0
+    weight = _RATE * problem.frame_time / sa**2
+    along, beyond = turn[:, over] / size[over], size[over] - far
+    row = np.zeros((LEG, len(over)))
+    row[W], row[Q] = along, -along
+    out.gradient[own, over] += weight * beyond * row
+    main = out.main[own, own]
+    main[..., over] += weight * np.einsum("if,jf->ijf", row, row)
+    return 0.5 * weight * float(np.sum(beyond**2))
+
+
+def _hinge(turn: Floats, x: Floats, own: slice, most: float, sigma: float, out: System) -> float:
+    """One-sided cost of the step of turn x, (n, LEG, F) times a leg's unknowns, where it is longer than `most`."""
+    turned = np.einsum("cif,if->cf", turn, x[own])
+    step = np.diff(turned, axis=1)
     size = np.sqrt(np.sum(step**2, axis=0))
     over = np.flatnonzero(size > most)
     if not len(over):
         return 0.0
-    along, beyond = step[:, over] / size[over], size[over] - most
-    for i, a in enumerate(rows):
-        out.gradient[a, over + 1] += beyond * along[i] / sigma**2
-        out.gradient[a, over] -= beyond * along[i] / sigma**2
-        for j, b in enumerate(rows):
-            w = along[i] * along[j] / sigma**2
-            out.main[a, b, over] += w
-            out.main[a, b, over + 1] += w
-            out.next[a, b, over] -= w
-    return 0.5 * float(np.sum(beyond**2)) / sigma**2
+    along, beyond = step[:, over] / size[over], (size[over] - most) / sigma
+    before, after = (np.einsum("cf,cif->if", along, turn[..., at]) / sigma for at in (over, over + 1))
+    out.gradient[own, over] -= beyond * before
+    out.gradient[own, over + 1] += beyond * after
+    main, next_ = out.main[own, own], out.next[own, own]
+    main[..., over] += np.einsum("if,jf->ijf", before, before)
+    main[..., over + 1] += np.einsum("if,jf->ijf", after, after)
+    next_[..., over] -= np.einsum("if,jf->ijf", after, before)
+    return 0.5 * float(np.sum(beyond**2))
 
 
 def _root(problem: Problem, x: Floats, out: System) -> float:
@@ -257,6 +289,7 @@ def _points(problem: Problem, k: int, x: Floats, eps: float, out: System) -> flo
     for place, J, pin in zip(at.places, at.jacobians, problem.pins[k], strict=True):
         # SLIP
         s = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
+        VV = float(os.environ.get('VV', 0.05)); s[1] *= VV; Jo = J.copy(); J = J.copy(); J[1] *= VV
         long = np.sqrt(np.sum(s**2, axis=0))
         c = problem.costs.slide / size * pin.hold
         cost += float(np.sum(c * (long - eps * np.log1p(long / eps))))  # what the reweighting descends on
@@ -277,7 +310,7 @@ def _points(problem: Problem, k: int, x: Floats, eps: float, out: System) -> flo
         cost += 0.5 * float(np.sum(w * off**2 + wf * low**2))
         some = np.flatnonzero(w + wf)
         if len(some):
-            Jy = J[1][:, some]
+            Jy = Jo[1][:, some]
             _add(main, some, ((w + wf)[some] * Jy)[None], Jy[None])
             gradient[:, some] += (w * off - wf * low)[some] * Jy
         # PLACE

@@ -15,7 +15,7 @@ EPS = 1.2e-3  # [m/s] of slip at which a pinned point counts as standing: 0.02 m
 _EPS_FIRST = 0.06  # [m/s] in the first round
 _SHRINK = 0.4  # of it from round to round
 _COARSE = 30.0  # [Hz] of the first pass
-_ROUNDS, _FINE_ROUNDS = 9, 3
+_ROUNDS, _FINE_ROUNDS = 10, 4
 _DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
