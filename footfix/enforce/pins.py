@@ -20,7 +20,7 @@ from footfix.rig.rig import Rig
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
 _RESTS = 0.0025  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
-_RESTING = 0.6  # of its frames in which a plant rests whose other frames are left as they are, too
+_RESTING = 0.5  # of its frames, in a row, in which a plant rests whose other frames are left as they are, too
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,7 +177,8 @@ def kept(
         step = np.zeros(len(track))
         step[1:] = np.linalg.norm(np.diff(track, axis=0), axis=1)
         step[parts.starts] = 0.0
-        rests = parts.mean((step <= _RESTS * leg_length * frame_time).astype(np.float64)) >= _RESTING
+        first, last = parts.longest(step <= _RESTS * leg_length * frame_time)
+        rests = last - first >= _RESTING * parts.lengths
         for plant, keep in zip(own, (still | (rests & (parts.lengths > 3))).tolist(), strict=True):
             found[plant.id] = keep
     return tuple(found)

@@ -51,13 +51,15 @@ class CostParams:
     knee_acceleration: float = 200.0  # [degrees/s^2]
     foot_acceleration: float = 300.0  # [degrees/s^2]
     toes_acceleration: float = 500.0  # [degrees/s^2]
+    line_farthest: float = 12.0  # [degrees] beyond this the line from hip to ankle hardly turns
     ankle_farthest: float = 25.0  # [degrees] beyond this the foot hardly turns against the shank
     speed: float = 130.0  # [degrees/s] by which a joint may turn faster than captured
     level: float = 0.0045  # [leg lengths] of a plant from its floor, in a tenth of a second
 
 
 # Bounds, as standard deviations of what is beyond them.
-_FLOOR, _KNEE, _SPEED, _FARTHEST, _PLACE, _ANKLE = 0.0033, 0.3, 0.15, 0.005, 0.0011, 2.0  # [leg lengths], [deg], [deg], [leg lengths] x 2
+_FLOOR, _PLACE, _FAR_ROOT = 0.0033, 0.0011, 0.005  # [leg lengths]
+_KNEE, _SPEED, _FAR_TURN = 0.3, 0.15, 2.0  # [degrees]
 _CUT, _CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 
@@ -156,10 +158,15 @@ def system(problem: Problem, x: Floats, eps: float) -> System:
     U, F = x.shape
     main, next_, gradient = np.zeros((U, U, F)), np.zeros((U, U, F - 1)), np.zeros((U, F))
     out = System(gradient, main, next_, np.zeros((3, U, F)), 0.0)
-    cost = _near(problem, x, out) + _speed(problem, x, out) + _root(problem, x, out)
+    cost = _near(problem, x, out) + _speed(problem, x, out) + _far(problem, x, out)
     for k in range(len(problem.legs)):
         cost += _points(problem, k, x, eps, out) + _knee(problem, k, x, out)
     return System(gradient, main, next_, out.near, cost)
+
+
+def objective(problem: Problem, x: Floats, eps: float) -> float:
+    """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m]."""
+    return system(problem, x, eps).cost
 
 
 def _near(problem: Problem, x: Floats, out: System) -> float:
@@ -203,7 +210,6 @@ def _speed(problem: Problem, x: Floats, out: System) -> float:
     one = np.eye(3)
     cost = 0.0
     for k, leg in enumerate(problem.legs):
-        cost += _ankle(problem, k, x, out)
         q, w = np.zeros((3, LEG)), np.zeros((3, LEG))
         q[:, Q], w[:, W] = one, one
         half = np.zeros((3, LEG, problem.frames))
@@ -215,19 +221,31 @@ def _speed(problem: Problem, x: Floats, out: System) -> float:
     return cost
 
 
-def _ankle(problem: Problem, k: int, x: Floats, out: System) -> float:
-    """ANKLE: one-sided, on how far the foot turns against the shank."""
-    far, sa = np.radians(problem.costs.ankle_farthest), np.radians(_ANKLE)
-    own = problem.columns(k)
-    turn = x[own][W] - x[own][Q]
-    size = np.sqrt(np.sum(turn**2, axis=0))
+def _far(problem: Problem, x: Floats, out: System) -> float:
+    """FAR: one-sided, on how far the root goes, each leg's line turns, and each foot turns against its shank."""
+    size, c = problem.leg_length, problem.costs
+    one = np.eye(3)
+    cost = _beyond(one, x, slice(0, ROOT), c.root_farthest * size, _FAR_ROOT * size, problem, out)
+    line, ankle = np.zeros((3, LEG)), np.zeros((3, LEG))
+    line[:, Q], ankle[:, W], ankle[:, Q] = one, one, -one
+    for k in range(len(problem.legs)):
+        own = problem.columns(k)
+        for turn, far in ((line, c.line_farthest), (ankle, c.ankle_farthest)):
+            cost += _beyond(turn, x, own, np.radians(far), np.radians(_FAR_TURN), problem, out)
+    return cost
+
+
+def _beyond(
+    turn: Floats, x: Floats, own: slice, far: float, sigma: float, problem: Problem, out: System
+) -> float:
+    """One-sided cost of turn x, (3, n) times some unknowns, where it is longer than `far`."""
+    turned = turn @ x[own]
+    size = np.sqrt(np.sum(turned**2, axis=0))
     over = np.flatnonzero(size > far)
     if not len(over):
         return 0.0
-    weight = _RATE * problem.frame_time / sa**2
-    along, beyond = turn[:, over] / size[over], size[over] - far
-    row = np.zeros((LEG, len(over)))
-    row[W], row[Q] = along, -along
+    weight = _RATE * problem.frame_time / sigma**2
+    row, beyond = turn.T @ (turned[:, over] / size[over]), size[over] - far
     out.gradient[own, over] += weight * beyond * row
     main = out.main[own, own]
     main[..., over] += weight * np.einsum("if,jf->ijf", row, row)
@@ -251,21 +269,6 @@ def _hinge(turn: Floats, x: Floats, own: slice, most: float, sigma: float, out: 
     main[..., over + 1] += np.einsum("if,jf->ijf", after, after)
     next_[..., over] -= np.einsum("if,jf->ijf", after, before)
     return 0.5 * float(np.sum(beyond**2))
-
-
-def _root(problem: Problem, x: Floats, out: System) -> float:
-    """ROOT: one-sided, on how far the root is from where it was."""
-    far, sd = problem.costs.root_farthest * problem.leg_length, _FARTHEST * problem.leg_length
-    weight = _RATE * problem.frame_time / sd**2
-    size = np.sqrt(np.sum(x[:ROOT] ** 2, axis=0))
-    over = np.flatnonzero(size > far)
-    if not len(over):
-        return 0.0
-    along, beyond = x[:ROOT, over] / size[over], size[over] - far
-    out.gradient[:ROOT, over] += weight * beyond * along
-    for i in range(ROOT):
-        out.main[i, :ROOT, over] += (weight * along[i] * along).T
-    return 0.5 * weight * float(np.sum(beyond**2))
 
 
 def _knee(problem: Problem, k: int, x: Floats, out: System) -> float:

@@ -8,14 +8,16 @@ import numpy as np
 
 from footfix.enforce.leg import ROOT
 from footfix.enforce.pins import Pins
-from footfix.enforce.problem import Problem, System, product, system
+from footfix.enforce.problem import Problem, System, objective, system
 from footfix.motion.clip import Bools, Floats
 
 EPS = 1.2e-3  # [m/s] of slip at which a pinned point counts as standing: 0.02 mm a frame at 60 Hz
 _EPS_FIRST = 0.06  # [m/s] in the first round
 _SHRINK = 0.4  # of it from round to round
 _COARSE = 30.0  # [Hz] of the first pass
-_ROUNDS, _FINE_ROUNDS = 10, 4
+_ROUNDS, _FINE_ROUNDS = 10, 5
+_FINE_FIRST = 8.0  # times `EPS` in the first of the fine rounds
+_HALVINGS = 3  # of a step that would raise the objective
 _DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
@@ -29,7 +31,7 @@ def solve(problem: Problem) -> Floats:
     from scipy.interpolate import CubicSpline
 
     x = CubicSpline(which, rough, axis=1)(np.minimum(np.arange(problem.frames), which[-1]))
-    return descend(problem, x, _FINE_ROUNDS, first=EPS)
+    return descend(problem, x, _FINE_ROUNDS, first=_FINE_FIRST * EPS)
 
 
 def thinned(problem: Problem, which: Floats) -> Problem:
@@ -63,8 +65,13 @@ def descend(problem: Problem, x: Floats, rounds: int, *, first: float, fixed: Bo
     eps = first
     free = problem.free()
     for _ in range(rounds):
-        found = system(problem, x, max(eps, EPS) * problem.frame_time)
+        here = max(eps, EPS) * problem.frame_time
+        found = system(problem, x, here)
         step = _step(problem, found, free, fixed)
+        for _ in range(_HALVINGS):  # one-sided terms may come in along the way
+            if objective(problem, x + step, here) <= found.cost:
+                break
+            step = 0.5 * step
         x = x + step
         eps *= _SHRINK
     return x
