@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import Contacts, runs
 from footfix.motion.segments import segments
 from footfix.rig.rig import Rig
@@ -20,7 +21,8 @@ from footfix.rig.rig import Rig
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
 _RESTS = 0.0025  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
-_RESTING = 0.5  # of its frames, in a row, in which a plant rests whose other frames are left as they are, too
+_LASTS = 0.06  # [s] that it rests at a time
+_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,13 +177,24 @@ def kept(
         off = np.abs(middle[:, 1] - np.array([floors.plants[p.id] for p in own]))
         still = (slide <= params.keep_slide * leg_length) & (~np.bool_(heights) | (off <= params.keep_height * leg_length))
         step = np.zeros(len(track))
-        step[1:] = np.linalg.norm(np.diff(track, axis=0), axis=1)
+        step[1:] = np.hypot(*np.diff(track[:, [0, 2]], axis=0).T)
         step[parts.starts] = 0.0
-        first, last = parts.longest(step <= _RESTS * leg_length * frame_time)
-        rests = last - first >= _RESTING * parts.lengths
+        rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
+        rests = parts.mean(rest.astype(np.float64)) * parts.lengths >= _RESTING * (parts.lengths - 1)
         for plant, keep in zip(own, (still | (rests & (parts.lengths > 3))).tolist(), strict=True):
             found[plant.id] = keep
     return tuple(found)
+
+
+def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
+    """(N,) a mask, True only where it is True long enough in one stretch not to be a frame that was written twice."""
+    out = np.zeros_like(mask)
+    least = max(3, round(_LASTS / frame_time))
+    for start, end in runs(mask):
+        cuts = [start, *(start + 1 + np.flatnonzero(np.diff(owner[start:end]))).tolist(), end]
+        for a, b in pairwise(cuts):
+            out[a:b] = b - a >= least
+    return out
 
 
 def pins(
@@ -255,12 +268,6 @@ def _pins(
         ramp = np.ones(b - a - 1) if by_hand[plant.id] else _ramp(a, b, frames, frame_time, params)
         hold[a : b - 1] = weight * ramp
         draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
-        import os
-        ee = float(os.environ.get('EDGEV', 0.0))
-        if ee > 0:
-            tt = (np.arange(b - a) + 0.5) * frame_time / ee
-            if a > 0: draw[a:b] *= np.minimum(1, tt) ** 2
-            if b < frames: draw[a:b] *= np.minimum(1, tt[::-1]) ** 2
         if keep[plant.id]:
             slip[:, a : b - 1] = np.diff(track[:, a:b], axis=1)
         elif point != TIP:

@@ -29,8 +29,9 @@ from footfix.motion.clip import Floats
 
 # r: the standard deviations below are those of independent frames, so many a second
 _RATE = 60.0
-import os
-_NOISY = float(os.environ.get('NOISY', 3.0))  # times a cost's acceleration that noise may add to it
+_UPRIGHT = 0.05  # weight of slip up and down against slip over the floor: a foot rolls
+_NOISY = 3.0  # times a cost's acceleration that noise may add to it
+_STATIC = 0.03  # [leg lengths/s] of slip up to which static friction holds
 _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults are
 
 
@@ -147,20 +148,21 @@ class System:
     cost: float
 
 
-def system(problem: Problem, x: Floats, eps: float) -> System:
+def system(problem: Problem, x: Floats, eps: float, static: float = 1.0) -> System:
     """Linearise the objective.
 
     Args:
         problem: the clip's.
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
+        static: times as much as sliding what hardly moves is held.
     """
     U, F = x.shape
     main, next_, gradient = np.zeros((U, U, F)), np.zeros((U, U, F - 1)), np.zeros((U, F))
     out = System(gradient, main, next_, np.zeros((3, U, F)), 0.0)
     cost = _near(problem, x, out) + _speed(problem, x, out) + _far(problem, x, out)
     for k in range(len(problem.legs)):
-        cost += _points(problem, k, x, eps, out) + _knee(problem, k, x, out)
+        cost += _points(problem, k, x, eps, static, out) + _knee(problem, k, x, out)
     return System(gradient, main, next_, out.near, cost)
 
 
@@ -281,7 +283,7 @@ def _knee(problem: Problem, k: int, x: Floats, out: System) -> float:
     return 0.5 * weight * float(np.sum(lacks**2))
 
 
-def _points(problem: Problem, k: int, x: Floats, eps: float, out: System) -> float:
+def _points(problem: Problem, k: int, x: Floats, eps: float, static: float, out: System) -> float:
     """SLIP, LEVEL, FLOOR and PLACE of all points of a leg."""
     leg, own = problem.legs[k], problem.columns(k)
     at = posed(leg, x[:ROOT], x[own])
@@ -292,14 +294,18 @@ def _points(problem: Problem, k: int, x: Floats, eps: float, out: System) -> flo
     for place, J, pin in zip(at.places, at.jacobians, problem.pins[k], strict=True):
         # SLIP
         s = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
-        VV = float(os.environ.get('VV', 0.05)); s[1] *= VV; Jo = J.copy(); J = J.copy(); J[1] *= VV
+        s[1] *= _UPRIGHT
         long = np.sqrt(np.sum(s**2, axis=0))
         c = problem.costs.slide / size * pin.hold
         cost += float(np.sum(c * (long - eps * np.log1p(long / eps))))  # what the reweighting descends on
         some = np.flatnonzero(c)
         if len(some):
-            w, s, Ja, Jb = c[some] / (long[some] + eps), s[:, some], J[..., some], J[..., some + 1]
-            wa, wb = w * Ja, w * Jb
+            slow = 1.0 + (static - 1.0) / (1.0 + (long[some] / (_STATIC * size * problem.frame_time)) ** 4)
+            w = c[some] / (long[some] + eps) * np.stack([slow, np.full(len(some), _UPRIGHT), slow])  # (3, f)
+            s, Ja, Jb = s[:, some], J[..., some], J[..., some + 1]
+            s[1] /= _UPRIGHT
+            w[1] *= _UPRIGHT
+            wa, wb = w[:, None] * Ja, w[:, None] * Jb
             _add(main, some, wa, Ja)
             _add(main, some + 1, wb, Jb)
             next_[..., some] -= np.einsum("cif,cjf->ijf", wb, Ja)
@@ -313,7 +319,7 @@ def _points(problem: Problem, k: int, x: Floats, eps: float, out: System) -> flo
         cost += 0.5 * float(np.sum(w * off**2 + wf * low**2))
         some = np.flatnonzero(w + wf)
         if len(some):
-            Jy = Jo[1][:, some]
+            Jy = J[1][:, some]
             _add(main, some, ((w + wf)[some] * Jy)[None], Jy[None])
             gradient[:, some] += (w * off - wf * low)[some] * Jy
         # PLACE

@@ -11,12 +11,13 @@ from footfix.enforce.pins import Pins
 from footfix.enforce.problem import Problem, System, objective, system
 from footfix.motion.clip import Bools, Floats
 
-EPS = 1.2e-3  # [m/s] of slip at which a pinned point counts as standing: 0.02 mm a frame at 60 Hz
+EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
 _EPS_FIRST = 0.06  # [m/s] in the first round
-_SHRINK = 0.4  # of it from round to round
+_SHRINK = 0.35  # of it from round to round
 _COARSE = 30.0  # [Hz] of the first pass
-_ROUNDS, _FINE_ROUNDS = 10, 5
-_FINE_FIRST = 8.0  # times `EPS` in the first of the fine rounds
+_ROUNDS, _FINE_ROUNDS = 10, 8
+_FINE_FIRST = 40.0  # times `EPS` in the first of the fine rounds
+_STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
 _HALVINGS = 3  # of a step that would raise the objective
 _DAMPING = 1.0  # of NEAR's own weight, on each step
 
@@ -25,13 +26,13 @@ def solve(problem: Problem) -> Floats:
     """Find the state (U, F) with the least objective: first on every third or fourth frame, then on all."""
     every = max(1, round(1.0 / problem.frame_time / _COARSE))
     if every == 1 or problem.frames <= 8 * every:
-        return descend(problem, np.zeros((problem.unknowns, problem.frames)), _ROUNDS, first=_EPS_FIRST)
+        return descend(problem, np.zeros((problem.unknowns, problem.frames)), _ROUNDS + _LAST, first=_EPS_FIRST, last=_LAST)
     which = np.arange(0, problem.frames, every)
     rough = descend(thinned(problem, which), np.zeros((problem.unknowns, len(which))), _ROUNDS, first=_EPS_FIRST)
     from scipy.interpolate import CubicSpline
 
     x = CubicSpline(which, rough, axis=1)(np.minimum(np.arange(problem.frames), which[-1]))
-    return descend(problem, x, _FINE_ROUNDS, first=_FINE_FIRST * EPS)
+    return descend(problem, x, _FINE_ROUNDS, first=_FINE_FIRST * EPS, last=_LAST)
 
 
 def thinned(problem: Problem, which: Floats) -> Problem:
@@ -52,7 +53,7 @@ def thinned(problem: Problem, which: Floats) -> Problem:
     )  # fmt: skip
 
 
-def descend(problem: Problem, x: Floats, rounds: int, *, first: float, fixed: Bools | None = None) -> Floats:
+def descend(problem: Problem, x: Floats, rounds: int, *, first: float, last: int = 0, fixed: Bools | None = None) -> Floats:
     """Take some rounds of Gauss-Newton from a state.
 
     Args:
@@ -60,15 +61,17 @@ def descend(problem: Problem, x: Floats, rounds: int, *, first: float, fixed: Bo
         x: (U, F) where to begin.
         rounds: how many.
         first: [m/s] slip below which SLIP is a parabola in the first round; it shrinks to `EPS`.
+        last: how many of the rounds are with static friction, which is more than that of a sliding foot.
         fixed: (F,) frames that keep their state, as a stream's past does.
     """
     eps = first
     free = problem.free()
-    for _ in range(rounds):
+    for n in range(rounds):
         here = max(eps, EPS) * problem.frame_time
-        found = system(problem, x, here)
+        static = _STATIC if n >= rounds - last else 1.0
+        found = system(problem, x, here, static)
         step = _step(problem, found, free, fixed)
-        for _ in range(_HALVINGS):  # one-sided terms may come in along the way
+        for _ in range(_HALVINGS if static == 1.0 else 0):  # one-sided terms may come in along the way
             if objective(problem, x + step, here) <= found.cost:
                 break
             step = 0.5 * step
