@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,24 +21,16 @@ class Correction:
         joints: the joints whose rotations are replaced.
         rotations: (F, len(joints), 4) xyzw their new local rotations; where nothing is to change, the very
             numbers of the clip, so that what did not need changing stays the same to the digit.
-        residual: (F, E) [m] how far each sole point stays from where its plant wants it; zero outside plants.
     """
 
     root: int
     root_shift: Floats
     joints: tuple[int, ...]
     rotations: Floats
-    residual: Floats
 
     def __post_init__(self) -> None:
-        for name in ("root_shift", "rotations", "residual"):
+        for name in ("root_shift", "rotations"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
-
-    def with_turns(self, clip: Clip, joints: Sequence[int]) -> Correction:
-        """The correction with more joints, which turn as they do in `clip`; those that it turns itself stay."""
-        more = [joint for joint in joints if joint not in self.joints]
-        turns = [self.rotations, *(clip.turn(joint)[:, None] for joint in more)]
-        return replace(self, joints=(*self.joints, *more), rotations=np.concatenate(turns, axis=1))
 
 
 def apply(clip: Clip, correction: Correction) -> Clip:

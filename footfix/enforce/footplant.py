@@ -1,34 +1,54 @@
-"""Footplant: one contact of one effector, where it is to stand, and what became of it."""
+"""Footplant: one contact of one effector, where it stands, and what became of it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
+from footfix.motion.contacts import Part
+
 Outcome = Literal["pinned", "partly", "released", "kept"]
 
 
 @dataclass(frozen=True)
 class Footplant:
-    """A contact on its way through enforcement.
+    """A contact, the same value from detection to the report.
 
     Args:
-        effector: name of the sole point, `left_heel`.
-        start, end: frames `[start, end)` in which it is held: the contact's, less what of it is still landing or
-            already leaving; the contact's own where it was released.
+        id: its place among the plants of a clip, by effector, then time.
+        effector: index among `Rig.soles`.
+        name: name of the sole point, `left_heel`.
+        leg: index among `Rig.legs`.
+        part: "heel" or "toe".
+        start, end: frames `[start, end)` of the whole contact.
         confidence: of the detection, 0 to 1.
-        target: (x, y, z) [m] where it is to stand.
-        outcome: "pinned" (stands on its target), "partly" (as near as reach allows), "released" (left as it
-            was, for the reason given), "kept" (it stood well enough already).
-        reason: for a person, when it is not plainly pinned.
-        residual: [m] the farthest it stays from its target.
+        force: it is held whatever it costs.
+        asked: (x, y, z) [m] where the labels ask for it to stand.
+        target: (x, y, z) [m] where it stands after all.
+        outcome: "kept" (it stood well enough), "pinned" (it stands), "partly" (it stands in some of its frames,
+            and slides in others), "released" (it slides in most of them, for the reason given).
+        reason: for a person, when it is neither kept nor pinned.
+        residual: [m] farthest horizontal distance from its target over the whole contact.
+        held: the frames in which it stands, as stretches `[start, end)`.
     """
 
-    effector: str
+    id: int
+    effector: int
+    name: str
+    leg: int
+    part: Part
     start: int
     end: int
-    confidence: float
-    target: tuple[float, float, float]
-    outcome: Outcome = "pinned"
+    confidence: float = 1.0
+    force: bool = False
+    asked: tuple[float, float, float] | None = None
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    outcome: Outcome = "kept"
     reason: str = ""
     residual: float = 0.0
+    held: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def frames(self) -> slice:
+        """Its frames as a slice."""
+        return slice(self.start, self.end)
