@@ -15,7 +15,7 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.hand_over import hand_over, offset_at
 from footfix.enforce.papers.leg import effector_tracks
-from footfix.enforce.papers.targets import TargetParams, near_floor
+from footfix.enforce.papers.targets import TargetParams, near_floor, usual_place
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
@@ -81,8 +81,8 @@ def _stand_well(
 ) -> bool:  # fmt: skip
     """Whether all plants stand as well as the root alone could make them stand."""
     for plant, level in zip(plants, levels, strict=True):
-        places = points[plant.frames, plant.effector][:, [0, 2]]
-        slide = float(norm(places - np.median(places, axis=0)).max())
+        places = points[plant.frames, plant.effector]
+        slide = float(norm((places - usual_place(places))[:, [0, 2]]).max())
         height = float(np.abs(soles[plant.effector][plant.frames, 1] - level).max())
         if slide > params.keep_slide * leg_length or height > params.keep_height * leg_length:
             return False

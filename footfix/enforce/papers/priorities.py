@@ -30,6 +30,7 @@ class SolverParams:
     tolerance: float = 1e-9  # [rad] a frame is solved when no joint turns by more in an iteration
     damping: float = 0.02  # [leg lengths] what is out of reach is approached no more nervously than this
     step: float = 0.3  # [rad] that a joint turns in one iteration at most
+    approach: float = 0.05  # [leg lengths] that a goal is approached in one iteration at most: less than a foot's lever
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +210,7 @@ def _step(chain: Chain, q: Floats, goals: Sequence[Floats], length: float, param
     frames, count = q.shape
     pose = posed(chain, turned(chain, q))
     tasks = [
-        (jacobian, _shortened(goal - place, params.step * length))
+        (jacobian, _shortened(goal - place, params.approach * length))
         for jacobian, goal, place in zip(jacobians(chain, q, pose), goals, pose.effectors, strict=True)
     ]
     # nearness: the chain as a whole swings no farther than it has to

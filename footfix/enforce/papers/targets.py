@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.motion.clip import Floats
+from footfix.motion.segments import centres, segments
 from footfix.motion.vectors import norm, unit
 from footfix.rig.rig import Rig
 
@@ -57,7 +58,7 @@ def targets(
         For each plant the place (3,) [m] of its effector where the ground is undisplaced.
     """
     on_floor = near_floor(rig, [sole - ground for sole in soles], plants, params)
-    own = [np.median((tracks[p.effector] - ground)[p.frames], axis=0) for p in plants]
+    own = [usual_place((tracks[p.effector] - ground)[p.frames]) for p in plants]
     for e in range(len(rig.soles)):
         level = [k for k, plant in enumerate(plants) if plant.effector == e and on_floor[k]]
         height = np.median([own[k][1] for k in level]) if level else 0.0
@@ -70,6 +71,12 @@ def targets(
             up = own[k][1] - (rig.floor if on_floor[k] else sole)
             own[k] = np.array(plant.asked) - moved + [0.0, up, 0.0]
     return _a_foot_apart(tracks, plants, own)
+
+
+def usual_place(places: Floats) -> Floats:
+    """Find the median (3,) [m] of places (N, 3) [m]: over the floor that of the plane, whichever way its axes lie."""
+    x, z = centres(places[:, [0, 2]], segments([(0, len(places))]))[0]
+    return np.array([x, np.median(places[:, 1]), z])
 
 
 def _a_foot_apart(tracks: Sequence[Floats], plants: Sequence[Footplant], places: Sequence[Floats]) -> list[Floats]:
@@ -86,7 +93,7 @@ def _a_foot_apart(tracks: Sequence[Floats], plants: Sequence[Footplant], places:
         apart = (tracks[plant.effector] - tracks[other.effector])[both]
         up = places[k][1] - at[1]
         flat = np.sqrt(max(float(np.median(norm(apart))) ** 2 - up * up, 0.0))
-        placed[k] = at + flat * unit(np.median(apart, axis=0) * _FLAT) + [0.0, up, 0.0]
+        placed[k] = at + flat * unit(apart.mean(axis=0) * _FLAT) + [0.0, up, 0.0]
     return [placed[k] for k in range(len(plants))]
 
 
