@@ -74,6 +74,14 @@ def test_the_mean_of_directions_on_either_side_of_the_seam_is_between_them() -> 
     assert not swivel[:5].any() and not swivel[55:].any() and abs(swivel[5:10]).max() < np.radians(10.0)
 
 
+def test_a_foot_that_stands_upright_has_no_heading_to_keep() -> None:
+    made = walk("stand")
+    _, leg = leg_of(made.clip, rig_of(made))
+    random = np.random.default_rng(0).normal(size=(len(leg), 3))
+    upright = 0.2 * np.array([0.0, -1.0, 0.0]) + 0.004 * random
+    assert np.abs(mean_swivel(replace(leg, toe=leg.heel + upright), [(10, 50)], 5)).max() < np.radians(3.0)
+
+
 def test_joins_are_kim_and_neffs_spline() -> None:
     t = np.arange(60)[:, None]
     track = t * np.array([[0.01, 0.004, 0.0]])

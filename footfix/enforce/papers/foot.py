@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span
+from footfix.enforce.papers.ease import Span, eased, gamma
 from footfix.enforce.papers.leg import CapturedLeg
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
-from footfix.motion.contacts import Part
+from footfix.motion.contacts import Part, runs
 
 PARTS: tuple[Part, Part] = ("heel", "toe")
 
@@ -23,11 +23,13 @@ class Displacement:
 
     Args:
         shift: (F, 3) [m].
-        share: (F,) how much the effector is held, 1 in its contacts, 0 away from them.
+        share: (F,) how much of it is there: 1 in contacts and between close ones, 0 away from them.
+        planted: (F,) the frames of its contacts.
     """
 
     shift: Floats
     share: Floats
+    planted: Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,23 +51,49 @@ class FootGoal:
         return self.ankle + rotation.rotate(self.turn, in_foot)
 
 
-def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement) -> FootGoal:
+def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement, sigma: int) -> FootGoal:
     """Move a foot by the displacements of its two effectors, rigid as it is.
 
-    A held effector is at its place C_p. One that nothing holds is driven by the captured motion (G §5.1), and goes
-    along with the displacement of the other end of its foot: else that would turn the foot by it.
+    A planted effector is at its place C_p. While both are, the foot lies along the line of both; that turn is eased
+    out like a displacement, and the foot is placed by the end that is planted, or nearer to it in time. An effector
+    that nothing holds is driven by the captured motion (G §5.1), and goes along with the displacement of the other
+    end of its foot: else that would turn the foot by it.
+
+    Args:
+        leg: as captured.
+        heel, toe: the displacements of its effectors.
+        sigma: frames of an ease.
     """
-    d_heel, d_toe, w_heel, w_toe = heel.shift, toe.shift, heel.share, toe.share
-    heel_goal = leg.heel + d_heel + (1.0 - w_heel)[:, None] * d_toe  # (F, 3) [m]
-    toe_goal = leg.toe + d_toe + (1.0 - w_toe)[:, None] * d_heel
-    # the foot lies along the line of both; between the two eases it is placed by the end that is held more
-    turn = rotation.between(leg.toe - leg.heel, toe_goal - heel_goal)
-    by_toe, by_heel = w_toe * (1.0 - w_heel), w_heel * (1.0 - w_toe)
+    d_heel = heel.shift + (1.0 - heel.share)[:, None] * toe.shift  # (F, 3) [m]
+    d_toe = toe.shift + (1.0 - toe.share)[:, None] * heel.shift
+    along = leg.toe - leg.heel
+    flat = rotation.to_rotation_vector(rotation.between(along, along + d_toe - d_heel))  # (F, 3) [rad]
+    turn = rotation.from_rotation_vector(eased(runs(heel.planted & toe.planted), flat, sigma))
+    by_heel, by_toe = (_closeness(each.planted, sigma) for each in (heel, toe))
+    by_heel, by_toe = by_heel * (1.0 - by_toe), by_toe * (1.0 - by_heel)
     share = np.where(by_toe > 0.0, by_toe / np.maximum(by_toe + by_heel, 1e-300), 0.0)[:, None]
-    pivot, goal = ((1.0 - share) * a + share * b for a, b in ((leg.heel, leg.toe), (heel_goal, toe_goal)))
+    pivot = leg.heel + share * along
+    goal = pivot + (1.0 - share) * d_heel + share * d_toe
     ankle = goal + rotation.rotate(turn, leg.ankle - pivot)
-    moves = np.any((d_heel != 0.0) | (d_toe != 0.0), axis=1)
+    moves = np.any((heel.shift != 0.0) | (toe.shift != 0.0), axis=1)
     return FootGoal(ankle, rotation.multiply(turn, leg.turn), moves)
+
+
+def _closeness(planted: Bools, sigma: int) -> Floats:
+    """(F,) 1 in contacts, falling to 0 within sigma frames of the nearest."""
+    frames = np.arange(len(planted))
+    far = len(planted) + sigma
+    before = np.maximum.accumulate(np.where(planted, frames, -far))
+    after = np.minimum.accumulate(np.where(planted, frames, 2 * far)[::-1])[::-1]
+    return gamma(np.minimum(frames - before, after - frames) / sigma)
+
+
+def planted(spans: Sequence[Span], frames: int) -> Bools:
+    """Mark the frames of contacts `[start, end)`, (F,)."""
+    mask = np.zeros(frames, dtype=np.bool_)
+    for start, end in spans:
+        mask[start:end] = True
+    return mask
 
 
 def held(

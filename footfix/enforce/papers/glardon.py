@@ -14,7 +14,7 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.ease import Span, ease_frames, eased, presence
-from footfix.enforce.papers.foot import PARTS, Displacement, FootGoal, foot_goal, held
+from footfix.enforce.papers.foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
 from footfix.enforce.papers.leg import (
     CapturedLeg,
     can_turn,
@@ -22,12 +22,15 @@ from footfix.enforce.papers.leg import (
     correction_of,
     effector_tracks,
     flexion_for,
+    local_rotations,
+    two_bones,
     where_moved,
     within_reach,
 )
-from footfix.enforce.papers.priorities import SolverParams, leg_chain, solve, turned
+from footfix.enforce.papers.priorities import Chain, SolverParams, leg_chain, solve, turned
 from footfix.enforce.papers.targets import TargetParams, targets
-from footfix.motion.clip import Clip, Floats
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
@@ -74,7 +77,7 @@ def correct(
             _eased(*held(leg, part, [plants[k] for k in own], [places[k] for k in own], ground), sigma)
             for part in PARTS
         )
-        goal = foot_goal(leg, heel, toe)
+        goal = foot_goal(leg, heel, toe, sigma)
         if np.any(goal.moves):
             new.update(where_moved(clip, _solved(clip, pose, leg, goal, rig.leg_length, params.solver), goal.moves))
     return correction_of(clip, rig, new)
@@ -82,7 +85,8 @@ def correct(
 
 def _eased(spans: Sequence[Span], needed: Floats, sigma: int) -> Displacement:
     """The displacement of an effector around its contacts (G eq. 9)."""
-    return Displacement(eased(spans, needed, sigma), presence(spans, len(needed), sigma))
+    frames = len(needed)
+    return Displacement(eased(spans, needed, sigma), presence(spans, frames, sigma), planted(spans, frames))
 
 
 def _solved(
@@ -99,10 +103,7 @@ def _solved(
     drawn = reached - goal.ankle
     goals = [(goal.place(leg.in_foot(point)) + drawn)[which] for point in effectors]
     chain = leg_chain(clip, pose, leg, effectors, which)
-    # a straight knee does not know which way to bend: it starts bent as far as the goal needs
-    start = np.zeros((len(which), len(chain.owner)))
-    knee = leg.leg.chain.index(leg.leg.knee)
-    start[:, chain.owner == knee] = (flexion_for(leg, reached) - leg.flexion)[which, None]
+    start = _two_bones_start(clip, pose, leg, FootGoal(reached, goal.turn, goal.moves), chain, which)
     found = turned(chain, solve(chain, goals, leg_length, params, start))
     new = {}
     for k, joint in enumerate(leg.leg.chain):
@@ -110,3 +111,20 @@ def _solved(
             new[joint] = np.array(clip.turn(joint))
             new[joint][which] = found[:, k]
     return new
+
+
+def _two_bones_start(
+    clip: Clip, pose: Pose, leg: CapturedLeg, goal: FootGoal, chain: Chain, which: Ints
+) -> Floats:  # fmt: skip
+    """(N, axes) [rad] the closed-form solution of the leg as two bones, from which the solver starts.
+
+    From the captured pose it would not know which way a straight knee bends, nor a foot turns that points backwards.
+    """
+    start = np.zeros((len(which), len(chain.owner)))
+    new = local_rotations(clip, pose, leg, two_bones(leg, goal.ankle), goal.turn)
+    for joint in (leg.leg.hip, leg.leg.ankle):
+        turn = rotation.multiply(rotation.inverse(clip.turn(joint)), new[joint])[which]
+        start[:, chain.owner == leg.leg.chain.index(joint)] = rotation.to_rotation_vector(turn)
+    knee = leg.leg.chain.index(leg.leg.knee)
+    start[:, chain.owner == knee] = (flexion_for(leg, goal.ankle) - leg.flexion)[which, None]
+    return start

@@ -14,8 +14,8 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span, ease_frames, led_over
-from footfix.enforce.papers.foot import PARTS, Displacement, foot_goal, held
+from footfix.enforce.papers.ease import Span, ease_frames, gamma, led_over
+from footfix.enforce.papers.foot import PARTS, Displacement, foot_goal, held, planted
 from footfix.enforce.papers.leg import (
     CapturedLeg,
     can_turn,
@@ -90,38 +90,34 @@ def correct(
         if not own or not can_turn(clip, joints):
             continue
         leg = captured_leg(rig, pose, number, tracks)
-        swivel = mean_swivel(leg, _planted(own, len(clip)), most)
+        stances = runs(planted([(plant.start, plant.end) for plant in own], len(clip)))
+        swivel = mean_swivel(leg, stances, most)
         straight = _swivelled(leg, swivel)
         ends = [straight.effector(sole.part) for sole in rig.soles]  # those of other legs are not asked for
         places = targets(rig, soles, ends, own, ground, params.targets)
         heel, toe = (_joined(straight, part, *held(straight, part, own, places, ground), most) for part in PARTS)
-        goal = foot_goal(straight, heel, toe)
+        goal = foot_goal(straight, heel, toe, most)
         turns = two_bones(leg, within_reach(leg, goal.ankle), swivel)
         moves = goal.moves | (swivel != 0.0)
         new.update(where_moved(clip, local_rotations(clip, pose, leg, turns, goal.turn), moves))
     return correction_of(clip, rig, new)
 
 
-def _planted(plants: Sequence[Footplant], frames: int) -> list[Span]:
-    """The stretches `[start, end)` in which heel or toe of a foot is planted."""
-    mask = np.zeros(frames, dtype=np.bool_)
-    for plant in plants:
-        mask[plant.frames] = True
-    return runs(mask)
-
-
 def mean_swivel(leg: CapturedLeg, spans: Sequence[Span], most: int) -> Floats:
     """Find the swivel (F,) [rad] of a leg that gives its planted foot the mean direction of the plant.
 
     The leg's turn about the line from hip to ankle is what spins a rooted foot on the ground; so it is counted as the
-    foot's heading there. It fades in and out over `most` frames around the plants `spans`, with the weights of a join.
+    foot's heading there. It fades in and out over `most` frames around the plants `spans`, with the weights of a join;
+    and it fades out as the foot comes to stand upright, pitched by more than 60 degrees, when it has no heading.
     """
     turn = np.zeros(len(leg))
     x, z = leg.toe[:, 0] - leg.heel[:, 0], leg.toe[:, 2] - leg.heel[:, 2]
+    flat = np.hypot(x, z) / np.maximum(norm(leg.toe - leg.heel), 1e-12)  # cosine of the foot's pitch
     for start, end in spans:
         # the mean direction: that of the sum of the vectors over the floor, whatever the angles' turns
         off = np.arctan2(x[start:end].sum(), z[start:end].sum()) - np.arctan2(x[start:end], z[start:end])
-        turn[start:end] = np.arctan2(np.sin(off), np.cos(off))
+        lies = 1.0 - gamma(2.0 * flat[start:end])
+        turn[start:end] = lies * np.arctan2(np.sin(off), np.cos(off))
     out = led_over(spans, turn[:, None], most)
     for join in joins(spans, np.full(len(leg), most), most):
         out[join.frames] = (1.0 - join.weight)[:, None] * turn[join.edge]
@@ -148,7 +144,7 @@ def _joined(leg: CapturedLeg, part: Part, spans: Sequence[Span], needed: Floats,
     for join in joins(spans, count, most):
         shift[join.frames] = spline(track, needed, join) - track[join.frames] if join.free >= 0 else needed[join.edge]
         share[join.frames, 0] = 1.0 - join.weight
-    return Displacement(shift, share[:, 0])
+    return Displacement(shift, share[:, 0], planted(spans, len(leg)))
 
 
 def joins(spans: Sequence[Span], count: Ints, most: int) -> list[Join]:

@@ -119,8 +119,8 @@ def within_reach(leg: CapturedLeg, ankle: Floats) -> Floats:
     No leg becomes straighter than 99.95 % of its length, or than it was captured in that frame.
     """
     line = ankle - leg.hip
-    full = norm(leg.knee - leg.hip) + norm(leg.ankle - leg.knee)  # (F,) [m]
-    limit = np.maximum(_EXTENSION * full, norm(leg.ankle - leg.hip))
+    bones, lever = _hinge(leg)
+    limit = np.maximum(_EXTENSION * np.sqrt(bones + lever), norm(leg.ankle - leg.hip))  # (F,) [m]
     share = np.minimum(1.0, limit / np.maximum(norm(line), 1e-300))
     return np.where((share < 1.0)[:, None], leg.hip + share[:, None] * line, ankle)
 
@@ -131,13 +131,19 @@ def flexion_for(leg: CapturedLeg, ankle: Floats) -> Floats:
     A knee that was captured overstretched by some degrees bends forwards; one bent backwards farther stays so. Out of
     reach the leg is as straight or as bent as it goes.
     """
-    thigh, shank, line = leg.knee - leg.hip, leg.ankle - leg.knee, ankle - leg.hip
+    line = ankle - leg.hip
+    bones, lever = _hinge(leg)
+    bent = np.arccos(np.clip((dot(line, line) - bones) / lever, -1.0, 1.0))
+    return np.where(leg.flexion < -_BACKWARDS, -bent, bent)
+
+
+def _hinge(leg: CapturedLeg) -> tuple[Floats, Floats]:
+    """(F,) [m^2] each: what of the squared distance from hip to ankle is fixed, and what goes with cos(flexion)."""
+    thigh, shank = leg.knee - leg.hip, leg.ankle - leg.knee
     in_plane = shank - dot(shank, leg.knee_axis)[:, None] * leg.knee_axis
     # |line|^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
-    lever = np.maximum(2.0 * norm(thigh) * norm(in_plane), 1e-300)
-    cosine = (dot(line, line) - dot(thigh, thigh) - dot(shank, shank)) / lever
-    bent = np.arccos(np.clip(cosine, -1.0, 1.0))
-    return np.where(leg.flexion < -_BACKWARDS, -bent, bent)
+    bones, lever = dot(thigh, thigh) + dot(shank, shank), 2.0 * norm(thigh) * norm(in_plane)
+    return bones, np.maximum(lever, 1e-300)
 
 
 @dataclass(frozen=True, eq=False)
