@@ -62,6 +62,10 @@ def test_a_planted_foot_keeps_the_mean_direction_of_its_plant() -> None:
         assert np.abs(heading[1] - np.arctan2(mean[0], mean[2])).max() < np.radians(0.1)
         spread.append(np.ptp(heading[0]))
     assert max(spread) > np.radians(6.0)
+    # the whole leg swivels: the foot hardly turns in the ankle for that
+    ankle = rig.legs[0].ankle
+    in_ankle = rotation.angle(rotation.multiply(rotation.inverse(clip.turn(ankle)), after.turn(ankle)))
+    assert np.degrees(in_ankle.max()) < 2.0
 
 
 def test_the_mean_of_directions_on_either_side_of_the_seam_is_between_them() -> None:

@@ -211,6 +211,28 @@ def test_a_pinned_end_comes_back() -> None:
     # the way back is spread over the clip: no step of it is a jump
     steps = np.linalg.norm(np.diff((pinned.positions - clip.positions)[:, 0, [0, 2]], axis=0), axis=1)
     assert steps.max() < 0.01
+    back = np.linalg.norm(np.diff((pinned.positions - drifts.positions)[:, 0, [0, 2]], axis=0), axis=1)
+    assert max(back[0], back[-1]) < 0.05 * back.mean()  # and it begins and ends gently
+
+
+def test_the_noise_of_a_held_point_does_not_shake_the_figure() -> None:
+    made = walk(fps=120.0)
+    rig = rig_of(made)
+    clip = artefacts.shake(made.clip, 0.3)
+    plants = plants_of(rig, made.contacts)
+    rough = [
+        np.abs(np.diff(correct(clip, rig, plants, replace(PARAMS, calm=calm)).root_shift[:, [0, 2]], 2, axis=0)).mean()
+        for calm in (0.0, 0.03)
+    ]
+    assert rough[1] < 0.5 * rough[0]
+
+
+def test_plants_on_steps_are_at_the_height_of_their_steps() -> None:
+    made = walk("stairs")
+    rig = rig_of(made)
+    clip = artefacts.drift(made.clip, 0.2)
+    shift = correct(clip, rig, plants_of(rig, made.contacts), PARAMS).root_shift
+    assert np.abs(shift[:, [0, 2]]).max() > 0.1 and np.abs(shift[:, 1]).max() < 0.002
 
 
 def test_where_all_stands_well_enough_nothing_moves() -> None:

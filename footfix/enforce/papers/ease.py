@@ -71,11 +71,6 @@ def eased(spans: Sequence[Span], values: Floats, sigma: int) -> Floats:
     return out
 
 
-def presence(spans: Sequence[Span], frames: int, sigma: int) -> Floats:
-    """Say how much an effector is held, (F,) from 0 to 1: 1 in its contacts and between close ones, eased around."""
-    return eased(spans, np.ones((frames, 1)), sigma)[:, 0]
-
-
 def replanned(
     free: Floats, share: Floats, *, reached: Floats, free_then: Floats, target: Floats, free_there: Floats
 ) -> Floats:

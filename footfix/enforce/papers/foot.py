@@ -23,12 +23,10 @@ class Displacement:
 
     Args:
         shift: (F, 3) [m].
-        share: (F,) how much of it is there: 1 in contacts and between close ones, 0 away from them.
         planted: (F,) the frames of its contacts.
     """
 
     shift: Floats
-    share: Floats
     planted: Bools
 
 
@@ -54,26 +52,24 @@ class FootGoal:
 def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement, sigma: int) -> FootGoal:
     """Move a foot by the displacements of its two effectors, rigid as it is.
 
-    A planted effector is at its place C_p. While both are, the foot lies along the line of both; that turn is eased
-    out like a displacement, and the foot is placed by the end that is planted, or nearer to it in time. An effector
-    that nothing holds is driven by the captured motion (G §5.1), and goes along with the displacement of the other
-    end of its foot: else that would turn the foot by it.
+    A planted effector is at its place C_p. While both are, the foot lies along the line of both, and that turn is
+    eased in and out like a displacement. The foot is placed by the end that is planted, or is nearer to being so in
+    time; the other end is driven by the captured motion (G §5.1), which now is the captured foot's way to lie: a free
+    end held to its captured *place* would turn the foot by all that the planted end is moved.
 
     Args:
         leg: as captured.
         heel, toe: the displacements of its effectors.
         sigma: frames of an ease.
     """
-    d_heel = heel.shift + (1.0 - heel.share)[:, None] * toe.shift  # (F, 3) [m]
-    d_toe = toe.shift + (1.0 - toe.share)[:, None] * heel.shift
     along = leg.toe - leg.heel
-    flat = rotation.to_rotation_vector(rotation.between(along, along + d_toe - d_heel))  # (F, 3) [rad]
+    flat = rotation.to_rotation_vector(rotation.between(along, along + toe.shift - heel.shift))  # (F, 3) [rad]
     turn = rotation.from_rotation_vector(eased(runs(heel.planted & toe.planted), flat, sigma))
     by_heel, by_toe = (_closeness(each.planted, sigma) for each in (heel, toe))
     by_heel, by_toe = by_heel * (1.0 - by_toe), by_toe * (1.0 - by_heel)
     share = np.where(by_toe > 0.0, by_toe / np.maximum(by_toe + by_heel, 1e-300), 0.0)[:, None]
     pivot = leg.heel + share * along
-    goal = pivot + (1.0 - share) * d_heel + share * d_toe
+    goal = pivot + (1.0 - share) * heel.shift + share * toe.shift
     ankle = goal + rotation.rotate(turn, leg.ankle - pivot)
     moves = np.any((heel.shift != 0.0) | (toe.shift != 0.0), axis=1)
     return FootGoal(ankle, rotation.multiply(turn, leg.turn), moves)

@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span, ease_frames, eased, presence
+from footfix.enforce.papers.ease import Span, ease_frames, eased
 from footfix.enforce.papers.foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
 from footfix.enforce.papers.leg import (
     CapturedLeg,
@@ -85,8 +85,7 @@ def correct(
 
 def _eased(spans: Sequence[Span], needed: Floats, sigma: int) -> Displacement:
     """The displacement of an effector around its contacts (G eq. 9)."""
-    frames = len(needed)
-    return Displacement(eased(spans, needed, sigma), presence(spans, frames, sigma), planted(spans, frames))
+    return Displacement(eased(spans, needed, sigma), planted(spans, len(needed)))
 
 
 def _solved(

@@ -135,7 +135,6 @@ def _joined(leg: CapturedLeg, part: Part, spans: Sequence[Span], needed: Floats,
     """The displacement of an effector, `needed` (F, 3) [m] in its plants, joined to the free motion."""
     track = leg.effector(part)
     shift = led_over(spans, needed, most)
-    share = led_over(spans, np.ones((len(leg), 1)), most)
     # N_b: the distance between F_u and F_c, over the average way of the ankle from frame to frame in the plant
     count = np.zeros(len(leg), dtype=np.intp)
     for start, end in spans:
@@ -143,8 +142,7 @@ def _joined(leg: CapturedLeg, part: Part, spans: Sequence[Span], needed: Floats,
         count[[start, end - 1]] = np.rint(np.minimum(norm(needed[[start, end - 1]]) / max(usual, 1e-6), most))
     for join in joins(spans, count, most):
         shift[join.frames] = spline(track, needed, join) - track[join.frames] if join.free >= 0 else needed[join.edge]
-        share[join.frames, 0] = 1.0 - join.weight
-    return Displacement(shift, share[:, 0], planted(spans, len(leg)))
+    return Displacement(shift, planted(spans, len(leg)))
 
 
 def joins(spans: Sequence[Span], count: Ints, most: int) -> list[Join]:
