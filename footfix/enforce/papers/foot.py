@@ -54,8 +54,8 @@ def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement, sigma: in
 
     A planted effector is at its place C_p. While both are, the foot lies along the line of both, and that turn is
     eased in and out like a displacement. The foot is placed by the end that is planted, or is nearer to being so in
-    time; the other end is driven by the captured motion (G §5.1), which now is the captured foot's way to lie: a free
-    end held to its captured *place* would turn the foot by all that the planted end is moved.
+    time. G drives the free end by the captured motion, too (§5.1); here that is the captured *orientation* of the
+    foot, since a free heel that kept its captured place, with the higher priority, would pull a planted toe away.
 
     Args:
         leg: as captured.
@@ -64,14 +64,15 @@ def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement, sigma: in
     """
     along = leg.toe - leg.heel
     flat = rotation.to_rotation_vector(rotation.between(along, along + toe.shift - heel.shift))  # (F, 3) [rad]
-    turn = rotation.from_rotation_vector(eased(runs(heel.planted & toe.planted), flat, sigma))
+    vector = eased(runs(heel.planted & toe.planted), flat, sigma)
+    turn = rotation.from_rotation_vector(vector)
     by_heel, by_toe = (_closeness(each.planted, sigma) for each in (heel, toe))
     by_heel, by_toe = by_heel * (1.0 - by_toe), by_toe * (1.0 - by_heel)
     share = np.where(by_toe > 0.0, by_toe / np.maximum(by_toe + by_heel, 1e-300), 0.0)[:, None]
     pivot = leg.heel + share * along
     goal = pivot + (1.0 - share) * heel.shift + share * toe.shift
     ankle = goal + rotation.rotate(turn, leg.ankle - pivot)
-    moves = np.any((heel.shift != 0.0) | (toe.shift != 0.0), axis=1)
+    moves = np.any((heel.shift != 0.0) | (toe.shift != 0.0) | (vector != 0.0), axis=1)
     return FootGoal(ankle, rotation.multiply(turn, leg.turn), moves)
 
 
