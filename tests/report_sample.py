@@ -103,7 +103,8 @@ def report_document(frames: int, **more: Any) -> dict[str, Any]:
     return {
         "format": "footfix-report", "version": 1, "source": {"file": HOSTILE[1]}, "output": HOSTILE[4],
         "status": "cleaned", "method": "ik",
-        "rig": {"root": HOSTILE[2], "floor_m": 0.012, "origins": {"floor": HOSTILE[0]}}, "settings": {"detect": {"method": "auto"}},
+        "rig": {"root": HOSTILE[2], "floor_m": 0.012, "origins": {"floor": HOSTILE[0]}},
+        "settings": {"detect": {"method": "auto"}},
         "before": {"slide_median_mm": 40.0, "penetration_mm": 12.0, "jitter_100m_s3": 0.5, "coverage": 0.4},
         "after": {"slide_median_mm": 1.0, "penetration_mm": 0.2, "jitter_100m_s3": 0.9, "coverage": 0.4},
         "plants": plants,
