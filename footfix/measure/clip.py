@@ -115,7 +115,7 @@ def measure(
 
 
 def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> dict[str, float | None]:
-    """The measures of `WORLD`, by name."""
+    """Work out the measures of `WORLD`, by name; all of them are of a floor at rest."""
     tracks, planted = rig.tracks(pose), contacts.mask()
     toes, rests = [], []
     for e, sole in enumerate(rig.soles):

@@ -135,7 +135,7 @@ def measure_plants(
 
 
 def _columns(seen: Seen, turns: Floats, rig: Rig, frame_time: float) -> list[tuple[Any, ...]]:
-    """For each plant of a sole point what `PlantMeasure` holds after its frames."""
+    """Work out, for each plant of a sole point, what `PlantMeasure` holds after its frames."""
     plants = seen.plants
     heights = seen.sole[:, 1]  # (F,) [m]
     above = heights[plants.frames] - floor_levels(heights, plants, rig)[plants.owner]  # (N,) [m]

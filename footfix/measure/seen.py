@@ -22,7 +22,7 @@ _NO_TIP = 0.01  # [m] what ends no farther from the toe joint has no tip of its 
 
 
 def counted(contact: Contact) -> tuple[int, int]:
-    """The frames of a contact that are measured: all but its first and its last one, where it has enough of them."""
+    """Choose the frames of a contact that are measured: all but the first and the last, where it has enough of them."""
     trim = 1 if contact.end - contact.start >= _TRIMMED else 0
     return contact.start + trim, contact.end - trim
 
@@ -47,7 +47,7 @@ class Seen:
 
 
 def seen_of(clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, ground: Floats) -> tuple[Seen, ...]:
-    """What is seen of the plants of each sole point.
+    """Find what is seen of the plants of each sole point.
 
     Args:
         clip: F frames.
@@ -55,6 +55,9 @@ def seen_of(clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, ground: Floats
         contacts: when each is planted; what is forbidden is no plant.
         pose: forward kinematics of `posed`.
         ground: (F, 3) [m] how far the ground has moved.
+
+    Returns:
+        One a sole point, in the order of `rig.soles`.
     """
     spans = [[counted(c) for c in each.contacts if c.wish != "forbid"] for each in contacts.effectors]
     stands: dict[tuple[int, str], Bools] = {}
@@ -79,7 +82,7 @@ def seen_of(clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, ground: Floats
 
 
 def _heel(plants: Segments, together: Bools, ankle: Floats, point: Floats) -> tuple[Segments, Floats]:
-    """Of heel plants the frames that are looked at, and (F, 3) [m] the track of what is seen in them.
+    """Find the frames of heel plants that are looked at, and (F, 3) [m] the track of what is seen in them.
 
     While the toe stands as well, the ankle rests, too; where it never does, the foot rolls over its heel, and the
     heel's sole point `point` (F, 3) [m] is the best there is.
@@ -94,7 +97,7 @@ def _heel(plants: Segments, together: Bools, ankle: Floats, point: Floats) -> tu
 
 
 def tip_of(skeleton: Skeleton, toe: int) -> tuple[int, Floats] | None:
-    """The tip of the toes: of all that hangs from the toe joint, what ends farthest from it at rest.
+    """Find the tip of the toes: of all that hangs from the toe joint, what ends farthest from it at rest.
 
     Returns:
         The joint that carries the tip and where it is in that joint's frame (3,) [m]; None where nothing ends more
@@ -115,6 +118,6 @@ def tip_of(skeleton: Skeleton, toe: int) -> tuple[int, Floats] | None:
 
 
 def posed(clip: Clip, rig: Rig) -> Pose:
-    """Forward kinematics of the joints that measures look at: those of the rig, and what carries the tips of toes."""
+    """Work out where the joints are that measures look at: those of the rig, and what carries the tips of toes."""
     tips = [tip_of(clip.skeleton, leg.toe) for leg in rig.legs if leg.toe is not None]
     return forward(clip, clip.skeleton.with_ancestors((*rig.joints(), *(tip[0] for tip in tips if tip is not None))))

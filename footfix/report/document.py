@@ -85,7 +85,7 @@ def rig(found: Rig, clip: Clip, *, unit_m: float, up: str) -> dict[str, Any]:
 def plants(
     found: Sequence[Footplant], before: Sequence[PlantMeasure], after: Sequence[PlantMeasure]
 ) -> list[dict[str, Any]]:
-    """One row a plant: what it did, what was done, what it does now.
+    """Make one row a plant: what it did, what was done, what it does now.
 
     Args:
         found: the plants of a figure, each at its id.
@@ -134,7 +134,7 @@ NO_CORRECTION: Mapping[str, Any] = {
 
 
 def corrections(found: Sequence[Correction], clip: Clip) -> dict[str, Any]:
-    """How much was changed: the largest of all figures' numbers, and where.
+    """Say how much was changed: the largest of all figures' numbers, and where.
 
     Args:
         found: the correction of each figure.
@@ -147,7 +147,7 @@ def corrections(found: Sequence[Correction], clip: Clip) -> dict[str, Any]:
 
 
 def _correction(found: Correction, clip: Clip) -> dict[str, Any]:
-    """The root's drift at the end, its largest shift, and the largest turn of a joint in its parent's frame."""
+    """Find the root's drift at the end, its largest shift, and the largest turn of a joint in its parent's frame."""
     shift = found.root_shift  # (F, 3) [m]
     drift = shift[-1, [0, 2]] - shift[0, [0, 2]] if len(shift) else np.zeros(2)
     largest, name, frame = 0.0, None, None
@@ -171,7 +171,7 @@ def _correction(found: Correction, clip: Clip) -> dict[str, Any]:
 
 
 def worst(entries: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:
-    """One entry of measures for several figures: the largest of each figure's numbers, plants counted together.
+    """Join the measures of several figures in one entry: the largest of each figure's numbers, plants counted together.
 
     A number that one figure does not have (the figure is on a belt) is that of the others.
     """

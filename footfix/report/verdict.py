@@ -236,7 +236,7 @@ class Change:
 
 
 def largest_change(report: Report) -> Change | None:
-    """The largest change that cleaning made to a joint; None where no joint was turned."""
+    """Find the largest change that cleaning made to a joint; None where no joint was turned."""
     found = section(report, "correction")
     joint, degrees = found.get("largest_change_joint"), number(found.get("largest_change_deg"))
     frame = number(found.get("largest_change_frame"))
@@ -244,7 +244,7 @@ def largest_change(report: Report) -> Change | None:
 
 
 def floor_taken(report: Report) -> str:
-    """Which floor was taken and how it was found; "" where the report does not say."""
+    """Say which floor was taken and how it was found; "" where the report does not say."""
     rig = section(report, "rig")
     height, origin = number(rig.get("floor_m")), section(rig, "origins").get("floor")
     return "" if height is None or origin is None else f"{height:.3f} m: {origin}"
