@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 
 import artefacts
@@ -21,6 +21,7 @@ from footfix.batch.work import Task
 from footfix.enforce.whole import put_back
 from footfix.formats.contacts import Labels
 from footfix.job import clean_file, measure_file, read
+from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact
@@ -34,6 +35,7 @@ from footfix.settings import ReportParams, Settings
 
 SETTINGS = Settings(report=ReportParams(kind="json"))
 SMOOTHING = replace(SETTINGS, smooth=SmoothParams(seconds=0.15, channels=True))
+UNITS = ("_mm", "_deg")  # that fields of measures end in
 LED_IN = 3  # frames of T-pose before the motion
 
 
@@ -148,6 +150,7 @@ def test_what_is_cut_out_comes_back() -> None:
     assert np.array_equal(motion.clip(made.clip).positions, made.clip.positions[5:100])
     notes = (Note("a", "about frames", start=1, end=4), Note("b", "about all"))
     assert motion.notes_back(notes) == (replace(notes[0], start=6, end=9), notes[1])
+    assert motion.contacts_back(replace(inner, notes=notes)).notes == motion.notes_back(notes)
     track = np.arange(95.0)[:, None]
     assert motion.track_back(track)[[0, 5, 99, -1], 0].tolist() == [0.0, 0.0, 94.0, 94.0]
     whole = Crop(0, len(made.clip), len(made.clip))
@@ -210,7 +213,27 @@ def test_labels_that_lie_in_a_t_pose_are_written_but_no_plants() -> None:
     assert b'"start": 0' in outputs.contacts and outputs.report["before"]["plants"] == 1
 
 
-# ---- the correction in the report -------------------------------------------------------------------
+# ---- the report -------------------------------------------------------------------------------------
+
+
+def test_a_row_of_the_report_holds_what_its_plant_did_before_and_after() -> None:
+    result = footfix.clean(read(skating(), "a.bvh", SETTINGS).clip)
+    figures = {each.name: 10.0 + k for k, each in enumerate(fields(PlantMeasure)) if each.name.endswith(UNITS)}
+    was = [replace(each, **{key: value + 100.0 * k for key, value in figures.items()})
+           for k, each in enumerate(result.plants_before)]  # fmt: skip
+    now = [replace(each, **{key: getattr(each, key) + 0.5 for key in figures}) for each in was]
+    rows = document.plants(result.plants[::-1], was, now)  # joined by their ids, in whatever order
+    for plant, row in zip(result.plants[::-1], rows, strict=True):
+        assert (row["id"], row["effector"], row["start"]) == (plant.id, was[plant.id].effector, was[plant.id].start)
+        for key in figures:
+            stem, unit = key.rsplit("_", 1)
+            if f"{stem}_before_{unit}" in row:
+                assert row[f"{stem}_before_{unit}"] == figures[key] + 100.0 * plant.id
+                assert row[f"{stem}_after_{unit}"] == row[f"{stem}_before_{unit}"] + 0.5
+    assert {key for key in rows[0] if "_after_" in key} >= {
+        "slide_after_mm", "tip_slide_after_mm", "travel_after_mm", "yaw_after_deg", "penetration_after_mm",
+    }  # fmt: skip
+    assert [plant.id for plant in result.plants] == list(range(len(was)))
 
 
 def test_the_largest_joint_change_is_named() -> None:
