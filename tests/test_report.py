@@ -113,6 +113,10 @@ def _report(slides: list[tuple[float, float]], status: str = "cleaned") -> dict[
         (_report([(40, 0), (50, 30)]), "fair", "better", "All 2 footplants slid more than 21 mm; 1 still does"),
         (_report([(40, 40), (50, 30)]), "bad", "not helped", "All 2 footplants still slide"),
         (_report([(4, 40)]), "bad", "not helped", "The one footplant still slides"),
+        (_report([(4, 40)]), "bad", "not helped", "; 1 slides farther than before"),
+        (_report([(40, 0), (3, 9), (0, 6)]), "fair", "mixed", "now none does; 2 slide farther than before"),
+        (_report([(3, 8)]), "good", "tidied", "from 3 to 8 mm"),
+        (_report([(40, 30), (3, 9), (50, 2)]), "fair", "better", "1 still does; 1 slides farther than before"),
     ],
 )
 def test_the_verdict_says_what_happened(report: dict[str, Any], tone: str, word: str, text: str) -> None:
@@ -125,6 +129,27 @@ def test_a_measure_that_got_worse_is_marked() -> None:
     rows = {row.label: row for row in measure_rows(report_document(360))}
     assert rows["Jitter"].worse
     assert not rows["Median slide of the plants"].worse
+
+
+def test_what_was_not_measured_is_a_dash() -> None:
+    report = {"before": {"skating_ratio": None, "slide_mm": 3.0}, "after": {"skating_ratio": None, "slide_mm": None}}
+    rows = {row.label: (row.before, row.after) for row in measure_rows(report)}
+    assert rows == {"Longest slide of a plant": ("3.0", "–"), "Foot skating ratio (GMD, OmniControl)": ("–", "–")}
+
+
+def test_the_first_screen_names_the_largest_joint_change_and_the_details_the_floor() -> None:
+    change = {"largest_change_joint": "RightLeg", "largest_change_deg": 31.4, "largest_change_frame": 75}
+    rig = {"floor_m": 0.0124, "origins": {"floor": "the file's zero plane"}}
+    report = report_document(360, correction=change, rig=rig)
+    lines = summarize(report).split("\n")
+    assert "  largest joint change: RightLeg 31 degrees, frame 75" in lines
+    assert "  floor at 0.012 m: the file's zero plane" in lines
+    html = render(PageData(report))
+    first, details = html[: html.index("<main>")], html[html.index("<details") :]
+    assert re.search(r"Largest joint change <small>°</small></dt><dd><b>31</b>.*?<bdi>RightLeg</bdi>, frame 75", first)
+    assert re.search(r">floor</th><td>0\.012 m: the file&#39;s zero plane<", details)
+    nothing = dict.fromkeys(change)
+    assert "joint change" not in summarize(report_document(360, correction=nothing))
 
 
 def test_the_terminal_gets_no_control_characters_and_short_reasons() -> None:
@@ -307,6 +332,7 @@ _JSON = st.recursive(
     max_leaves=8,
 )
 _PLANT_KEYS = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "residual_mm", "outcome", "reason")
+_CHANGE_KEYS = ("root_path_drift_m", "largest_change_joint", "largest_change_deg", "largest_change_frame")
 _NOTE_KEYS = ("severity", "text", "joints", "start", "end", "line")
 
 
@@ -320,6 +346,7 @@ def test_a_report_of_any_shape_is_shown_as_far_as_it_goes(data: st.DataObject) -
             key: data.draw(st.lists(st.fixed_dictionaries({}, optional=dict.fromkeys(names, _JSON)), max_size=3))
             for key, names in rows.items()
         }
+        report["correction"] = data.draw(st.fixed_dictionaries({}, optional=dict.fromkeys(_CHANGE_KEYS, _JSON)))
     outline = _outline(render(PageData(report)))
     assert "script" not in outline.tags
     summarize(report, verbose=True)

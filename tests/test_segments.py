@@ -31,6 +31,23 @@ def test_rows_of_true(spans: list[tuple[int, int]], seed: int) -> None:
 
 
 @given(SPANS, strategies.integers(0, 2**32 - 1))
+def test_reductions_of_some_frames_are_those_of_each_stretch(spans: list[tuple[int, int]], seed: int) -> None:
+    random = np.random.default_rng(seed)
+    whole = segments(spans)
+    keep = random.random(len(whole.frames)) < 0.5
+    keep[whole.starts + random.integers(0, whole.lengths)] = True  # at least one in each
+    values = random.normal(size=60)
+    for parts, used in ((whole, np.ones_like(keep)), (whole.kept(keep), keep)):
+        laid = values[parts.frames]
+        own = [values[a:b][used[at : at + b - a]] for (a, b), at in zip(spans, whole.starts, strict=True)]
+        assert np.allclose(parts.median(laid), [np.median(each) for each in own])
+        assert np.allclose(parts.mean(laid), [np.mean(each) for each in own])
+        assert np.allclose(parts.largest(laid), [np.max(each) for each in own])
+    assert [int(whole.frames[m]) for m in whole.middle()] == [a + (b - a) // 2 for a, b in spans]
+    assert len(segments([]).median(np.zeros(0))) == len(segments([]).kept(np.zeros(0, bool))) == 0
+
+
+@given(SPANS, strategies.integers(0, 2**32 - 1))
 def test_middles(spans: list[tuple[int, int]], seed: int) -> None:
     parts = segments(spans)
     points = np.random.default_rng(seed).normal(size=(len(parts.frames), 3))

@@ -12,7 +12,7 @@ from footfix.batch.work import REPORT, FileResult, Task
 from footfix.errors import UsageError
 from footfix.files import STDIN
 from footfix.formats.contacts import Labels
-from footfix.measure.clip import Measures
+from footfix.measure.clip import WORLD, Measures
 from footfix.motion.contacts import Contact
 from footfix.settings import suggest
 
@@ -59,7 +59,8 @@ def check(task: Task, data: bytes) -> FileResult:
         data: the bytes of the clip.
 
     Returns:
-        Status "over" where a gate is passed, "done" where none is; the report holds measures and gates.
+        Status "over" where a gate is passed, "done" where none is; the report holds measures and gates. A gate on
+        what this clip has no measure of is skipped, and a note says so.
     """
     from footfix.job import measure_file
 
@@ -68,23 +69,24 @@ def check(task: Task, data: bytes) -> FileResult:
     known(gates)
     before, labels = _cleaning(task)
     entry, measures, notes = measure_file(data, source, task.settings, labels=task.labels or labels)
-    values: dict[str, float] = dict(measures)
+    values = dict(measures)
     wanted = [name for name in gates if name in RATIOS]
     for name in wanted:
-        now, was = measures.get(RATIOS[name], 0.0), (before or measures).get(RATIOS[name], 0.0)
+        now, was = measures.get(RATIOS[name]) or 0.0, (before or measures).get(RATIOS[name]) or 0.0
         values[name] = float(f"{now / was:.6g}") if was > 0.0 else 1.0
     if wanted and before is None:
         notes = [*notes, _no_reference(wanted)]
     over = [
-        {"measure": name, "value": values[name], "most": most}
+        {"measure": name, "value": value, "most": most}
         for name, most in gates.items()
-        if name in values and values[name] > most
+        if (value := values[name]) is not None and value > most
     ]
+    notes = [*notes, *_not_measured([name for name in gates if values[name] is None])]
     report = {"source": entry, "measures": values, "gates": gates, "over": over, "notes": notes}
     return FileResult(source, "over" if over else "done", report=report)
 
 
-def _cleaning(task: Task) -> tuple[Mapping[str, float] | None, Labels | None]:
+def _cleaning(task: Task) -> tuple[Mapping[str, float | None] | None, Labels | None]:
     """Measures of the clip before it was cleaned, and its contacts, where its report and labels lie beside it."""
     if task.job.source == STDIN:
         return None, None
@@ -101,7 +103,7 @@ def _cleaning(task: Task) -> tuple[Mapping[str, float] | None, Labels | None]:
 
 
 def _held(report: Mapping[str, Any], name: str) -> Labels | None:
-    """The frames that cleaning held each effector in, as labels."""
+    """The plants that cleaning found of each effector, as labels."""
     held: dict[str, tuple[Contact, ...]] = {}
     try:
         for plant in report["plants"]:
@@ -117,3 +119,16 @@ def _held(report: Mapping[str, Any], name: str) -> Labels | None:
 def _no_reference(wanted: list[str]) -> dict[str, Any]:
     text = f"{', '.join(wanted)}: no report of its cleaning lies beside this clip, so it is held against itself"
     return {"id": "no-reference", "severity": "warning", "text": text}
+
+
+def _not_measured(names: list[str]) -> list[dict[str, Any]]:
+    """Notes on gates that a clip has no measure for."""
+    reasons = {
+        "planted feet move with a belt, and these know no ground that moves": [n for n in names if n in WORLD],
+        "no planted foot has a tip beyond its toe joint": [n for n in names if n not in WORLD],
+    }
+    return [
+        {"id": "not-measured", "severity": "warning", "text": f"{', '.join(which)}: not gated: {reason}"}
+        for reason, which in reasons.items()
+        if which
+    ]

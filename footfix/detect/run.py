@@ -1,4 +1,4 @@
-"""detect(clip, rig, params): one detector over the motion proper of a clip."""
+"""detect(clip, rig, params): one detector over a clip, or over its motion proper alone."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from footfix.detect.threshold import ThresholdParams, threshold
 from footfix.detect.tracks import Finding, Tracks, tracks_of
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
-from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
+from footfix.rig.crop import crop
 from footfix.rig.rig import Rig
 
 Method = Literal["auto", "threshold", "adaptive", "lyard"]
@@ -43,7 +43,7 @@ class DetectParams:
 
 
 def detect(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Contacts:
-    """When heel and toe of each foot are planted.
+    """Find when heel and toe of each foot are planted; frames that lead in and out of the motion are left out.
 
     Args:
         clip: in metres, y up.
@@ -53,25 +53,27 @@ def detect(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Conta
     Returns:
         Contacts for each sole point of the rig, with notes on what is doubtful.
     """
-    proper = motion_proper(clip)
-    finding = find(tracks_of(clip.frames(proper), rig), params)
+    motion = crop(clip, rig)
+    return motion.contacts_back(detect_contacts(motion.clip(clip), rig, params))
+
+
+def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Contacts:
+    """Find when heel and toe of each foot are planted, in a clip that is all motion.
+
+    Args:
+        clip: in metres, y up.
+        rig: its legs and sole points.
+        params: which detector.
+
+    Returns:
+        Contacts for each sole point of the rig, with notes on what is doubtful.
+    """
+    finding = find(tracks_of(clip, rig), params)
     # detectors answer heel, toe for each leg; the rig may list its sole points in another order
     order = [2 * sole.leg + (sole.part == "toe") for sole in rig.soles]
-    mask = np.zeros((len(clip), len(order)), dtype=np.bool_)
-    mask[proper] = finding.mask[:, order]
-    confidence = np.ones(mask.shape)
-    if finding.confidence is not None:
-        confidence[proper] = finding.confidence[:, order]
-    contacts = rig.no_contacts(clip).with_mask(mask, confidence)
-    notes = tuple(_later(note, proper.start) for note in finding.notes)
-    return replace(contacts, method=params.method, notes=notes)
-
-
-def _later(note: Note, frames: int) -> Note:
-    """The same note about frames that lie later."""
-    if note.start is None or note.end is None:
-        return note
-    return replace(note, start=note.start + frames, end=note.end + frames)
+    confidence = None if finding.confidence is None else finding.confidence[:, order]
+    contacts = rig.no_contacts(clip).with_mask(finding.mask[:, order], confidence)
+    return replace(contacts, method=params.method, notes=finding.notes)
 
 
 def find(tracks: Tracks, params: DetectParams) -> Finding:

@@ -7,32 +7,38 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.measure.plants import AT_REST, NOTICED_MM, PlantMeasure, floor_levels, measure_plants
+from footfix.measure.plants import NOTICED_MM, PlantMeasure, measure_plants
+from footfix.measure.seen import posed
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, places
 from footfix.rig.rig import Rig
+
+GMD_FPS = 20.0  # of the data sets for which GMD and OmniControl fixed their bounds
+WORLD = ("skating_ratio", "weighted_skate_cm_s", "phys_penetrate_mm", "phys_float_mm", "phys_skate_mm")
 
 
 @dataclass(frozen=True)
 class Measures:
     """What the feet of a clip do, in numbers; the unit is in the name.
 
-    A skate figure always stands beside `coverage`: lifting a foot off the floor is no cure.
+    A skate figure always stands beside `coverage`: lifting a foot off the floor is no cure. The measures from the
+    literature know no ground that moves; on a belt they are None.
 
     Args:
         plants: contacts counted.
         plants_over_21mm: how many of them slide farther than viewers notice (Prazak 2011).
         share_over_21mm: the same as a share of the plants.
+        tip_over_21mm: share of the toe plants whose tip slides farther than that, None where no foot has a tip.
         slide_mm: the worst plant's slide.
         slide_median_mm: the median plant's.
         yaw_deg: the worst plant's turn about the vertical.
         coverage: share of effector-frames in contact.
-        skate_cm_s: mean horizontal speed of effectors in contact.
-        skate_worst_cm_s: highest horizontal speed of an effector in contact.
+        skate_cm_s: mean horizontal speed of planted feet: of the plants' means, by their lengths.
+        skate_worst_cm_s: highest horizontal speed of a planted foot.
         penetration_mm: deepest of all planted points below their floor.
         float_mm: highest of all planted points above their floor.
-        skating_ratio: GMD / OmniControl's foot skating ratio of the toes, over all frames.
+        skating_ratio: GMD / OmniControl's foot skating ratio of the toe joints, over all frames.
         weighted_skate_cm_s: mean of v (2 - 2^(h / H)) over sole points and frames, H = 3.3 cm.
         phys_penetrate_mm, phys_float_mm, phys_skate_mm: PhysDiff's three, over the sole points.
         jitter_100m_s3: mean third difference of joint positions [10^2 m/s^3].
@@ -43,6 +49,7 @@ class Measures:
     plants: int
     plants_over_21mm: int
     share_over_21mm: float
+    tip_over_21mm: float | None
     slide_mm: float
     slide_median_mm: float
     yaw_deg: float
@@ -51,55 +58,45 @@ class Measures:
     skate_worst_cm_s: float
     penetration_mm: float
     float_mm: float
-    skating_ratio: float
-    weighted_skate_cm_s: float
-    phys_penetrate_mm: float
-    phys_float_mm: float
-    phys_skate_mm: float
+    skating_ratio: float | None
+    weighted_skate_cm_s: float | None
+    phys_penetrate_mm: float | None
+    phys_float_mm: float | None
+    phys_skate_mm: float | None
     jitter_100m_s3: float
     peak_acceleration_m_s2: float
     peak_knee_speed_deg_s: float
 
 
 def measure(
-    clip: Clip,
-    rig: Rig,
-    contacts: Contacts,
-    *,
-    levels: Sequence[Floats] | None = None,
-    belt: Floats = AT_REST,
-    pose: Pose | None = None,
+    clip: Clip, rig: Rig, contacts: Contacts, *, belt: Floats | None = None
 ) -> tuple[Measures, tuple[PlantMeasure, ...]]:
-    """Measures a clip against its contacts.
+    """Measure a clip against its contacts.
 
     Args:
-        clip: the motion.
-        rig: its legs and sole points.
-        contacts: which sole points are planted when.
-        levels: the height of the floor under each contact [m], for each effector (contacts,); found from
-            the plants themselves where it is not given.
-        belt: (3,) [m/s] with which the floor itself moves under planted feet, as on a treadmill, or (F, 3) [m] how
-            far it has moved. Plants are measured against it; measures from the literature know no belts.
-        pose: forward kinematics of `rig.joints()`, if it is at hand.
+        clip: F frames.
+        rig: its legs, sole points and floor.
+        contacts: which sole points are planted when, in the order of `rig.soles`.
+        belt: (F, 3) [m] how far the ground has moved, as under a figure on a treadmill; at rest by default. Plants
+            are measured against it.
 
     Returns:
-        The measures of the clip, and those of every plant.
+        The measures of the clip, and those of every contact, effector by effector, in order of time.
     """
-    pose = rig.pose(clip) if pose is None else pose
-    levels = floor_levels(rig, contacts, pose) if levels is None else levels
-    plants = measure_plants(clip, rig, contacts, pose, levels, belt)
+    pose = posed(clip, rig)
+    plants = measure_plants(clip, rig, contacts, pose, belt)
     slides = np.array([plant.slide_mm for plant in plants])
+    tips = [plant.tip_slide_mm for plant in plants if plant.tip_slide_mm is not None]
     weights = np.array([max(plant.end - plant.start - 1, 0) for plant in plants])
     speeds = np.array([plant.speed_cm_s for plant in plants])
-    tracks = rig.tracks(pose)
-    floor = float(rig.floor)
-    penetrate, floating, skate = physdiff(tracks, floor)
-    toes = [track for sole, track in zip(rig.soles, tracks, strict=True) if sole.part == "toe"]
+    on_belt = belt is not None and bool(np.any(belt != 0.0))
+    world = dict.fromkeys(WORLD) if on_belt else _in_world(rig, contacts, pose, clip.frame_time)
     return (
         Measures(
             plants=len(plants),
             plants_over_21mm=int(np.sum(slides > NOTICED_MM)),
             share_over_21mm=float(np.mean(slides > NOTICED_MM)) if len(slides) else 0.0,
+            tip_over_21mm=float(np.mean(np.array(tips) > NOTICED_MM)) if tips else None,
             slide_mm=float(slides.max(initial=0.0)),
             slide_median_mm=float(np.median(slides)) if len(slides) else 0.0,
             yaw_deg=max((plant.yaw_deg for plant in plants), default=0.0),
@@ -108,11 +105,7 @@ def measure(
             skate_worst_cm_s=max((plant.peak_speed_cm_s for plant in plants), default=0.0),
             penetration_mm=max((plant.penetration_mm for plant in plants), default=0.0),
             float_mm=max((plant.float_mm for plant in plants), default=0.0),
-            skating_ratio=skating_ratio(toes, floor, clip.frame_time),
-            weighted_skate_cm_s=weighted_skate(tracks, floor, clip.frame_time),
-            phys_penetrate_mm=penetrate,
-            phys_float_mm=floating,
-            phys_skate_mm=skate,
+            **world,
             jitter_100m_s3=jitter(clip),
             peak_acceleration_m_s2=peak_acceleration(rig, pose, clip.frame_time),
             peak_knee_speed_deg_s=peak_knee_speed(rig, pose, clip.frame_time),
@@ -121,27 +114,63 @@ def measure(
     )
 
 
+def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> dict[str, float | None]:
+    """Work out the measures of `WORLD`, by name; all of them are of a floor at rest."""
+    tracks, planted = rig.tracks(pose), contacts.mask()
+    toes, rests = [], []
+    for e, sole in enumerate(rig.soles):
+        if sole.part == "toe":
+            joint = rig.legs[sole.leg].toe
+            toes.append(tracks[e] if joint is None else pose.position(joint))  # (F, 3) [m]
+            resting = toes[-1][planted[:, e], 1]
+            rests.append(float(np.median(resting)) if len(resting) else -np.inf)  # one that never rests skates nowhere
+    floor = float(rig.floor)
+    figures = (
+        skating_ratio(toes, rests, frame_time),
+        weighted_skate(tracks, floor, frame_time),
+        *physdiff(tracks, floor),
+    )
+    return dict(zip(WORLD, figures, strict=True))
+
+
 def _horizontal_steps(track: Floats) -> Floats:
     """(F - 1,) [m] how far a track (F, 3) [m] goes over the floor from frame to frame."""
     return np.asarray(np.hypot(np.diff(track[:, 0]), np.diff(track[:, 2])))
 
 
-def skating_ratio(toes: Sequence[Floats], floor: float, frame_time: float) -> float:
+def skating_ratio(toes: Sequence[Floats], rests: Sequence[float], frame_time: float) -> float:
     """Share of all frames in which a toe skates.
 
-    A toe skates where it is lower than 5 cm now and in the next frame and faster than 0.5 m/s now and in
-    the mean of 5 frames. Source: GMD (Karunratanakul 2023) and OmniControl (Xie 2024), who fix 20 fps.
+    A toe skates where it is less than 5 cm over where it rests, now and in the next frame, and faster than 0.5 m/s
+    now and in the mean of 5 frames. Source: GMD (Karunratanakul 2023, `calculate_skating_ratio`) and OmniControl
+    (Xie 2024), at the 20 fps of their data: motion at another rate is resampled. Their floor is the height 0 of data
+    in which toe joints rest just over it; here each toe has its own.
+
+    Args:
+        toes: (F, 3) [m] the track of each toe joint.
+        rests: [m] the height at which each of them rests.
+        frame_time: [s].
     """
-    if not toes or len(toes[0]) < 2:
+    seen = [_at_rate(track, frame_time, GMD_FPS) for track in toes]
+    if not seen or len(seen[0]) < 2:
         return 0.0
-    skates = np.zeros(len(toes[0]) - 1, dtype=np.bool_)
-    for track in toes:
-        speed = _horizontal_steps(track) / frame_time  # [m/s]
+    skates = np.zeros(len(seen[0]) - 1, dtype=np.bool_)
+    for track, rest in zip(seen, rests, strict=True):
+        speed = GMD_FPS * _horizontal_steps(track)  # [m/s]
         padded = np.pad(speed, 2)
         mean = sum(padded[k : k + len(speed)] for k in range(5)) / 5.0
-        low = track[:, 1] - floor < 0.05
+        low = track[:, 1] - rest < 0.05
         skates |= low[:-1] & low[1:] & (speed > 0.5) & (mean > 0.5)
     return float(skates.mean())
+
+
+def _at_rate(track: Floats, frame_time: float, fps: float) -> Floats:
+    """A track (F, 3) at another frame rate, by straight lines between its frames."""
+    if not len(track):
+        return track
+    frames = int(np.floor((len(track) - 1) * frame_time * fps + 1e-6)) + 1
+    at = np.arange(frames) / (fps * frame_time)
+    return np.stack([np.interp(at, np.arange(len(track)), column) for column in track.T], axis=1)
 
 
 def weighted_skate(tracks: Sequence[Floats], floor: float, frame_time: float, height: float = 0.033) -> float:

@@ -1,45 +1,57 @@
-"""Measures of single plants: how far a planted sole point slides, turns, sinks and floats."""
+"""Measures of single plants: how far a planted foot slides, turns, sinks and floats."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from footfix.measure.seen import Seen, seen_of
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose
-from footfix.motion.segments import Segments, segments
+from footfix.motion.segments import Segments
 from footfix.rig.rig import Rig
 
 # A slide that viewers notice: M. Prazak, L. Hoyet, C. O'Sullivan, Perceptual evaluation of footskate
 # cleanup, SCA 2011.
 NOTICED_MM = 21.0
 
-AT_REST = np.zeros(3)  # [m/s] of a floor that does not move
+_NEAR = 0.05  # leg lengths: a plant whose median height is no farther from the rig's floor stands on that floor
 
 
 @dataclass(frozen=True)
 class PlantMeasure:
-    """What one planted sole point does while it should stand still.
+    """What a planted foot does while it should stand still.
+
+    All is measured over the ground, and over the whole contact but its first and last frame, in which the foot still
+    lands or leaves (contacts of less than 5 frames are taken whole).
 
     Args:
         effector: name of the sole point.
-        start, end: frames `[start, end)`.
-        slide_mm: farthest horizontal distance from its median place.
+        start, end: frames `[start, end)` of the contact.
+        slide_mm: farthest horizontal distance of what is seen from its median place: of a toe plant the toe joint
+            (the toe's sole point where the foot has no toe joint), of a heel plant the ankle while heel and toe stand
+            (the heel's sole point where they never do).
+        tip_slide_mm: the same of the tip of the toes, for toe plants; None where the foot has no tip.
+        sole_slide_mm: the same of the sole point.
+        travel_mm: horizontal distance of what is seen from its first place to its last.
         yaw_deg: farthest turn of the foot about the vertical from its median heading.
-        penetration_mm: deepest below its floor, 0 if never.
-        float_mm: highest above its floor, 0 if never.
-        speed_cm_s: mean horizontal speed.
-        peak_speed_cm_s: highest horizontal speed between two frames.
+        penetration_mm: deepest that the sole point is below the floor under the plant, 0 if never.
+        float_mm: highest that it is above it, 0 if never.
+        speed_cm_s: mean horizontal speed of what is seen.
+        peak_speed_cm_s: its highest horizontal speed between two frames.
     """
 
     effector: str
     start: int
     end: int
     slide_mm: float
+    tip_slide_mm: float | None
+    sole_slide_mm: float
+    travel_mm: float
     yaw_deg: float
     penetration_mm: float
     float_mm: float
@@ -68,67 +80,76 @@ def yaw(turns: Floats, plants: Segments) -> Floats:
     return plants.largest(np.abs(twist - plants.median(twist)[plants.owner]))
 
 
+def travel(track: Floats, plants: Segments) -> Floats:
+    """(S,) [m] horizontal distance of a track (F, 3) [m] from its first place to its last in each plant."""
+    first, last = (track[plants.frames[at]] for at in (plants.starts, plants.starts + plants.lengths - 1))
+    return np.asarray(np.hypot(last[:, 0] - first[:, 0], last[:, 2] - first[:, 2]))
+
+
 def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, Floats]:
     """(S,), (S,) [m/s] mean and highest horizontal speed of a track (F, 3) [m] from frame to frame in each plant."""
     steps = np.zeros(len(plants.frames))
     steps[1:] = np.hypot(*np.diff(track[plants.frames][:, [0, 2]], axis=0).T) / frame_time
-    steps[plants.starts] = 0.0  # the step into a plant is none of its own
-    mean = plants.mean(steps) * plants.lengths / np.maximum(plants.lengths - 1, 1)
-    return mean, plants.largest(steps)
+    follows = np.diff(plants.frames, prepend=-2) == 1
+    follows[plants.starts] = False  # the step into a plant is none of its own
+    steps[~follows] = 0.0
+    share = plants.mean(follows.astype(np.float64))
+    return plants.mean(steps) / np.maximum(share, 1e-12), plants.largest(steps)
+
+
+def floor_levels(heights: Floats, plants: Segments, rig: Rig) -> Floats:
+    """(S,) [m] the height of the floor under each plant.
+
+    Args:
+        heights: (F,) [m] of the sole point.
+        plants: its plants.
+        rig: its floor; a plant that is far from it (on a stair, a box) stands on its own level.
+    """
+    own = plants.median(heights[plants.frames])
+    return np.where(np.abs(own - rig.floor) < _NEAR * rig.leg_length, rig.floor, own)
 
 
 def measure_plants(
-    clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, levels: Sequence[Floats], belt: Floats = AT_REST
+    clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, belt: Floats | None = None
 ) -> tuple[PlantMeasure, ...]:
-    """The measures of every contact.
+    """Measure every contact.
 
     Args:
-        clip: the motion.
-        rig: its sole points.
-        contacts: which of them are planted when.
-        pose: forward kinematics of `rig.joints()`.
-        levels: for each effector (contacts,) [m] the height of the floor under each of its contacts.
-        belt: (3,) [m/s] with which the floor itself moves, as under an in-place cycle, or (F, 3) [m] how far it has.
+        clip: F frames.
+        rig: its legs, sole points and floor.
+        contacts: when each sole point is planted, in the order of `rig.soles`; what is forbidden is no plant.
+        pose: forward kinematics of `seen.posed`.
+        belt: (F, 3) [m] how far the ground has moved, as under a figure on a treadmill; at rest by default.
 
     Returns:
         One measure a contact, effector by effector, in order of time.
     """
+    ground = np.zeros((len(clip), 3)) if belt is None else belt
     found: list[PlantMeasure] = []
-    belt = np.asarray(belt)
-    carried = belt if belt.ndim == 2 else np.arange(len(clip))[:, None] * clip.frame_time * belt  # (F, 3) [m]
-    for sole, effector, heights in zip(rig.soles, contacts.effectors, levels, strict=True):
-        counted = np.array([contact.wish != "forbid" for contact in effector.contacts], dtype=np.bool_)
-        if not np.any(counted):
-            continue
-        plants = segments([(c.start, c.end) for c in effector.contacts if c.wish != "forbid"])
-        track = pose.point(sole.joint, np.asarray(sole.offset)) - carried  # (F, 3) [m] over the floor
-        mean_speed, peak_speed = speeds(track, plants, clip.frame_time)
-        above = track[plants.frames, 1] - heights[counted][plants.owner]  # (N,) [m]
-        columns = (
-            1000.0 * slide(track, plants),
-            np.degrees(yaw(pose.rotation(sole.joint), plants)),
-            1000.0 * np.maximum(plants.largest(-above), 0.0),
-            1000.0 * np.maximum(plants.largest(above), 0.0),
-            100.0 * mean_speed,
-            100.0 * peak_speed,
-        )
-        rows = np.stack(columns, axis=1).tolist()
-        found.extend(
-            PlantMeasure(effector.name, start, end, *row) for (start, end), row in zip(plants.spans, rows, strict=True)
-        )
+    for k, seen in enumerate(seen_of(clip, rig, contacts, pose, ground)):
+        if len(seen.plants):
+            whole = [(c.start, c.end) for c in contacts.effectors[k].contacts if c.wish != "forbid"]
+            rows = _columns(seen, pose.rotation(rig.soles[k].joint), rig, clip.frame_time)
+            found.extend(PlantMeasure(rig.soles[k].name, *span, *row) for span, row in zip(whole, rows, strict=True))
     return tuple(found)
 
 
-def floor_levels(rig: Rig, contacts: Contacts, pose: Pose) -> tuple[Floats, ...]:
-    """The height of the floor under each contact, for each effector (contacts,) [m].
-
-    A plant whose median height is within a twentieth of the leg length of the rig's floor stands on that
-    floor; another one (a stair, a box) stands on its own level.
-    """
-    levels = []
-    for sole, effector in zip(rig.soles, contacts.effectors, strict=True):
-        height = pose.point(sole.joint, np.asarray(sole.offset))[:, 1]
-        plants = segments([(c.start, c.end) for c in effector.contacts])
-        own = plants.median(height[plants.frames])
-        levels.append(np.where(np.abs(own - rig.floor) < 0.05 * rig.leg_length, rig.floor, own))
-    return tuple(levels)
+def _columns(seen: Seen, turns: Floats, rig: Rig, frame_time: float) -> list[tuple[Any, ...]]:
+    """Work out, for each plant of a sole point, what `PlantMeasure` holds after its frames."""
+    plants = seen.plants
+    heights = seen.sole[:, 1]  # (F,) [m]
+    above = heights[plants.frames] - floor_levels(heights, plants, rig)[plants.owner]  # (N,) [m]
+    mean, peak = speeds(seen.track, seen.parts, frame_time)  # [m/s]
+    columns = [
+        1000.0 * slide(seen.track, seen.parts),
+        1000.0 * slide(seen.sole, plants),
+        1000.0 * travel(seen.track, seen.parts),
+        np.degrees(yaw(turns, plants)),
+        1000.0 * np.maximum(plants.largest(-above), 0.0),
+        1000.0 * np.maximum(plants.largest(above), 0.0),
+        100.0 * mean,
+        100.0 * peak,
+    ]
+    slides, *others = (column.tolist() for column in columns)
+    tips = [None] * len(plants) if seen.tip is None else (1000.0 * slide(seen.tip, plants)).tolist()
+    return list(zip(slides, tips, *others, strict=True))

@@ -7,8 +7,6 @@ off, as at both ends of many takes, makes no jump: that is motion, and stays.
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 import numpy as np
 
 from footfix.motion import rotation
@@ -25,12 +23,9 @@ _FEWEST = 12  # frames from which on a clip has steps of its own to compare with
 _MOST_STEPS = 400  # steps looked at to know the clip's own
 
 
-# Four steps ask it of the same clip; it takes as long as reading a hundred frames.
-_known: WeakKeyDictionary[Clip, slice] = WeakKeyDictionary()
-
 
 def motion_proper(clip: Clip) -> slice:
-    """The frames of a clip without what leads in and out of it.
+    """Find the frames of a clip without what leads in and out of it.
 
     Args:
         clip: F frames, any units and axes.
@@ -38,12 +33,6 @@ def motion_proper(clip: Clip) -> slice:
     Returns:
         The slice `[start, stop)` of its motion; all of it where nothing jumps.
     """
-    if clip not in _known:
-        _known[clip] = _motion_proper(clip)
-    return _known[clip]
-
-
-def _motion_proper(clip: Clip) -> slice:
     frames = len(clip)
     if frames < 3:
         return slice(0, frames)

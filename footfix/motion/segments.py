@@ -71,6 +71,21 @@ class Segments:
         stop[owner[order]] = ends[order] - self.starts[owner[order]]
         return start, stop
 
+    def kept(self, keep: Bools) -> Segments:
+        """The stretches with some of their frames only.
+
+        Args:
+            keep: (N,) which; at least one in each stretch.
+        """
+        lengths = np.add.reduceat(keep.astype(np.intp), self.starts) if len(self) else self.lengths
+        return Segments(
+            self.spans,
+            frozen(lengths, np.intp),
+            frozen(np.cumsum(lengths) - lengths, np.intp),
+            frozen(self.frames[keep], np.intp),
+            frozen(self.owner[keep], np.intp),
+        )
+
     def middle(self) -> Ints:
         """(S,) the place of each stretch's middle frame in the arrays laid end to end."""
         return self.starts + self.lengths // 2

@@ -22,7 +22,7 @@ class Row:
     Args:
         source: its path as it was named.
         status: "done", "over" or "failed".
-        measures: of the clip as it is.
+        measures: of the clip as it is; None where there is nothing to measure.
         gates: the most that some of them may be.
         over: those that are more: {"measure", "value", "most"}.
         notes: what is odd about the file.
@@ -31,7 +31,7 @@ class Row:
 
     source: str
     status: str
-    measures: Mapping[str, float] = field(default_factory=dict)
+    measures: Mapping[str, float | None] = field(default_factory=dict)
     gates: Mapping[str, float] = field(default_factory=dict)
     over: Sequence[Mapping[str, Any]] = ()
     notes: Sequence[Mapping[str, Any]] = ()
@@ -77,7 +77,7 @@ def text(rows: Sequence[Row], *, quiet: bool, verbose: bool) -> str:
         elif verbose or (len(rows) == 1 and not quiet):
             lines.append(f"passed  {printable(each.source)}")
         if verbose:
-            lines += [f"  {name} {value:g}" for name, value in each.measures.items()]
+            lines += [f"  {name} {'–' if value is None else f'{value:g}'}" for name, value in each.measures.items()]
         if not quiet:
             where = printable(each.source)
             lines += [f"{note['severity']:<7} {where}: {printable(str(note['text']))}" for note in _doubts(each)]

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from footfix.enforce._adapter import Footplant
 from footfix.enforce.correction import Correction
-from footfix.enforce.footplant import Footplant
 from footfix.measure.clip import Measures
 from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
@@ -25,9 +25,11 @@ def rounded(value: float) -> float:
     return float(f"{value:.6g}") + 0.0
 
 
-def measures(found: Measures) -> dict[str, float]:
-    """Measures as plain numbers; each key carries its unit."""
-    return {key: each if isinstance(each, int) else rounded(each) for key, each in dataclasses.asdict(found).items()}
+def measures(found: Measures) -> dict[str, float | None]:
+    """Measures as plain numbers, None where there is nothing to measure; each key carries its unit."""
+    return {
+        key: rounded(each) if isinstance(each, float) else each for key, each in dataclasses.asdict(found).items()
+    }
 
 
 def note(each: Note) -> dict[str, Any]:
@@ -83,60 +85,102 @@ def rig(found: Rig, clip: Clip, *, unit_m: float, up: str) -> dict[str, Any]:
 def plants(
     found: Sequence[Footplant], before: Sequence[PlantMeasure], after: Sequence[PlantMeasure]
 ) -> list[dict[str, Any]]:
-    """One row a plant: what it did, what was done, what it does now."""
-    was = {(each.effector, each.start): each for each in before}
-    now = {(each.effector, each.start): each for each in after}
-    rows = []
-    for plant in found:
-        key = (plant.effector, plant.start)
-        if key not in was:
-            continue
-        rows.append(
-            {
-                "effector": plant.effector,
-                "start": plant.start,
-                "end": plant.end,
-                "confidence": rounded(plant.confidence),
-                "slide_before_mm": rounded(was[key].slide_mm),
-                "slide_after_mm": rounded(now[key].slide_mm),
-                "yaw_before_deg": rounded(was[key].yaw_deg),
-                "yaw_after_deg": rounded(now[key].yaw_deg),
-                "penetration_before_mm": rounded(was[key].penetration_mm),
-                "penetration_after_mm": rounded(now[key].penetration_mm),
-                "residual_mm": rounded(1000.0 * plant.residual),
-                "target_m": [rounded(x) for x in plant.target],
-                "outcome": plant.outcome,
-                "reason": plant.reason,
-            }
-        )
-    return rows
+    """Make one row a plant: what it did, what was done, what it does now.
+
+    Args:
+        found: the plants of a figure, each at its id.
+        before, after: what was measured of each, in the same order.
+    """
+    return [_plant(plant, before[plant.id], after[plant.id]) for plant in found]
 
 
-def correction(found: Correction, clip: Clip) -> dict[str, float]:
-    """How much was changed: the root's drift at the end, its largest shift, the largest turn of a joint."""
-    shift = found.root_shift  # (F, 3) [m]
-    drift = shift[-1, [0, 2]] - shift[0, [0, 2]] if len(shift) else np.zeros(2)
-    turned = 0.0
-    for k, joint in enumerate(found.joints):
-        new, old = found.rotations[:, k], clip.rotations[:, joint]
-        changed = np.any(new != old, axis=1)
-        if np.any(changed):
-            turn = rotation.multiply(rotation.inverse(old[changed]), new[changed])
-            turned = max(turned, float(rotation.angle(turn).max()))
+def _plant(plant: Footplant, was: PlantMeasure, now: PlantMeasure) -> dict[str, Any]:
     return {
-        "root_path_drift_m": rounded(float(np.hypot(*drift))),
-        "max_root_shift_mm": rounded(1000.0 * float(np.linalg.norm(shift, axis=1).max(initial=0.0))),
-        "max_joint_rotation_deg": rounded(float(np.degrees(turned))),
+        "id": plant.id,
+        "effector": plant.name,
+        "start": plant.start,
+        "end": plant.end,
+        "held": [[start, end] for start, end in plant.held],
+        "confidence": rounded(plant.confidence),
+        "slide_before_mm": rounded(was.slide_mm),
+        "slide_after_mm": rounded(now.slide_mm),
+        "tip_slide_before_mm": None if was.tip_slide_mm is None else rounded(was.tip_slide_mm),
+        "tip_slide_after_mm": None if now.tip_slide_mm is None else rounded(now.tip_slide_mm),
+        "sole_slide_before_mm": rounded(was.sole_slide_mm),
+        "sole_slide_after_mm": rounded(now.sole_slide_mm),
+        "travel_before_mm": rounded(was.travel_mm),
+        "travel_after_mm": rounded(now.travel_mm),
+        "yaw_before_deg": rounded(was.yaw_deg),
+        "yaw_after_deg": rounded(now.yaw_deg),
+        "penetration_before_mm": rounded(was.penetration_mm),
+        "penetration_after_mm": rounded(now.penetration_mm),
+        "float_before_mm": rounded(was.float_mm),
+        "float_after_mm": rounded(now.float_mm),
+        "residual_mm": rounded(1000.0 * plant.residual),
+        "target_m": [rounded(x) for x in plant.target],
+        "outcome": plant.outcome,
+        "reason": plant.reason,
     }
 
 
-def worst(entries: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """One entry for several figures: the largest of each figure's numbers, plants counted together."""
+NO_CORRECTION: Mapping[str, Any] = {
+    "root_path_drift_m": 0.0,
+    "max_root_shift_mm": 0.0,
+    "max_joint_rotation_deg": 0.0,
+    "largest_change_joint": None,
+    "largest_change_deg": 0.0,
+    "largest_change_frame": None,
+}
+
+
+def corrections(found: Sequence[Correction], clip: Clip) -> dict[str, Any]:
+    """Say how much was changed: the largest of all figures' numbers, and where.
+
+    Args:
+        found: the correction of each figure.
+        clip: the clip that came in.
+    """
+    entries = [_correction(each, clip) for each in found]
+    most = max(entries, key=lambda each: float(each["largest_change_deg"]))
+    numbers = ("root_path_drift_m", "max_root_shift_mm", "max_joint_rotation_deg")
+    return {**most, **{key: max(each[key] for each in entries) for key in numbers}}
+
+
+def _correction(found: Correction, clip: Clip) -> dict[str, Any]:
+    """Find the root's drift at the end, its largest shift, and the largest turn of a joint in its parent's frame."""
+    shift = found.root_shift  # (F, 3) [m]
+    drift = shift[-1, [0, 2]] - shift[0, [0, 2]] if len(shift) else np.zeros(2)
+    largest, name, frame = 0.0, None, None
+    for k, joint in enumerate(found.joints):
+        new, old = found.rotations[:, k], clip.turn(joint)  # (F, 4)
+        changed = np.flatnonzero(np.any(new != old, axis=1))
+        if len(changed):
+            turns = rotation.angle(rotation.multiply(rotation.inverse(old[changed]), new[changed]))  # [rad]
+            at = int(np.argmax(turns))
+            if turns[at] > largest:
+                largest, name, frame = float(turns[at]), clip.skeleton.names[joint], int(changed[at])
+    degrees = rounded(float(np.degrees(largest)))
+    return {
+        "root_path_drift_m": rounded(float(np.hypot(*drift))),
+        "max_root_shift_mm": rounded(1000.0 * float(np.linalg.norm(shift, axis=1).max(initial=0.0))),
+        "max_joint_rotation_deg": degrees,
+        "largest_change_joint": name,
+        "largest_change_deg": degrees,
+        "largest_change_frame": frame,
+    }
+
+
+def worst(entries: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:
+    """Join the measures of several figures in one entry: the largest of each figure's numbers, plants counted together.
+
+    A number that one figure does not have (the figure is on a belt) is that of the others.
+    """
     first, *others = entries
     if not others:
         return dict(first)
     counts = ("plants", "plants_over_21mm")
-    return {key: (sum if key in counts else max)(entry[key] for entry in entries) for key in first}
+    numbers = {key: [value for entry in entries if (value := entry[key]) is not None] for key in first}
+    return {key: (sum if key in counts else max)(values) if values else None for key, values in numbers.items()}
 
 
 def frame(source: Mapping[str, Any], version: str, *, status: str, output: str | None) -> dict[str, Any]:

@@ -10,7 +10,18 @@ from footfix.measure.plants import NOTICED_MM
 from footfix.report.markup import name, text
 from footfix.report.motion import side_of
 from footfix.report.text import released
-from footfix.report.verdict import Report, Tone, Verdict, entries, measure_rows, number, section, worst_first
+from footfix.report.verdict import (
+    Report,
+    Tone,
+    Verdict,
+    entries,
+    floor_taken,
+    largest_change,
+    measure_rows,
+    number,
+    section,
+    worst_first,
+)
 
 MOST_PLANTS = 1000  # rows of the table; a clip of an hour has tens of thousands
 
@@ -41,6 +52,11 @@ def tiles(report: Report, verdict: Verdict) -> str:
     parts += [
         tile(row.headline, row.unit, row.before, row.after, row.worse) for row in measure_rows(report) if row.headline
     ]
+    change = largest_change(report)
+    if change:
+        where = f"{name(change.joint)}, frame {change.frame}"
+        figure = f'<b>{change.degrees:.0f}</b> <small class="where">{where}</small>'
+        parts.append(f"<div><dt>Largest joint change <small>°</small></dt><dd>{figure}</dd></div>")
     drift = number(section(report, "correction").get("root_path_drift_m"))
     if drift is not None:
         parts.append(tile("Drift of the path", "cm", f"{100.0 * drift:.1f}"))
@@ -163,7 +179,8 @@ def _where(note: Report) -> str:
 
 def details_table(report: Report) -> str:
     """How it was done: rig, settings and times, as rows of dotted keys and values."""
-    rows = []
+    floor = floor_taken(report)
+    rows = [f'<tr><th scope="row">floor</th><td>{text(floor)}</td></tr>'] if floor else []
     for part in ("method", "output", "rig", "correction", "settings", "seconds"):
         for key, value in _leaves(part, report.get(part)):
             rows.append(f'<tr><th scope="row">{text(key)}</th><td>{text(value)}</td></tr>')

@@ -5,7 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from footfix.report.verdict import Report, Row, entries, judge, measure_rows, number, section, source_name
+from footfix.report.verdict import (
+    Report,
+    Row,
+    entries,
+    floor_taken,
+    judge,
+    largest_change,
+    measure_rows,
+    number,
+    section,
+    source_name,
+)
 
 _SEVERITIES = ("error", "warning")
 _FATES = {"released": "let go", "partly": "held only in part"}
@@ -34,9 +45,16 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
     elif rows:
         figures = (f"{row.headline.lower()} {row.before} -> {row.after} {_unit(row)}" for row in rows)
         lines.append("  " + ", ".join(figures))
+    change = largest_change(report)
+    if change:
+        turn = f"{printable(change.joint)} {change.degrees:.0f} degrees"
+        lines.append(f"  largest joint change: {turn}, frame {change.frame}")
     drift = number(section(report, "correction").get("root_path_drift_m"))
     if drift is not None and drift >= 0.0005:
         lines.append(f"  path of the root drifts by {100.0 * drift:.1f} cm")
+    floor = floor_taken(report)
+    if floor:
+        lines.append(f"  floor at {printable(floor)}")
     lines += [f"  {line}" for line in released(report)]
     for note in entries(report, "notes"):
         severity = str(note.get("severity", "note"))

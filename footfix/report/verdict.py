@@ -15,6 +15,8 @@ from footfix.measure.plants import NOTICED_MM
 Report = Mapping[str, Any]
 Tone = Literal["good", "fair", "bad", "quiet"]
 
+WORSE_MM = 5.0  # a plant that slides farther than it did by more than this came out worse
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -28,6 +30,7 @@ class Verdict:
         plants: contacts judged.
         over_before, over_after: how many of them slide farther than viewers notice.
         worst_before, worst_after: [mm] the longest slide.
+        worse: how many came out sliding farther than they went in, by more than `WORSE_MM`.
     """
 
     tone: Tone
@@ -38,6 +41,7 @@ class Verdict:
     over_after: int = 0
     worst_before: float = 0.0
     worst_after: float = 0.0
+    worse: int = 0
 
 
 def number(value: Any) -> float | None:
@@ -88,10 +92,14 @@ def judge(report: Report) -> Verdict:
     before, after = slides(plants, "before"), slides(plants, "after")
     over_before = sum(slide > NOTICED_MM for slide in before)
     over_after = sum(slide > NOTICED_MM for slide in after)
+    worse = sum(now > was + WORSE_MM for was, now in zip(before, after, strict=True))
     tone, word, text = _words(
         report.get("status") == "unchanged", len(plants), over_before, over_after, max(before), max(after)
     )
-    return Verdict(tone, word, text, len(plants), over_before, over_after, max(before), max(after))
+    if worse:
+        text += f"; {worse} {_slide(worse)} farther than before"
+        tone, word = ("fair", "mixed") if tone == "good" else (tone, word)
+    return Verdict(tone, word, text, len(plants), over_before, over_after, max(before), max(after), worse)
 
 
 def _words(
@@ -154,6 +162,7 @@ MEASURES = (
     Measure("slide_mm", "Longest slide of a plant", "mm", 1),
     Measure("slide_median_mm", "Median slide of the plants", "mm", 1, headline="Median slide", tolerance=0.5),
     Measure("share_over_21mm", "Plants that slide more than 21 mm", "%", 0, 100.0),
+    Measure("tip_over_21mm", "Toe tips that slide more than 21 mm", "%", 0, 100.0),
     Measure("yaw_deg", "Largest turn of a planted foot", "°", 1),
     Measure("skate_cm_s", "Mean speed while planted", "cm/s", 1, headline="Planted speed", tolerance=0.5),
     Measure("skate_worst_cm_s", "Highest speed while planted", "cm/s", 1),
@@ -196,7 +205,7 @@ def measure_rows(report: Report) -> list[Row]:
     rows = []
     for measure in MEASURES:
         pair = number(before.get(measure.key)), number(after.get(measure.key))
-        if pair != (None, None):
+        if measure.key in before or measure.key in after:
             digits = 0 if max(value or 0.0 for value in pair) * measure.scale >= 100.0 else measure.digits
             first, second = ("–" if value is None else f"{value * measure.scale:.{digits}f}" for value in pair)
             worse = _is_worse(measure, *pair)
@@ -209,3 +218,33 @@ def _is_worse(measure: Measure, before: float | None, after: float | None) -> bo
     if before is None or after is None or measure.tolerance is None:
         return False
     return after * measure.scale > max(1.1 * before * measure.scale, before * measure.scale + measure.tolerance)
+
+
+@dataclass(frozen=True)
+class Change:
+    """The largest change of a joint.
+
+    Args:
+        joint: its name in the file.
+        degrees: how far it turns otherwise than in the clip that came in, in its parent's frame.
+        frame: when.
+    """
+
+    joint: str
+    degrees: float
+    frame: int
+
+
+def largest_change(report: Report) -> Change | None:
+    """Find the largest change that cleaning made to a joint; None where no joint was turned."""
+    found = section(report, "correction")
+    joint, degrees = found.get("largest_change_joint"), number(found.get("largest_change_deg"))
+    frame = number(found.get("largest_change_frame"))
+    return None if joint is None or degrees is None or frame is None else Change(str(joint), degrees, int(frame))
+
+
+def floor_taken(report: Report) -> str:
+    """Say which floor was taken and how it was found; "" where the report does not say."""
+    rig = section(report, "rig")
+    height, origin = number(rig.get("floor_m")), section(rig, "origins").get("floor")
+    return "" if height is None or origin is None else f"{height:.3f} m: {origin}"

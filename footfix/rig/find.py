@@ -19,33 +19,35 @@ from footfix.rig.rig import Leg, Rig, SolePoint
 from footfix.rig.sample import Sample, sample
 
 
-def find_rig(clip: Clip, params: RigParams | None = None) -> Rig:
+def find_rig(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> Rig:
     """The rig of a clip's figure; of the first one where there are several.
 
     Args:
         clip: metres, y up.
         params: what is known beforehand.
+        proper: the frames that are motion; found where they are not given.
 
     Raises:
         NoLegsError: nothing in the skeleton could be a pair of legs.
         UsageError: the parameters name a joint that is not there.
     """
-    return find_rigs(clip, params)[0]
+    return find_rigs(clip, params, proper)[0]
 
 
-def find_rigs(clip: Clip, params: RigParams | None = None) -> tuple[Rig, ...]:
+def find_rigs(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> tuple[Rig, ...]:
     """The rigs of all figures of a clip, in the order of the file: one for each root that has legs.
 
     Args:
         clip: metres, y up.
         params: what is known beforehand.
+        proper: the frames that are motion; found where they are not given.
 
     Raises:
         NoLegsError: no figure has legs.
         UsageError: the parameters name a joint that is not there.
     """
     params = params or RigParams()
-    seen = sample(clip, motion_proper(clip))
+    seen = sample(clip, motion_proper(clip) if proper is None else proper)
     found = figures(seen, params, y_up=True)
     return tuple(_rig(seen, figure, params).of_figure(number) for number, figure in enumerate(found, start=1))
 

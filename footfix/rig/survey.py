@@ -49,12 +49,13 @@ class Survey:
     origins: Mapping[str, str] = field(default_factory=dict)
 
 
-def survey(clip: Clip, params: RigParams | None = None) -> Survey:
+def survey(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> Survey:
     """Finds metres per unit and the up axis of a clip.
 
     Args:
         clip: in the units and axes of its file.
         params: what is known beforehand.
+        proper: the frames that are motion; found where they are not given.
 
     Raises:
         NoLegsError: without legs there is nothing to measure by, and nothing to clean.
@@ -62,7 +63,7 @@ def survey(clip: Clip, params: RigParams | None = None) -> Survey:
     params = params or RigParams()
     if params.up is not None and params.up not in AXES:
         raise UsageError(f"rig.up must be one of {', '.join(AXES)}, not {params.up!r}")
-    seen = sample(clip, motion_proper(clip))
+    seen = sample(clip, motion_proper(clip) if proper is None else proper)
     figure = figures(seen, params, y_up=False)[0]
     unit, unit_notes, unit_origin = _unit(figure.length)
     up, up_notes = _up(seen, figure)
