@@ -13,10 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from footfix.detect.run import detect_contacts
-from footfix.enforce._adapter import Footplant, enforce
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.run import enforce, ground_of
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.whole import put_back
 from footfix.measure.clip import Measures, measure
@@ -203,11 +202,7 @@ def measure_as_it_is(clip: Clip, prepared: Prepared, contacts: Contacts, setting
     found = []
     for rig, motion in zip(prepared.rigs, prepared.crops, strict=True):
         within = motion.contacts(contacts.only(sole.name for sole in rig.soles))
-        ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, settings))
+        ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, settings.enforce.ground))
         found.append(measure(clip, rig, motion.contacts_back(within), belt=ground)[0])
     return tuple(found)
 
-
-def ground_of(clip: Clip, rig: Rig, contacts: Contacts, settings: Settings) -> Floats:
-    """(F, 3) [m] how far the ground under planted feet has moved on purpose; zeros on a floor at rest."""
-    return np.zeros((len(clip), 3))

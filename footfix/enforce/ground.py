@@ -16,6 +16,7 @@ from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import Pose
 from footfix.motion.segments import centres, segments
 from footfix.motion.vectors import norm
+from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _MOST = 0.7  # of their time plants must go with the belt,
@@ -130,6 +131,18 @@ def _go_along(rides: Sequence[_Ride], travel: Floats, least: float, params: Grou
     most = float(np.average(near, weights=[ride.seconds for ride in rides])) >= _MOST
     stays = float(np.hypot(travel[0], travel[2])) < params.belt_spread * speed
     return near if stays and most and speed > least else None
+
+
+def belt_notes(ground: Floats, frame_time: float) -> tuple[Note, ...]:
+    """Say that a ground (F, 3) [m] moves, and how fast."""
+    step = np.linalg.norm(np.diff(ground, axis=0), axis=1)
+    moves = step > 0.0
+    if not np.any(moves):
+        return ()
+    speed = float(np.median(step[moves])) / frame_time
+    where = "" if moves.all() else f" for {np.count_nonzero(moves) * frame_time:.1f} s"
+    text = f"the figure stays in place{where}: planted feet are taken along at {speed:.2f} m/s, as on a belt"
+    return (Note("in-place", text),)
 
 
 def lift(lacks: Floats, leg_length: float, params: GroundParams) -> float:

@@ -6,12 +6,12 @@ Arrays have their components first and frames last, (3, F), so that each operati
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import cross as cross_rows
 from footfix.motion.vectors import dot, norm, unit
@@ -88,7 +88,7 @@ class LegTracks:
         own = self.ankle + self.points[min(point, TOE)]
         return own + self.points[2] if point == TIP else own
 
-    def frames(self, which: slice | Sequence[int]) -> LegTracks:
+    def frames(self, which: slice | Ints) -> LegTracks:
         """The leg in some frames only."""
         some = {
             name: np.ascontiguousarray(getattr(self, name)[..., which])
@@ -130,6 +130,11 @@ def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
     return tuple(found)
 
 
+def _lying(track: Floats) -> Floats:
+    """A track (F, 3) as (3, F), each component contiguous."""
+    return np.ascontiguousarray(track.T)
+
+
 def noise_of(track: Floats) -> float:
     """Estimate the standard deviation of what is new in every frame of a track (F, D), along one axis.
 
@@ -169,12 +174,19 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
         ])  # fmt: skip
         points, bends = _points(clip, rig, pose, k)
         found.append(LegTracks(
-            leg, *(np.ascontiguousarray(each.T) for each in (hip, ankle, unit(ankle - hip), thigh, shank, axis)),
-            flexion, least, reach, tuple(np.ascontiguousarray(each.T) for each in points),
-            np.ascontiguousarray(rotation.rotate(pose.rotation(leg.ankle), known.toe_hinge).T), bends,
-            bool(np.all(clip.skeleton.rotates[[leg.hip, leg.knee, leg.ankle]])),
+            leg=leg, hip=_lying(hip), ankle=_lying(ankle), line=_lying(unit(ankle - hip)), thigh=_lying(thigh),
+            shank=_lying(shank), axis=_lying(axis), flexion=flexion, least=least, reach=reach,
+            points=tuple(_lying(each) for each in points),
+            toe_hinge=_lying(rotation.rotate(pose.rotation(leg.ankle), known.toe_hinge)), bends=bends,
+            turns=bool(np.all(clip.skeleton.rotates[[leg.hip, leg.knee, leg.ankle]])),
         ))  # fmt: skip
     return tuple(found)
+
+
+def raised(leg: LegTracks, lift: float) -> LegTracks:
+    """Raise a leg as captured by `lift` [m]."""
+    up = np.array([[0.0], [lift], [0.0]])
+    return replace(leg, hip=leg.hip + up, ankle=leg.ankle + up)
 
 
 def _axis(thigh: Floats, shank: Floats, hip_turn: Floats, usual: Floats) -> Floats:
@@ -283,7 +295,8 @@ def turned(vector: Floats, v: Floats) -> Floats:
     angle = np.sqrt(square)
     once = cross(vector, v)
     # sin(x) / x and (1 - cos x) / x^2 = (sin(x/2) / (x/2))^2 / 2
-    return v + np.sinc(angle / np.pi) * once + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * cross(vector, once)
+    twice = cross(vector, once)
+    return np.asarray(v + np.sinc(angle / np.pi) * once + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * twice)
 
 
 def _swept(vector: Floats, v: Floats) -> Floats:
@@ -343,14 +356,3 @@ def _local(pose: Pose, joint: int, parent: int, above: Floats | None, turn: Floa
         return rotation.normalize(world)
     frame = pose.rotation(parent) if above is None else rotation.multiply(above, pose.rotation(parent))
     return rotation.normalize(rotation.multiply(rotation.inverse(frame), world))
-
-
-def stretch(leg: LegTracks, x: Floats) -> Floats:
-    """(F,) [m] from hip to ankle in a state."""
-    c0, c1, c2 = leg.reach
-    return np.sqrt(np.maximum(c0 + c1 * np.cos(x[K]) + c2 * np.sin(x[K]), 1e-12))
-
-
-def bone_length(leg: LegTracks) -> Floats:
-    """(F,) [m] of thigh and shank together."""
-    return norm(leg.thigh.T) + norm(leg.shank.T)

@@ -16,6 +16,7 @@ from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import Contacts, runs
 from footfix.motion.segments import segments
+from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
@@ -79,21 +80,49 @@ class Floors:
     plants: tuple[float, ...]
 
 
-def footplants(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
+def footplants(
+    contacts: Contacts, rig: Rig, legs: Sequence[LegTracks], params: PinParams
+) -> tuple[tuple[Footplant, ...], tuple[Note, ...]]:
     """Make a footplant of each contact; forbidden ones are none.
+
+    Places that contacts ask for are left out where a foot can't be brought there: labels come from other versions of
+    a clip, too, on another path, or of a figure of another size.
 
     Args:
         contacts: as detected or given, the effectors in the order of `rig.soles`.
         rig: its sole points.
+        legs: as captured.
+        params: how far away a place may be.
+
+    Returns:
+        The footplants by effector, then time, and a note where a place was left out.
     """
     made: list[Footplant] = []
+    asked = taken = 0
     for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
         for c in effector.contacts:
-            if c.wish != "forbid" and c.end > c.start:
-                made.append(Footplant(
-                    len(made), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence, c.wish == "force", c.position
-                ))  # fmt: skip
-    return tuple(made)
+            if c.wish == "forbid" or c.end <= c.start:
+                continue
+            place, force = c.position, c.wish == "force"
+            if place is not None and not force:
+                own = np.median(legs[sole.leg].place(POINTS.index(sole.part))[:, c.start : c.end], axis=1)
+                near = float(np.hypot(*(own - np.array(place))[[0, 2]])) <= params.asked * rig.leg_length
+                asked, taken = asked + 1, taken + near
+                place = place if near else None
+            made.append(Footplant(
+                len(made), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence, force, place
+            ))  # fmt: skip
+    if asked == taken:
+        return tuple(made), ()
+    text = f"{asked - taken} of {asked} positions in the labels are too far from the motion and were ignored"
+    return tuple(made), (Note("places-not-taken", text),)
+
+
+def lacks(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig) -> Floats:
+    """(N,) [m] what each plant's joint lacks to the height at which its sole is on the rig's floor."""
+    return np.array([
+        nominal(rig, p.effector) - np.median(legs[p.leg].place(_point(p))[1, p.frames]) for p in plants
+    ])  # fmt: skip
 
 
 def given(contacts: Contacts, plant: Footplant) -> bool:
@@ -217,7 +246,7 @@ def pins(
         params: the tolerances.
     """
     own = [plant for plant in plants if plant.leg == k]
-    effector = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
+    effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
     step = _floor_steps(own, floors, len(leg.flexion))
     found: list[Pins] = []
     for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
@@ -279,6 +308,8 @@ def _pins(
             level[a:b], draw[a:b] = place[1, a:b], 0.0
     if not heights or point == TIP:
         draw[:] = 0.0
+    if not leg.turns:  # the root is not to follow a leg that can't
+        hold[:] = draw[:] = placed[:] = 0.0
     lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)
     return Pins(hold, slip, stand, level, draw, lowest, place, placed)
 

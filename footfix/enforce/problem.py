@@ -25,7 +25,7 @@ import numpy as np
 
 from footfix.enforce.leg import LEG, ROOT, B, K, LegTracks, Q, W, posed
 from footfix.enforce.pins import Pins
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Bools, Floats, Ints
 
 # r: the standard deviations below are those of independent frames, so many a second
 _RATE = 60.0
@@ -100,7 +100,7 @@ class Problem:
         """Where a leg's eight unknowns stand in a state."""
         return slice(ROOT + LEG * leg, ROOT + LEG * (leg + 1))
 
-    def free(self) -> Floats:
+    def free(self) -> Bools:
         """(U,) which unknowns may differ from zero."""
         free = np.ones(self.unknowns, dtype=np.bool_)
         free[:ROOT] = self.root_moves
@@ -280,7 +280,7 @@ def _knee(problem: Problem, k: int, x: Floats, out: System) -> float:
     lacks = np.maximum(leg.least - leg.flexion - x[row], 0.0)
     out.gradient[row] -= weight * lacks
     out.main[row, row] += weight * (lacks > 0.0)
-    return 0.5 * weight * float(np.sum(lacks**2))
+    return float(0.5 * weight * np.sum(lacks**2))
 
 
 def _points(problem: Problem, k: int, x: Floats, eps: float, static: float, out: System) -> float:
@@ -338,6 +338,6 @@ def _points(problem: Problem, k: int, x: Floats, eps: float, static: float, out:
     return cost
 
 
-def _add(main: Floats, frames: Floats, left: Floats, right: Floats) -> None:
+def _add(main: Floats, frames: Ints, left: Floats, right: Floats) -> None:
     """Add left' right, (C, n, f) each, to the blocks (n, n, F) of some frames."""
     main[..., frames] += np.einsum("cif,cjf->ijf", left, right)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -9,21 +10,41 @@ import numpy as np
 
 from footfix.enforce import ground as grounds
 from footfix.enforce import pins as pinning
-from footfix.enforce.correction import Correction
+from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
-from footfix.enforce.leg import LegTracks, calibrate, local_rotations, noise_of, tracks
+from footfix.enforce.leg import (
+    HEEL,
+    TOE,
+    LegCalibration,
+    LegTracks,
+    calibrate,
+    local_rotations,
+    noise_of,
+    posed,
+    raised,
+    tracks,
+)
 from footfix.enforce.outcomes import outcomes
-from footfix.enforce.pins import PinParams
+from footfix.enforce.papers.glardon import GlardonParams
+from footfix.enforce.papers.kim_neff import KimNeffParams
+from footfix.enforce.papers.lyard import LyardRootParams
+from footfix.enforce.pins import Floors, PinParams
 from footfix.enforce.problem import CostParams, Problem
 from footfix.enforce.solve import solve
+from footfix.enforce.style import StyleParams, styled
+from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
+Points = Sequence[tuple[Floats, Floats]]  # of each leg the tracks (3, F) [m] of heel and toe
+
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
+_SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
+_FEWEST = 4  # frames, of which accelerations can be told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,11 +52,16 @@ class EnforceParams:
     """How footplants are enforced."""
 
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
+    solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"  # one least squares, or a paper's own way
     heights: Literal["floor", "keep"] = "floor"  # plants are drawn to their floor, or keep the height they have
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     pins: PinParams = field(default_factory=PinParams)
     costs: CostParams = field(default_factory=CostParams)
     ground: GroundParams = field(default_factory=GroundParams)
+    style: StyleParams = field(default_factory=StyleParams)
+    glardon: GlardonParams = field(default_factory=GlardonParams)
+    kim_neff: KimNeffParams = field(default_factory=KimNeffParams)
+    root: LyardRootParams = field(default_factory=LyardRootParams)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +81,35 @@ class Enforcement:
     ground: Floats
 
 
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What is to stand where.
+
+    Args:
+        pose: of the clip, from `pose_of`.
+        calibration: what was measured of each leg on the whole clip.
+        legs: as captured, raised by `lift`.
+        plants: what is to stand.
+        keep: for each plant whether it stands well enough.
+        by_hand: for each plant whether its ends are certain.
+        floors: the heights that joints stand at.
+        ground: (F, 3) [m] displacement of the ground.
+        lift: [m] by which the whole figure is raised.
+        notes: what a person should know.
+    """
+
+    pose: Pose
+    calibration: tuple[LegCalibration, ...]
+    legs: tuple[LegTracks, ...]
+    plants: tuple[Footplant, ...]
+    keep: tuple[bool, ...]
+    by_hand: tuple[bool, ...]
+    floors: Floors
+    ground: Floats
+    lift: float
+    notes: tuple[Note, ...]
+
+
 def enforce(
     clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, *, cut: tuple[bool, bool] = (False, False)
 ) -> Enforcement:
@@ -70,49 +125,124 @@ def enforce(
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
     """
-    pose = posed(clip, rig)
-    calibration = calibrate(rig, pose, clip)
-    legs = tracks(clip, rig, pose, calibration)
-    plants = pinning.footplants(contacts, rig)
-    ground = grounds.belt(rig, pose, contacts, clip.frame_time, params.ground)
-    notes = list(_belt_note(ground, clip.frame_time))
-    floors = pinning.floors(plants, legs, rig, params.pins)
-    heights = params.heights == "floor"
-    keep = pinning.kept(
-        plants, legs, ground, floors, clip.frame_time, rig.leg_length, heights=heights, params=params.pins
-    )
-    by_hand = [pinning.given(contacts, plant) for plant in plants]
-    pins = tuple(
-        pinning.pins(
-            plants, leg, k, rig, ground, floors, keep, by_hand, clip.frame_time, heights=heights, params=params.pins
-        )
-        for k, leg in enumerate(legs)
-    )
-    noise = np.concatenate([
-        np.full(3, noise_of(pose.position(rig.root))),
-        *(np.append(np.repeat(each.noise, [3, 1, 3]), 0.0) for each in calibration),
-    ])  # fmt: skip
-    problem = Problem(
-        legs, pins, clip.frame_time, rig.leg_length, params.costs, noise, bool(clip.skeleton.translates[rig.root]), cut
-    )
-    x = np.zeros((problem.unknowns, len(clip)))
-    if not all(keep) or any(plant.asked for plant in plants):
-        x = solve(problem)
-    columns = [problem.columns(k) for k in range(len(legs))]
-    found = outcomes(
-        plants, legs, x, columns, ground, keep, floors, rig.floor, clip.frame_time, rig.leg_length
-    )
-    x = params.strength * _faded(x, problem)
-    return Enforcement(found, correction(clip, rig, pose, legs, x, columns), tuple(notes), ground)
+    task = _task(clip, rig, contacts, params)
+    if params.method == "root" or params.solver != "whole_clip":
+        done, points = _by_paper(clip, rig, task, params)
+    else:
+        done, points = _by_least_squares(clip, rig, task, params, cut)
+    plants = outcomes(task.plants, task.legs, points, task.ground, task.keep, task.floors, rig, clip.frame_time)
+    return Enforcement(plants, done, task.notes, task.ground)
 
 
-def posed(clip: Clip, rig: Rig) -> Pose:
+def pose_of(clip: Clip, rig: Rig) -> Pose:
     """Forward kinematics of all that enforcement looks at: the rig's joints and what its legs hang from."""
     joints = set(rig.joints())
     for leg in rig.legs:
         hinged = [leg.hip, leg.knee, leg.ankle] + ([] if leg.toe is None else [leg.toe])
         joints.update(int(clip.skeleton.parents[joint]) for joint in hinged)
     return forward(clip, sorted(joints - {-1}))
+
+
+def ground_of(clip: Clip, rig: Rig, contacts: Contacts, params: GroundParams) -> Floats:
+    """(F, 3) [m] how far the ground under planted feet has moved on purpose; zeros on a floor at rest."""
+    return grounds.belt(rig, rig.pose(clip), contacts, clip.frame_time, params)
+
+
+def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Task:
+    pose = pose_of(clip, rig)
+    calibration = calibrate(rig, pose, clip)
+    legs = tracks(clip, rig, pose, calibration)
+    plants, notes = pinning.footplants(contacts, rig, legs, params.pins)
+    ground = grounds.belt(rig, pose, contacts, clip.frame_time, params.ground)
+    notes += grounds.belt_notes(ground, clip.frame_time)
+    lift = 0.0
+    if params.heights == "floor" and params.method != "root" and clip.skeleton.translates[rig.root]:
+        lift = grounds.lift(pinning.lacks(plants, legs, rig), rig.leg_length, params.ground)
+    if lift:
+        legs = tuple(raised(leg, lift) for leg in legs)
+        text = f"the whole figure is {'raised' if lift > 0 else 'lowered'} by {1000.0 * abs(lift):.0f} mm to its floor"
+        notes += (Note("height-moved", text),)
+    floors = pinning.floors(plants, legs, rig, params.pins)
+    plants = styled(plants, legs, rig, floors.plants, params.style)
+    keep = pinning.kept(
+        plants, legs, ground, floors, clip.frame_time, rig.leg_length,
+        heights=params.heights == "floor", params=params.pins,
+    )  # fmt: skip
+    by_hand = tuple(pinning.given(contacts, plant) for plant in plants)
+    return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)
+
+
+def _by_paper(clip: Clip, rig: Rig, task: Task, params: EnforceParams) -> tuple[Correction, Points]:
+    """The correction by a paper's own way, and where it leads each leg's heel and toe."""
+    way: Callable[..., Correction]
+    own: GlardonParams | KimNeffParams | LyardRootParams
+    if params.method == "root":
+        from footfix.enforce.papers.lyard import correct as way
+
+        own = params.root
+    elif params.solver == "glardon":
+        from footfix.enforce.papers.glardon import correct as way
+
+        own = params.glardon
+    else:
+        from footfix.enforce.papers.kim_neff import correct as way
+
+        own = params.kim_neff
+    ground = task.ground if np.any(task.ground) else None
+    done = _weakened(way(clip, rig, task.plants, own, ground=ground), clip, params.strength)
+    after = apply(clip, done)
+    legs = tracks(after, rig, pose_of(after, rig), task.calibration)
+    return done, [(leg.place(HEEL), leg.place(TOE)) for leg in legs]
+
+
+def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
+    """A share of a correction, 0 to 1."""
+    if strength == 1.0:
+        return done
+    captured = [clip.turn(joint) for joint in done.joints]
+    turned = [rotation.slerp(a, done.rotations[:, k], np.full(len(a), strength)) for k, a in enumerate(captured)]
+    rotations = np.stack(turned, axis=1) if turned else done.rotations
+    return replace(done, root_shift=strength * done.root_shift, rotations=rotations)
+
+
+def _by_least_squares(
+    clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]
+) -> tuple[Correction, Points]:
+    """The correction by one least squares over the whole clip, and where it leads each leg's heel and toe."""
+    problem = problem_of(clip, rig, task, params, cut)
+    columns = [problem.columns(k) for k in range(len(task.legs))]
+    x = np.zeros((problem.unknowns, len(clip)))
+    wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
+    if wanted and len(clip) >= _FEWEST:
+        x = _faded(solve(problem), problem)
+    x = params.strength * x
+    points = [
+        (at[HEEL], at[TOE])
+        for at in (posed(leg, x[:3], x[own], derive=False).places for leg, own in zip(task.legs, columns, strict=True))
+    ]
+    shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
+    return correction(clip, rig, task.pose, task.legs, x, columns, shift), points
+
+
+def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:
+    """The objective of a clip."""
+    costs, heights = params.costs, params.heights == "floor"
+    if params.method == "both":
+        wider = ("root", "root_height", "root_acceleration", "root_farthest")
+        costs = replace(costs, **{name: _SHARED * getattr(costs, name) for name in wider})
+    pins = tuple(
+        pinning.pins(
+            task.plants, leg, k, rig, task.ground, task.floors, task.keep, task.by_hand, clip.frame_time,
+            heights=heights, params=params.pins,
+        )
+        for k, leg in enumerate(task.legs)
+    )  # fmt: skip
+    noise = np.concatenate([
+        np.full(3, noise_of(task.pose.position(rig.root))),
+        *(np.append(np.repeat(each.noise, [3, 1, 3]), 0.0) for each in task.calibration),
+    ])  # fmt: skip
+    moves = bool(clip.skeleton.translates[rig.root])
+    return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, moves, cut)
 
 
 def _faded(x: Floats, problem: Problem) -> Floats:
@@ -127,9 +257,9 @@ def _faded(x: Floats, problem: Problem) -> Floats:
 
 
 def correction(
-    clip: Clip, rig: Rig, pose: Pose, legs: tuple[LegTracks, ...], x: Floats, columns: list[slice]
+    clip: Clip, rig: Rig, pose: Pose, legs: Sequence[LegTracks], x: Floats, columns: Sequence[slice], shift: Floats
 ) -> Correction:
-    """Turn a state (U, F) into a correction of the clip."""
+    """Turn a state (U, F), and a shift of the root (F, 3) [m], into a correction of the clip."""
     joints: list[int] = []
     rotations: list[Floats] = []
     for leg, own in zip(legs, columns, strict=True):
@@ -140,14 +270,4 @@ def correction(
             joints.append(joint)
             rotations.append(np.where(changed[:, None], turn, clip.turn(joint)))
     stacked = np.stack(rotations, axis=1) if rotations else np.zeros((len(clip), 0, 4))
-    return Correction(rig.root, x[:3].T, tuple(joints), stacked)
-
-
-def _belt_note(ground: Floats, frame_time: float) -> list[Note]:
-    moves = np.any(np.diff(ground, axis=0) != 0.0, axis=1)
-    if not np.any(moves):
-        return []
-    speed = float(np.median(np.linalg.norm(np.diff(ground, axis=0)[moves], axis=1))) / frame_time
-    where = "" if moves.all() else f" for {np.count_nonzero(moves) * frame_time:.1f} s"
-    text = f"the figure stays in place{where}: planted feet are taken along at {speed:.2f} m/s, as on a belt"
-    return [Note("in-place", text)]
+    return Correction(rig.root, shift, tuple(joints), stacked)

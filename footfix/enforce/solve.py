@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.enforce.leg import ROOT
 from footfix.enforce.pins import Pins
 from footfix.enforce.problem import Problem, System, objective, system
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, Ints
 
 EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
 _EPS_FIRST = 0.06  # [m/s] in the first round
@@ -35,7 +34,7 @@ def solve(problem: Problem) -> Floats:
     return descend(problem, x, _FINE_ROUNDS, first=_FINE_FIRST * EPS, last=_LAST)
 
 
-def thinned(problem: Problem, which: Floats) -> Problem:
+def thinned(problem: Problem, which: Ints) -> Problem:
     """The problem on some frames only: pins hold from each to the next of them."""
     every = int(which[1] - which[0])
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.enforce.foot import Foot
-from footfix.enforce.plants import Plant, Stance, centre
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.leg import HEEL, POINTS, TOE, LegTracks
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
+from footfix.rig.rig import Rig
 
 _UP = np.array([0.0, 1.0, 0.0])
 
@@ -24,41 +25,43 @@ class StyleParams:
     # sole point name -> outwards, up, forwards, as the foot stands [leg lengths]
 
 
-def styled(stance: Stance, foot: Foot, names: Mapping[int, str], leg_length: float, params: StyleParams) -> Stance:
-    """The stance with its targets moved.
+def styled(
+    plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, heights: Sequence[float], params: StyleParams
+) -> tuple[Footplant, ...]:
+    """Ask for other places of planted feet.
 
     Args:
-        stance: with its targets set.
-        foot: the leg.
-        names: names of the sole points by index.
-        leg_length: [m].
+        plants: of the clip.
+        legs: as captured.
+        rig: names, size and floor.
+        heights: for each plant [m] the height its joint stands at.
         params: what is to be moved; nothing by default.
     """
     if not params.toe_out and not params.offset:
-        return stance
-    outwards = -1.0 if foot.leg.side == "right" else 1.0
-    plants = []
-    for plant in stance.plants:
-        heel, forward = _stands(plant, stance, foot)
-        turn = rotation.from_axis_angle(_UP, outwards * np.radians(params.toe_out.get(foot.leg.name, 0.0)))
-        target = plant.target
-        if plant.part == "toe":
-            target = heel + rotation.rotate(turn, target - heel)
-        forward = rotation.rotate(turn, forward)
-        aside, up, ahead = (leg_length * each for each in params.offset.get(names[plant.effector], (0.0, 0.0, 0.0)))
-        # up x forward points to the figure's left
-        target = target + outwards * aside * np.cross(_UP, forward) + up * _UP + ahead * forward
-        plants.append(replace(plant, target=target))
-    return replace(stance, plants=tuple(plants))
+        return tuple(plants)
+    return tuple(_moved(plant, legs[plant.leg], rig, heights[plant.id], params) for plant in plants)
 
 
-def _stands(plant: Plant, stance: Stance, foot: Foot) -> tuple[Floats, Floats]:
-    """Where the heel of a plant's foot stands (3,) [m], and where the foot points (3,), on the floor."""
-    heels = stance.parts("heel")
-    if heels:
-        heel = max(heels, key=lambda other: min(plant.end, other.end) - max(plant.start, other.start)).target
-    else:
-        heel = centre(foot.heel[plant.frames])
-        heel = heel * [1.0, 0.0, 1.0] + [0.0, plant.target[1], 0.0]
-    along = (foot.ball - foot.heel)[plant.frames].sum(axis=0) * [1.0, 0.0, 1.0]
-    return heel, along / max(float(np.linalg.norm(along)), 1e-300)
+def _moved(plant: Footplant, leg: LegTracks, rig: Rig, height: float, params: StyleParams) -> Footplant:
+    angle = params.toe_out.get(leg.leg.name, 0.0)
+    offset = params.offset.get(plant.name)
+    if (not angle or plant.part == "heel") and offset is None:
+        return plant
+    heel, ball, own = (
+        np.median(leg.place(point)[:, plant.frames], axis=1) for point in (HEEL, TOE, POINTS.index(plant.part))
+    )
+    outwards = -1.0 if leg.leg.side == "right" else 1.0
+    turn = rotation.from_axis_angle(_UP, np.asarray(outwards * np.radians(angle)))
+    place = heel + rotation.rotate(turn, own - heel) if plant.part == "toe" else own
+    forward = rotation.rotate(turn, _level(ball - heel))
+    aside, up, ahead = (rig.leg_length * each for each in offset or (0.0, 0.0, 0.0))
+    # up x forward points to the figure's left
+    place = place + outwards * aside * np.cross(_UP, forward) + ahead * forward
+    x, _, z = place.tolist()
+    return replace(plant, asked=(x, height + up, z))
+
+
+def _level(vector: Floats) -> Floats:
+    """(3,) the direction of a vector over the floor."""
+    level = vector * [1.0, 0.0, 1.0]
+    return np.asarray(level / max(float(np.linalg.norm(level)), 1e-300))

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.enforce._adapter import Enforcement, Footplant
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.run import Enforcement
 from footfix.enforce.correction import Correction
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats

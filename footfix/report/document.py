@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from footfix.enforce._adapter import Footplant
+from footfix.enforce.footplant import Footplant
 from footfix.enforce.correction import Correction
 from footfix.measure.clip import Measures
 from footfix.measure.plants import PlantMeasure
