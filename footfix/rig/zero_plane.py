@@ -14,14 +14,15 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.rig.sample import Sample
-from footfix.rig.soles import UP, Foot, floor, resting
+from footfix.rig.soles import Foot, floor, resting
 
 # In leg lengths.
 _LEAST = -0.005  # resting height of a ball on the plane, at least: toe joints of some skeletons lie on the ground
 _OVER_USUAL = 0.025  # above the usual height of a ball (0.045) or a tip (0.012), at most: 0.07, or 0.037
 _ONE_LEVEL = 0.06  # heights nearer to each other are of one level; stairs and boxes are farther apart
 _UNEVEN = 0.05  # of feet that rest farther apart in height, one stands on something
-_MOST_ANKLE = 0.17  # height of an ankle over its sole; what seems higher never stood flat
+_MOST_ANKLE = 0.16  # height of an ankle over its sole, as on shoes with heels; what seems higher never stood flat
+_LEAST_DROP = 0.02  # a tip that is hardly below its ankle is no sign of where the sole is
 
 
 def on_zero_plane(
@@ -40,10 +41,9 @@ def on_zero_plane(
     """
     if len({toe is None for _, toe in joints}) != 1:
         return None  # one foot's toe joint and the other's tip are not to be compared
-    found = [_rest_height(sample, ankle, toe, leg) for ankle, toe in joints]
-    heights = [height for height in found if height is not None]
-    if len(heights) != len(found):
+    if any(toe is None and foot.drop <= _LEAST_DROP * leg for foot, (_, toe) in zip(feet, joints, strict=True)):
         return None
+    heights = [_rest_height(sample, ankle, toe, leg) for ankle, toe in joints]
     uneven = max(heights) - min(heights) > _UNEVEN * leg
     rest = min(heights) if uneven else float(np.mean(heights))  # [m]
     most = _OVER_USUAL * leg + float(np.mean([foot.usual for foot in feet]))
@@ -61,27 +61,24 @@ def _measured(foot: Foot, rest: float, leg: float) -> Foot:
     return replace(foot, ankle_height=ankle, ball_height=max(rest, 0.0), measured=True)
 
 
-def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> float | None:
-    """[m] usual height of the toe joint while it rests, of the lowest tip where there is none; None without either.
+def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> float:
+    """[m] usual height of the toe joint while it rests; of the lowest tip where there is none.
 
     Of several levels it is the lowest on which the foot often rests.
     """
-    track = _lowest_tip(sample, ankle) if toe is None else (sample.places[:, toe], sample.velocities[:, toe])
-    if track is None:
-        return None
-    height, velocity = track[0] @ UP, track[1]
-    (level, _) = floor(height[:, None], velocity[:, None], leg)
-    at_rest = height[resting(height[:, None], velocity[:, None], leg)[:, 0]]
+    place, velocity = (sample.places, sample.velocities) if toe is not None else _lowest_tip(sample, ankle)
+    joint = 0 if toe is None else toe
+    height, velocity = place[:, [joint], 1], velocity[:, [joint]]  # (S, 1) [m], (S, 1, 3) [m/s]
+    level, _ = floor(height, velocity, leg)
+    at_rest = height[resting(height, velocity, leg)]
     return float(np.median(at_rest[np.abs(at_rest - level) <= _ONE_LEVEL * leg]))
 
 
-def _lowest_tip(sample: Sample, ankle: int) -> tuple[Floats, Floats] | None:
-    """(S, 3) [m] and (S, 3) [m/s] of whatever is lowest of a foot without its ankle; None if nothing is below that."""
+def _lowest_tip(sample: Sample, ankle: int) -> tuple[Floats, Floats]:
+    """(S, 1, 3) [m] and [m/s] of whatever is lowest below an ankle."""
     joints = list(sample.below(ankle)[1:])
     ends = [e for e, parent in enumerate(sample.skeleton.end_parents.tolist()) if parent in (ankle, *joints)]
-    if not joints and not ends:
-        return None
     places = np.concatenate([sample.places[:, joints], sample.ends[:, ends]], axis=1)  # (S, P, 3) [m]
     velocities = np.concatenate([sample.velocities[:, joints], sample.end_velocities[:, ends]], axis=1)
-    rows, lowest = np.arange(len(sample)), np.argmin(places[..., 1], axis=1)
-    return places[rows, lowest], velocities[rows, lowest]
+    lowest = np.argmin(places[..., 1], axis=1)[:, None, None]
+    return np.take_along_axis(places, lowest, axis=1), np.take_along_axis(velocities, lowest, axis=1)
