@@ -150,14 +150,16 @@ def _convert(value: Any, kind: Any, origin: str, path: str) -> Any:
     if shape in (typing.Union, types.UnionType):
         if value is None and type(None) in parts:
             return None
-        failure: UsageError | None = None
-        for part in parts:
-            if part is not type(None):
-                try:
-                    return _convert(value, part, origin, path)
-                except UsageError as error:
-                    failure = failure or error
-        raise failure or UsageError(f"{origin}: {path} can't be {value!r}")
+        kinds = [part for part in parts if part is not type(None)]
+        failures = []
+        for part in kinds:
+            try:
+                return _convert(value, part, origin, path)
+            except UsageError as error:
+                failures.append(error)
+        if len(failures) == 1:
+            raise failures[0]
+        raise UsageError(f"{origin}: {path} must be {' or '.join(map(_words, kinds))}, not {value!r}")
     if shape is Literal:
         if value in parts:
             return value
@@ -209,6 +211,8 @@ def _words(kind: Any) -> str:
     if kind in names:
         return names[kind]
     shape = typing.get_origin(kind)
+    if shape is Literal:
+        return " or ".join(repr(part) for part in typing.get_args(kind))
     if shape is tuple:
         return f"a list of {len(typing.get_args(kind))}" if Ellipsis not in typing.get_args(kind) else "a list"
     return "a mapping" if isinstance(shape, type) and issubclass(shape, Mapping) else str(kind)

@@ -435,7 +435,7 @@ def test_duplicate_names_are_no_matter() -> None:
 def test_left_and_right_feet_are_alike() -> None:
     def foot(height: float, *guessed: str, ahead: float = 0.16) -> Foot:
         up, forward = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
-        return Foot(up, forward, up, height, 0.04, 0.06, ahead, guessed)
+        return Foot(up, forward, up, height, 0.04, 0.06, ahead, height - 0.04, 0.045, guessed)
 
     left, right, paw = foot(0.144), foot(0.109), foot(0.2, ahead=0.05)
     ends = ["", "", "front_"]

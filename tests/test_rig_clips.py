@@ -119,6 +119,28 @@ def test_somebody_who_crawls_has_two_legs_and_a_dog_four() -> None:
     assert len(figure.limbs) == 2  # that four stand can only be seen where up is known
 
 
+@pytest.mark.parametrize(
+    ("name", "on_zero"),
+    [
+        ("clips/accad/Male1_A1_Stand.bvh", True),
+        ("clips/bandai/dataset-2_run_elderly_001.bvh", True),
+        ("clips/lafan_karstm/aiming1_subject1_walk_filtered.bvh", True),  # its toe joints lie on the plane
+        ("clips/dme/demo_3d_1_fixed.bvh", True),  # so do these
+        ("clips/dme/demo_3d_1_raw.bvh", False),  # sunk by 5 to 8 cm
+        ("clips/makehuman/walk1.bvh", False),  # the hips are held at the origin
+        ("clips/t2m/dot.bvh", False),  # floats 0.75 m above it
+        ("clips/assimp/01_01.bvh", False),  # its toe joints rest 7 cm above it
+        ("clips/mann_dog/D1_025_KAN01_001.bvh", False),  # paws are left as they are
+    ],
+)
+def test_the_zero_plane_is_the_floor_where_feet_are_seen_to_rest_on_it(name: str, on_zero: bool) -> None:
+    clip, _, rig = _found(name)
+    assert ("zero plane" in rig.origins["floor"], rig.floor == 0.0) == (on_zero, on_zero)
+    if on_zero:  # what stands is at the plane, whatever was measured
+        lowest = np.min([track[:, 1] for track in rig.tracks(rig.pose(clip))], axis=0)
+        assert abs(float(np.median(lowest))) < 0.015 * rig.leg_length
+
+
 TRUTH = sorted(row["file"] for row in ROWS if row["file"].startswith("truth/"))
 
 

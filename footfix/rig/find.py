@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from footfix.rig.figure import Figure, figures, joint
 from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
 from footfix.rig.sample import Sample, sample
+from footfix.rig.zero_plane import on_zero_plane
 
 
 def find_rig(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> Rig:
@@ -63,16 +65,18 @@ def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
         for leg in legs
     ]
     feet = soles.alike(feet, [leg.name.removesuffix(leg.side) for leg in legs])
+    joints = [(leg.ankle, leg.toe) for leg in legs]
+    seek_zero = not on_four and params.floor in (None, "zero")
+    measured = on_zero_plane(seen, feet, joints, figure.length) if seek_zero else None
+    feet = feet if measured is None else list(measured)
     points, given = _points(seen, legs, feet, params.soles)
-    level, others = _floor(seen, points, figure.length)
-    if params.floor is not None:
-        level, others = params.floor, ()
+    level, others, floor_origin = _floor(seen, points, figure.length, params.floor, measured is not None)
     root = _carrier(seen, figure) if params.root is None else _given_root(seen, params.root)
     origins = {
         "root": "geometry" if params.root is None else "config",
         "legs": figure.origin,
         "sides": sides_origin,
-        "floor": "where the soles rest most" if params.floor is None else "config",
+        "floor": floor_origin,
     }
     for index, (leg, foot) in enumerate(zip(legs, feet, strict=True)):
         origins |= {f"leg.{leg.name}.{part}": figure.origin for part in ("hip", "knee", "ankle", "toe")}
@@ -198,7 +202,19 @@ def _triple(vector: Floats) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _floor(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float, tuple[float, ...]]:
+def _floor(
+    seen: Sample, points: Sequence[SolePoint], leg: float, asked: float | Literal["zero"] | None, on_zero: bool
+) -> tuple[float, tuple[float, ...], str]:
+    """The height of the floor [m], that of other levels on which soles often rest, and how it was found."""
+    if asked is not None:
+        return (0.0 if asked == "zero" else asked), (), "config"
+    level, others = _levels(seen, points, leg)
+    if on_zero:
+        return 0.0, others, "the file's zero plane, on which the toes rest"
+    return level, others, "where the soles rest most"
+
+
+def _levels(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float, tuple[float, ...]]:
     lowest, velocities = [], []
     for index in {point.leg for point in points}:
         own = [point for point in points if point.leg == index]

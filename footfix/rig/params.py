@@ -48,7 +48,7 @@ class RigParams:
     Args:
         unit_m: metres per unit of the file.
         up: the file's up axis: "y", "z", "x", "-y", "-z" or "-x".
-        floor: height of the floor [m], with y up.
+        floor: height of the floor [m], with y up; "zero" takes the file's zero plane, wherever the feet are.
         root: the joint that carries the figure through the world.
         legs: leg name -> its joints. Given legs stand in place of the found ones; there may be any number.
         soles: sole point name (`left_heel`) -> its place; the others are found.
@@ -56,7 +56,7 @@ class RigParams:
 
     unit_m: float | None = None  # metres per unit of the file; none: from the length of the legs
     up: Literal["y", "z", "x", "-y", "-z", "-x"] | None = None  # up axis of the file; none: from the motion
-    floor: float | None = None  # [m] height of the floor; none: where the soles rest most
+    floor: float | Literal["zero"] | None = None  # [m] height of the floor; zero: the file's own; none: found
     root: str | None = None  # joint that carries the travel; none: found
     legs: Mapping[str, LegParams] = field(default_factory=dict)  # leg name -> joints; none: found
     soles: Mapping[str, SoleParams] = field(default_factory=dict)  # sole point name -> place; none: found

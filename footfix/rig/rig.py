@@ -64,7 +64,7 @@ class Rig:
         legs: left before right on a biped.
         soles: for each leg its heel, then its toe.
         leg_length: [m] from hip joint to ankle along the bones, mean of the legs.
-        floor: [m] height of the floor: the lowest level that the feet often rest on.
+        floor: [m] height of the floor: the file's zero plane, or the lowest level that the feet often rest on.
         notes: how each of these was guessed, and what is doubtful.
     """
 

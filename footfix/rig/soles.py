@@ -43,7 +43,10 @@ class Foot:
         ankle_height, ball_height: above the floor, in the clip's units.
         behind: how far the heel is behind the ankle.
         reach: how far the ball is ahead of the ankle.
+        drop: how far the toe joint lies below the ankle; the lowest tip on a foot without one.
+        usual: how high that joint or tip usually is over a floor.
         guessed: what the clip could not tell.
+        measured: whether its heights are over the file's zero plane, not those of usual feet.
     """
 
     up: Floats
@@ -53,12 +56,16 @@ class Foot:
     ball_height: float
     behind: float
     reach: float
+    drop: float
+    usual: float
     guessed: tuple[str, ...]
+    measured: bool = False
 
     @property
     def origin(self) -> str:
         """How it was found, for people."""
-        return "a usual foot on this leg" if self.guessed else "the pose in which the foot lies flat"
+        how = "a usual foot on this leg" if self.guessed else "the pose in which the foot lies flat"
+        return f"{how}, its height over the file's zero plane" if self.measured else how
 
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -94,7 +101,8 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
     below = max((-float(each @ up_at_toe) for each in _seen_from(sample, toe, tips(sample, toe), flat)), default=0.0)
     ball = _BALL_HEIGHT * leg if below <= 0.0 else _within(below + _TIP_HEIGHT * leg, _BALL_HEIGHTS, leg)
     height = _within(deep + ball, _ANKLE_HEIGHTS, leg)
-    return Foot(up, ahead, up_at_toe, height, ball, _behind(far, leg), far, guessed)
+    usual = _BALL_HEIGHT * leg
+    return Foot(up, ahead, up_at_toe, height, ball, _behind(far, leg), far, deep, usual, guessed)
 
 
 def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float, guessed: tuple[str, ...]) -> Foot:
@@ -103,14 +111,14 @@ def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float,
         return _on_toes(up, ahead, far, deep, leg)
     end_at_ball = far < 0.5 * (_BALL_AHEAD + _BALL_AHEAD / _BALL_OF_TIP) * leg
     height = _ANKLE_HEIGHT * leg
+    end_height = (_BALL_HEIGHT if end_at_ball else _TIP_HEIGHT) * leg
     if deep > 0.02 * leg:
-        end_height = (_BALL_HEIGHT if end_at_ball else _TIP_HEIGHT) * leg
         most = max(_ANKLE_HEIGHTS[2] * leg, deep + _TIP_HEIGHT * leg)
         height = float(np.clip(deep + end_height, _ANKLE_HEIGHTS[0] * leg, most))
     if far < 0.03 * leg:
         guessed, far, end_at_ball = (*guessed, "length"), _BALL_AHEAD * leg, True
     ball_ahead = float(np.clip(far * (1.0 if end_at_ball else _BALL_OF_TIP), 0.1 * leg, 0.22 * leg))
-    return Foot(up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, guessed)
+    return Foot(up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, deep, end_height, guessed)
 
 
 def paw(sample: Sample, ankle: int, leg: float) -> Foot:
@@ -127,9 +135,9 @@ def paw(sample: Sample, ankle: int, leg: float) -> Foot:
     places = np.concatenate([sample.places[:, below], sample.ends[:, ends]], axis=1)
     velocities = np.concatenate([sample.velocities[:, below], sample.end_velocities[:, ends]], axis=1)
     deepest = int(np.argmin(np.quantile(places[..., 1], 0.2, axis=0)))
-    resting = _resting(places[:, [deepest], 1], velocities[:, [deepest]], leg)[:, 0]
-    low = places[:, deepest, 1] <= np.quantile(places[resting, deepest, 1], 0.5) + 0.03 * leg
-    frames = np.flatnonzero(resting & low)
+    rest = resting(places[:, [deepest], 1], velocities[:, [deepest]], leg)[:, 0]
+    low = places[:, deepest, 1] <= np.quantile(places[rest, deepest, 1], 0.5) + 0.03 * leg
+    frames = np.flatnonzero(rest & low)
     up = _usual(rotation.rotate(rotation.inverse(sample.turns[frames, ankle]), UP))
     (tip,) = _seen_from(sample, ankle, [places[:, deepest]], frames)
     ahead = _level(tip, up)
@@ -139,7 +147,7 @@ def paw(sample: Sample, ankle: int, leg: float) -> Foot:
 
 def _on_toes(up: Floats, ahead: Floats, far: float, deep: float, leg: float) -> Foot:
     height = deep + _TIP_HEIGHT * leg
-    return Foot(up, ahead, None, height, height, _PAW * leg - far, far, ())
+    return Foot(up, ahead, None, height, height, _PAW * leg - far, far, deep, _TIP_HEIGHT * leg, ())
 
 
 def _within(value: float, limits: tuple[float, ...], leg: float) -> float:
@@ -169,11 +177,11 @@ def _flat_frames(sample: Sample, joints: list[int], leg: float) -> Ints:
         leg: leg length.
     """
     heights, velocities = sample.places[:, joints, 1], sample.velocities[:, joints]
-    resting = _resting(heights, velocities, leg).all(axis=1)
-    if not resting.any():
-        resting = heights[:, 0] <= np.quantile(heights[:, 0], 0.2)
-    low = heights[:, 0] <= float(np.quantile(heights[resting, 0], 0.5)) + 0.03 * leg
-    return np.flatnonzero(resting & low)
+    rest = resting(heights, velocities, leg).all(axis=1)
+    if not rest.any():
+        rest = heights[:, 0] <= np.quantile(heights[:, 0], 0.2)
+    low = heights[:, 0] <= float(np.quantile(heights[rest, 0], 0.5)) + 0.03 * leg
+    return np.flatnonzero(rest & low)
 
 
 def _usual(vectors: Floats) -> Floats:
@@ -225,7 +233,7 @@ def alike(feet: list[Foot], ends: list[str]) -> list[Foot]:
     return out
 
 
-_MEASURES = ("ankle_height", "ball_height", "behind", "reach")
+_MEASURES = ("ankle_height", "ball_height", "behind", "reach", "drop", "usual")
 
 
 def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple[float, ...]]:
@@ -239,7 +247,7 @@ def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple
         velocities: (S, P, 3) [m/s].
         leg: leg length [m].
     """
-    values = np.sort(heights[_resting(heights, velocities, leg)])
+    values = np.sort(heights[resting(heights, velocities, leg)])
     band = 0.015 * leg
     count = np.searchsorted(values, values + band, side="right") - np.searchsorted(values, values - band)
     levels = []
@@ -252,7 +260,7 @@ def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple
     return levels[0], tuple(levels[1:])
 
 
-def _resting(heights: Floats, velocities: Floats, leg: float) -> Bools:
+def resting(heights: Floats, velocities: Floats, leg: float) -> Bools:
     """(S, P) which points may be resting: those that are still, or level and low where none is still for long.
 
     On a treadmill, or in a clip whose root is held in place, planted feet travel; but not up or down.

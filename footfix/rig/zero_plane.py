@@ -1,0 +1,84 @@
+"""Whether the feet rest on the file's own zero plane, and how high heel and ball are over it.
+
+Most clips come with their floor at height zero: capture volumes are calibrated to it, and tools draw their grid
+there. Where the resting toe joints lie a foot's thickness over that plane, it is the floor, and the thickness
+of the sole is measured. Elsewhere (hips kept at the origin, a drifting video lift) zero is nobody's floor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from footfix.motion.clip import Floats
+from footfix.rig.sample import Sample
+from footfix.rig.soles import Foot, floor, resting
+
+# In leg lengths.
+_LEAST = -0.005  # resting height of a ball on the plane, at least: toe joints of some skeletons lie on the ground
+_OVER_USUAL = 0.025  # above the usual height of a ball (0.045) or a tip (0.012), at most: 0.07, or 0.037
+_ONE_LEVEL = 0.06  # heights nearer to each other are of one level; stairs and boxes are farther apart
+_UNEVEN = 0.05  # of feet that rest farther apart in height, one stands on something
+_MOST_ANKLE = 0.16  # height of an ankle over its sole, as on shoes with heels; what seems higher never stood flat
+_LEAST_DROP = 0.02  # a tip that is hardly below its ankle is no sign of where the sole is
+
+
+def on_zero_plane(
+    sample: Sample, feet: Sequence[Foot], joints: Sequence[tuple[int, int | None]], leg: float
+) -> tuple[Foot, ...] | None:
+    """Measure heel and ball over the file's zero plane, if that is where the feet rest.
+
+    Args:
+        sample: frames of a clip [m], y up.
+        feet: how each foot lies when it is flat; left and right are alike.
+        joints: ankle and toe joint of each.
+        leg: leg length [m].
+
+    Returns:
+        The same feet, their heights measured; None where the toes rest elsewhere.
+    """
+    if len({toe is None for _, toe in joints}) != 1:
+        return None  # one foot's toe joint and the other's tip are not to be compared
+    if any(toe is None and foot.drop <= _LEAST_DROP * leg for foot, (_, toe) in zip(feet, joints, strict=True)):
+        return None
+    heights = [_rest_height(sample, ankle, toe, leg) for ankle, toe in joints]
+    uneven = max(heights) - min(heights) > _UNEVEN * leg
+    rest = min(heights) if uneven else float(np.mean(heights))  # [m]
+    most = _OVER_USUAL * leg + float(np.mean([foot.usual for foot in feet]))
+    if not _LEAST * leg <= rest <= most:
+        return None
+    return tuple(_measured(foot, rest, leg) for foot in feet)
+
+
+def _measured(foot: Foot, rest: float, leg: float) -> Foot:
+    """The foot with its ball so high, and its ankle as much higher as it is in the pose in which the foot lies flat.
+
+    A joint that rests a little below the plane is a sole point itself: none lies above its joint.
+    """
+    ankle = float(np.clip(rest + foot.drop, 0.0, _MOST_ANKLE * leg))
+    return replace(foot, ankle_height=ankle, ball_height=max(rest, 0.0), measured=True)
+
+
+def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> float:
+    """[m] usual height of the toe joint while it rests; of the lowest tip where there is none.
+
+    Of several levels it is the lowest on which the foot often rests.
+    """
+    place, velocity = (sample.places, sample.velocities) if toe is not None else _lowest_tip(sample, ankle)
+    joint = 0 if toe is None else toe
+    height, velocity = place[:, [joint], 1], velocity[:, [joint]]  # (S, 1) [m], (S, 1, 3) [m/s]
+    level, _ = floor(height, velocity, leg)
+    at_rest = height[resting(height, velocity, leg)]
+    return float(np.median(at_rest[np.abs(at_rest - level) <= _ONE_LEVEL * leg]))
+
+
+def _lowest_tip(sample: Sample, ankle: int) -> tuple[Floats, Floats]:
+    """(S, 1, 3) [m] and [m/s] of whatever is lowest below an ankle."""
+    joints = list(sample.below(ankle)[1:])
+    ends = [e for e, parent in enumerate(sample.skeleton.end_parents.tolist()) if parent in (ankle, *joints)]
+    places = np.concatenate([sample.places[:, joints], sample.ends[:, ends]], axis=1)  # (S, P, 3) [m]
+    velocities = np.concatenate([sample.velocities[:, joints], sample.end_velocities[:, ends]], axis=1)
+    lowest = np.argmin(places[..., 1], axis=1)[:, None, None]
+    return np.take_along_axis(places, lowest, axis=1), np.take_along_axis(velocities, lowest, axis=1)
