@@ -21,7 +21,8 @@ from footfix.rig.rig import Rig
 
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
-_RESTS = 0.0025  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
+_RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
+_BRIEF = 0.05  # [s] contacts shorter than this are no plants: a foot that lands or leaves would stamp
 _LASTS = 0.06  # [s] that it rests at a time
 _RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
@@ -195,24 +196,46 @@ def kept(
         heights: whether heights count.
         params: the tolerances.
     """
-    found = [False] * len(plants)
+    found = [plant.end - plant.start < 2 or (plant.end - plant.start) * frame_time < _BRIEF for plant in plants]
+    trim = max(1, round(params.edge / frame_time))
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
-        parts = segments([(p.start, p.end) for p in own])
         point = _point(own[0])
-        track = (legs[own[0].leg].place(point).T - ground)[parts.frames]
-        middle = np.stack([parts.median(track[:, axis]) for axis in (0, 1, 2)], axis=1)
-        slide = parts.largest(np.hypot(*(track - middle[parts.owner])[:, [0, 2]].T))
-        off = np.abs(middle[:, 1] - np.array([floors.plants[p.id] for p in own]))
-        still = (slide <= params.keep_slide * leg_length) & (~np.bool_(heights) | (off <= params.keep_height * leg_length))
-        step = np.zeros(len(track))
-        step[1:] = np.hypot(*np.diff(track[:, [0, 2]], axis=0).T)
-        step[parts.starts] = 0.0
-        rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
-        rests = parts.mean(rest.astype(np.float64)) * parts.lengths >= _RESTING * (parts.lengths - 1)
-        for plant, keep in zip(own, (still | (rests & (parts.lengths > 3))).tolist(), strict=True):
-            found[plant.id] = keep
+        track = legs[own[0].leg].place(point).T - ground
+        still = _still([_core(p, trim) for p in own], track, [floors.plants[p.id] for p in own], leg_length, heights, params)
+        rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
+        for plant, keep in zip(own, (still | rests).tolist(), strict=True):
+            found[plant.id] |= keep
     return tuple(found)
+
+
+def _core(plant: Footplant, trim: int) -> tuple[int, int]:
+    """The frames of a plant without those at its ends in which the foot may still land or leave."""
+    trim = min(trim, max((plant.end - plant.start - 3) // 2, 0))
+    return plant.start + trim, plant.end - trim
+
+
+def _still(
+    spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
+    params: PinParams,
+) -> Bools:  # fmt: skip
+    """(S,) whether a track (F, 3) [m] stays within the tolerance of one place, at its level [m], in each span."""
+    parts = segments(spans)
+    places = track[parts.frames]
+    middle = np.stack([parts.median(places[:, axis]) for axis in (0, 1, 2)], axis=1)
+    slide = parts.largest(np.hypot(*(places - middle[parts.owner])[:, [0, 2]].T))
+    near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
+    return np.asarray((slide <= params.keep_slide * leg_length) & (near | (not heights)))
+
+
+def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
+    """(S,) whether a track (F, 3) [m] rests in each span as only what a program has put to rest does."""
+    parts = segments(spans)
+    step = np.full(len(parts.frames), np.inf)
+    step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
+    step[parts.starts] = np.inf
+    rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
+    return np.asarray(parts.mean(rest.astype(np.float64)) * parts.lengths >= _RESTING * np.maximum(parts.lengths - 1, 1))
 
 
 def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
