@@ -6,7 +6,7 @@ A pin belongs to a point of the foot: the heel, the toe joint, or the tip of the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +22,8 @@ from footfix.rig.rig import Rig
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
 _RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
-_BRIEF = 0.05  # [s] contacts shorter than this are no plants: a foot that lands or leaves would stamp
+_FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
+_RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
 _LASTS = 0.06  # [s] that it rests at a time
 _RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
@@ -53,6 +54,7 @@ class Pins:
         level: (F,) [m] the height it is drawn to while it is planted.
         draw: (F,) how much that counts, 0 or more.
         lowest: (F,) [m] how low it may be.
+        spans: the frames `[start, end)` of each plant that is to be held.
         place, placed: (3, F) [m] where labels or a style want it, and (F,) in which frames.
     """
 
@@ -64,6 +66,14 @@ class Pins:
     lowest: Floats
     place: Floats
     placed: Floats
+    spans: tuple[tuple[int, int], ...] = ()
+
+    def let_slide(self, spans: Sequence[tuple[int, int]]) -> Pins:
+        """Let some plants go: nothing holds or draws them any more."""
+        hold, draw = self.hold.copy(), self.draw.copy()
+        for start, end in spans:
+            hold[start : end - 1] = draw[start:end] = 0.0
+        return replace(self, hold=hold, draw=draw, spans=tuple(s for s in self.spans if s not in spans))
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +206,7 @@ def kept(
         heights: whether heights count.
         params: the tolerances.
     """
-    found = [plant.end - plant.start < 2 or (plant.end - plant.start) * frame_time < _BRIEF for plant in plants]
+    found = [not plant.force and plant.end - plant.start < _FEWEST for plant in plants]
     trim = max(1, round(params.edge / frame_time))
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
@@ -225,7 +235,8 @@ def _still(
     middle = np.stack([parts.median(places[:, axis]) for axis in (0, 1, 2)], axis=1)
     slide = parts.largest(np.hypot(*(places - middle[parts.owner])[:, [0, 2]].T))
     near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
-    return np.asarray((slide <= params.keep_slide * leg_length) & (near | (not heights)))
+    rests = slide <= _RESTED * leg_length
+    return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
 
 
 def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
@@ -334,7 +345,8 @@ def _pins(
     if not leg.turns:  # the root is not to follow a leg that can't
         hold[:] = draw[:] = placed[:] = 0.0
     lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)
-    return Pins(hold, slip, stand, level, draw, lowest, place, placed)
+    spans = tuple((p.start, p.end) for p in own if not (keep[p.id] or p.force or by_hand[p.id] or p.end - p.start < 2))
+    return Pins(hold, slip, stand, level, draw, lowest, place, placed, spans)
 
 
 def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParams) -> Floats:
