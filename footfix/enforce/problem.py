@@ -137,13 +137,15 @@ class System:
     """Gradient and Gauss-Newton matrix of an objective at a state: block tridiagonal but for NEAR's second differences.
 
     Args:
-        gradient: (U, F).
-        main: (U, U, F) blocks of each frame with itself.
-        next: (U, U, F - 1) blocks of each frame's successor (rows) with it (columns).
-        near: (3, U, F) the main diagonal, and the first and second one below it, in frames, of NEAR.
+        rows: (n,) which unknowns.
+        gradient: (n, F).
+        main: (n, n, F) blocks of each frame with itself; what is above their diagonal is left out.
+        next: (n, n, F - 1) blocks of each frame's successor (rows) with it (columns).
+        near: (3, n, F) the main diagonal, and the first and second one below it, in frames, of NEAR.
         cost: the objective there.
     """
 
+    rows: Ints
     gradient: Floats
     main: Floats
     next: Floats
@@ -151,7 +153,24 @@ class System:
     cost: float
 
 
-def system(problem: Problem, x: Floats, eps: float, static: float = 1.0) -> System:
+@dataclass(frozen=True, eq=False)
+class Pull:
+    """What a point's terms ask of it, as derivatives by its place.
+
+    Args:
+        cost: of the point.
+        force: (3, F) [1/m] gradient.
+        stiff: (3, F) [1/m^2] second derivatives in each frame.
+        step: (3, F - 1) [1/m^2] and between each frame and the next, with the sign turned round.
+    """
+
+    cost: float
+    force: Floats
+    stiff: Floats
+    step: Floats
+
+
+def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> tuple[System, ...]:
     """Linearise the objective.
 
     Args:
@@ -159,45 +178,122 @@ def system(problem: Problem, x: Floats, eps: float, static: float = 1.0) -> Syst
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
+        root: whether the root is an unknown. Where it is not, the legs have nothing to do with each other.
+
+    Returns:
+        One system of all unknowns; or one a leg.
     """
+    legs = [_leg(problem, k, x, eps, static, root) for k in range(len(problem.legs))]
+    if not root:
+        return tuple(legs)
     U, F = x.shape
-    main, next_, gradient = np.zeros((U, U, F)), np.zeros((U, U, F - 1)), np.zeros((U, F))
-    out = System(gradient, main, next_, np.zeros((3, U, F)), 0.0)
-    cost = _near(problem, x, out) + _speed(problem, x, out) + _far(problem, x, out)
-    for k in range(len(problem.legs)):
-        cost += _points(problem, k, x, eps, static, out) + _knee(problem, k, x, out)
-    return System(gradient, main, next_, out.near, cost)
+    out = System(np.arange(U), *_empty(U, F), *_near(problem, x, np.arange(U)))
+    cost = out.cost + _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, out)
+    for each in legs:
+        out.gradient[each.rows] += each.gradient
+        out.main[np.ix_(each.rows, each.rows)] += each.main
+        out.next[np.ix_(each.rows, each.rows)] += each.next
+        cost += each.cost
+    return (System(out.rows, out.gradient + product(out.near, x), out.main, out.next, out.near, cost),)
 
 
 def objective(problem: Problem, x: Floats, eps: float) -> float:
     """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m]."""
-    return system(problem, x, eps).cost
+    rows = np.arange(len(x))
+    cost = _near(problem, x, rows)[1] + _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
+    for k, leg in enumerate(problem.legs):
+        own = x[problem.columns(k)]
+        at = posed(leg, x[:ROOT], own, derive=False)
+        cost += sum(_pull(problem, pin, p, eps, 1.0).cost for p, pin in zip(at.places, problem.pins[k], strict=True))
+        cost += _bounds(problem, k, own, 0, None)
+    return cost
 
 
-def _near(problem: Problem, x: Floats, out: System) -> float:
-    s0, s2 = problem.near()
+def _empty(n: int, frames: int) -> tuple[Floats, Floats, Floats]:
+    return np.zeros((n, frames)), np.zeros((n, n, frames)), np.zeros((n, n, frames - 1))
+
+
+def _leg(problem: Problem, k: int, x: Floats, eps: float, static: float, root: bool) -> System:
+    """What one leg adds: with the root's unknowns, but without their NEAR; or by itself, with its own."""
+    leg, own = problem.legs[k], problem.columns(k)
+    at = posed(leg, x[:ROOT], x[own])
+    first = 0 if root else ROOT
+    rows = np.concatenate([np.arange(first, ROOT), np.arange(own.start, own.stop)])
+    out = System(rows, *_empty(len(rows), problem.frames), np.zeros((3, 0, 0)), 0.0)
+    cost = _bounds(problem, k, x[own], ROOT - first, out)
+    for place, jacobian, pin in zip(at.places, at.jacobians, problem.pins[k], strict=True):
+        pull = _pull(problem, pin, place, eps, static)
+        cost += pull.cost
+        _add(out, jacobian[:, first:], pull)
+    if root:
+        return System(rows, out.gradient, out.main, out.next, out.near, cost)
+    near, stays = _near(problem, x, rows)
+    return System(rows, out.gradient + product(near, x[rows]), out.main, out.next, near, cost + stays)
+
+
+def _add(out: System, J: Floats, pull: Pull) -> None:
+    """Add a point's terms: its derivatives by place, carried to the unknowns by J (3, n, F)."""
+    if np.any(pull.stiff):
+        stiff = pull.stiff[:, None] * J
+        out.gradient[:] += np.einsum("cif,cf->if", J, pull.force)
+        for i in range(J.shape[1]):
+            out.main[i, : i + 1] += np.einsum("cf,cjf->jf", stiff[:, i], J[:, : i + 1])
+    if np.any(pull.step):
+        out.next[:] -= np.einsum("cif,cjf->ijf", pull.step[:, None] * J[..., 1:], J[..., :-1])
+
+
+def _pull(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> Pull:
+    """SLIP, LEVEL, FLOOR and PLACE of a point at (3, F) [m]."""
+    size, per_frame = problem.leg_length, _RATE * problem.frame_time
+    force, stiff = np.zeros_like(place), np.zeros_like(place)
+    # SLIP: c h |s|, s = p(t + 1) - p(t) - slip, less of it up and down
+    slip = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
+    long = np.sqrt(slip[0] ** 2 + (_UPRIGHT * slip[1]) ** 2 + slip[2] ** 2)
+    c = problem.costs.slide / size * pin.hold
+    cost = float(np.sum(c * (long - eps * np.log1p(long / eps))))  # what the reweighting descends on
+    slow = 1.0 + (static - 1.0) / (1.0 + (long / (_STATIC * size * problem.frame_time)) ** 4)
+    step = c / (long + eps) * np.stack([slow, np.full(len(slow), _UPRIGHT**2), slow])
+    force[:, 1:] += step * slip
+    force[:, :-1] -= step * slip
+    stiff[:, 1:] += step
+    stiff[:, :-1] += step
+    # LEVEL, FLOOR
+    level = np.where(pin.stands, per_frame * pin.draw / (problem.costs.level * size) ** 2, 0.0)
+    off, low = place[1] - pin.level, np.maximum(pin.lowest - place[1], 0.0)
+    floor = per_frame / (_FLOOR * size) ** 2 * (low > 0.0)
+    cost += 0.5 * float(np.sum(level * off**2 + floor * low**2))
+    force[1] += level * off - floor * low
+    stiff[1] += level + floor
+    # PLACE
+    asked = per_frame * pin.placed / (_PLACE * size) ** 2
+    away = place - pin.place
+    cost += 0.5 * float(np.sum(asked * away**2))
+    return Pull(cost, force + asked * away, stiff + asked, step)
+
+
+def _near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
+    """NEAR and CUT of some unknowns: their bands (3, n, F), and what they cost."""
+    s0, s2 = (each[rows] for each in problem.near())
     dt, F = problem.frame_time, problem.frames
-    stay = _RATE * dt / s0**2  # (U,)
+    stay = _RATE * dt / s0**2  # (n,)
     calm = _RATE * dt / s2**2 / dt**4
-    out.near[0] += stay[:, None]
+    near = np.zeros((3, len(rows), F))
+    near[0] += stay[:, None]
     if F > 2:  # D2' D2
         for offset, weight in ((0, 1.0), (1, 4.0), (2, 1.0)):
-            out.near[0, :, offset : F - 2 + offset] += weight * calm[:, None]
+            near[0, :, offset : F - 2 + offset] += weight * calm[:, None]
         for offset in (0, 1):
-            out.near[1, :, offset : F - 2 + offset] -= 2.0 * calm[:, None]
-        out.near[2, :, : F - 2] += calm[:, None]
+            near[1, :, offset : F - 2 + offset] -= 2.0 * calm[:, None]
+        near[2, :, : F - 2] += calm[:, None]
+    sigma = np.where(rows < ROOT, _CUT_ROOT * problem.leg_length, np.radians(_CUT)) * 120.0 * dt
     for end, frame in zip(problem.cut, (0, F - 1), strict=True):
         if end:
-            s = np.full(len(x), np.radians(_CUT))
-            s[:ROOT] = _CUT_ROOT * problem.leg_length
-            out.near[0, :, frame] += 1.0 / (s * 120.0 * dt) ** 2
-    ax = product(out.near, x)
-    out.gradient[:] += ax
-    return 0.5 * float(np.sum(x * ax))
+            near[0, :, frame] += 1.0 / sigma**2
+    return near, 0.5 * float(np.sum(x[rows] * product(near, x[rows])))
 
 
 def product(bands: Floats, x: Floats) -> Floats:
-    """(U, F) NEAR's matrix (3, U, F) times a state."""
+    """(n, F) NEAR's matrix (3, n, F) times a state."""
     out = bands[0] * x
     for k in (1, 2):
         out[:, k:] += bands[k, :, :-k] * x[:, :-k]
@@ -205,142 +301,76 @@ def product(bands: Floats, x: Floats) -> Floats:
     return np.asarray(out)
 
 
-def _speed(problem: Problem, x: Floats, out: System) -> float:
-    """SPEED: one-sided, on the turn of hip, knee and ankle from frame to frame, in their parents' frames.
+def _bounds(problem: Problem, k: int, x: Floats, base: int, out: System | None) -> float:
+    """KNEE, SPEED and FAR of a leg with unknowns x (8, F), which begin at row `base` of a system.
 
     While the knee bends by k, thigh and shank turn by k / 2 to either side of the line from hip to ankle: so the hip
-    turns by about q - k / 2 axis, the ankle by w - q - k / 2 axis.
+    turns by about q - k / 2 axis in its parent's frame, the ankle by w - q - k / 2 axis.
     """
-    most, sv = np.radians(problem.costs.speed) * problem.frame_time, np.radians(_SPEED)
-    one = np.eye(3)
-    cost = 0.0
-    for k, leg in enumerate(problem.legs):
-        q, w = np.zeros((3, LEG)), np.zeros((3, LEG))
-        q[:, Q], w[:, W] = one, one
-        half = np.zeros((3, LEG, problem.frames))
-        half[:, K] = 0.5 * leg.axis
-        knee = np.zeros((1, LEG, 1))
-        knee[0, K] = 1.0
-        for turn in (q[..., None] - half, knee, (w - q)[..., None] - half):
-            cost += _hinge(np.broadcast_to(turn, (*turn.shape[:2], problem.frames)), x, problem.columns(k), most, sv, out)
+    leg, own, c = problem.legs[k], slice(base, base + LEG), problem.costs
+    weight = _RATE * problem.frame_time / np.radians(_KNEE) ** 2
+    lacks = np.maximum(leg.least - leg.flexion - x[K], 0.0)
+    cost = float(0.5 * weight * np.sum(lacks**2))
+    if out is not None:
+        out.gradient[base + K] -= weight * lacks
+        out.main[base + K, base + K] += weight * (lacks > 0.0)
+    q, w, one = np.zeros((3, LEG)), np.zeros((3, LEG)), np.eye(3)
+    q[:, Q], w[:, W] = one, one
+    knee = np.zeros((1, LEG))
+    knee[0, K] = 1.0
+    half = 0.5 * leg.axis * x[K]  # (3, F)
+    axis = np.zeros((3, LEG, problem.frames))
+    axis[:, K] = 0.5 * leg.axis
+    most, sv = np.radians(c.speed) * problem.frame_time, np.radians(_SPEED)
+    for turn, bend, off in ((q, axis, half), (knee, None, 0.0), (w - q, axis, half)):
+        cost += _fast(turn, bend, turn @ x - off, own, most, sv, out)
+    for turn, far in ((q, c.line_farthest), (w - q, c.ankle_farthest)):
+        cost += _beyond(turn, x, own, np.radians(far), np.radians(_FAR_TURN), problem, out)
     return cost
 
 
-def _far(problem: Problem, x: Floats, out: System) -> float:
-    """FAR: one-sided, on how far the root goes, each leg's line turns, and each foot turns against its shank."""
-    size, c = problem.leg_length, problem.costs
-    one = np.eye(3)
-    cost = _beyond(one, x, slice(0, ROOT), c.root_farthest * size, _FAR_ROOT * size, problem, out)
-    line, ankle = np.zeros((3, LEG)), np.zeros((3, LEG))
-    line[:, Q], ankle[:, W], ankle[:, Q] = one, one, -one
-    for k in range(len(problem.legs)):
-        own = problem.columns(k)
-        for turn, far in ((line, c.line_farthest), (ankle, c.ankle_farthest)):
-            cost += _beyond(turn, x, own, np.radians(far), np.radians(_FAR_TURN), problem, out)
-    return cost
-
-
-def _beyond(
-    turn: Floats, x: Floats, own: slice, far: float, sigma: float, problem: Problem, out: System
+def _fast(
+    turn: Floats, bend: Floats | None, turned: Floats, own: slice, most: float, sigma: float, out: System | None
 ) -> float:
-    """One-sided cost of turn x, (3, n) times some unknowns, where it is longer than `far`."""
-    turned = turn @ x[own]
-    size = np.sqrt(np.sum(turned**2, axis=0))
-    over = np.flatnonzero(size > far)
-    if not len(over):
-        return 0.0
-    weight = _RATE * problem.frame_time / sigma**2
-    row, beyond = turn.T @ (turned[:, over] / size[over]), size[over] - far
-    out.gradient[own, over] += weight * beyond * row
-    main = out.main[own, own]
-    main[..., over] += weight * np.einsum("if,jf->ijf", row, row)
-    return 0.5 * weight * float(np.sum(beyond**2))
-
-
-def _hinge(turn: Floats, x: Floats, own: slice, most: float, sigma: float, out: System) -> float:
-    """One-sided cost of the step of turn x, (n, LEG, F) times a leg's unknowns, where it is longer than `most`."""
-    turned = np.einsum("cif,if->cf", turn, x[own])
+    """One-sided cost of the step of some turn, (turn - bend) x = turned (m, F), where it is longer than `most`."""
     step = np.diff(turned, axis=1)
     size = np.sqrt(np.sum(step**2, axis=0))
     over = np.flatnonzero(size > most)
     if not len(over):
         return 0.0
     along, beyond = step[:, over] / size[over], (size[over] - most) / sigma
-    before, after = (np.einsum("cf,cif->if", along, turn[..., at]) / sigma for at in (over, over + 1))
-    out.gradient[own, over] -= beyond * before
-    out.gradient[own, over + 1] += beyond * after
-    main, next_ = out.main[own, own], out.next[own, own]
-    main[..., over] += np.einsum("if,jf->ijf", before, before)
-    main[..., over + 1] += np.einsum("if,jf->ijf", after, after)
-    next_[..., over] -= np.einsum("if,jf->ijf", after, before)
+    if out is not None:
+        before, after = (
+            (turn.T @ along - (0.0 if bend is None else np.einsum("cf,cif->if", along, bend[..., at]))) / sigma
+            for at in (over, over + 1)
+        )
+        out.gradient[own, over] -= beyond * before
+        out.gradient[own, over + 1] += beyond * after
+        main, next_ = out.main[own, own], out.next[own, own]
+        main[..., over] += np.einsum("if,jf->ijf", before, before)
+        main[..., over + 1] += np.einsum("if,jf->ijf", after, after)
+        next_[..., over] -= np.einsum("if,jf->ijf", after, before)
     return 0.5 * float(np.sum(beyond**2))
 
 
-def _knee(problem: Problem, k: int, x: Floats, out: System) -> float:
-    """KNEE: one-sided, on the knee's flexion."""
-    leg, row = problem.legs[k], problem.columns(k).start + K
-    weight = _RATE * problem.frame_time / np.radians(_KNEE) ** 2
-    lacks = np.maximum(leg.least - leg.flexion - x[row], 0.0)
-    out.gradient[row] -= weight * lacks
-    out.main[row, row] += weight * (lacks > 0.0)
-    return float(0.5 * weight * np.sum(lacks**2))
+def _root_bound(problem: Problem) -> tuple[float, float]:
+    """[m], [m] how far the root goes freely, and the standard deviation beyond."""
+    return problem.costs.root_farthest * problem.leg_length, _FAR_ROOT * problem.leg_length
 
 
-def _points(problem: Problem, k: int, x: Floats, eps: float, static: float, out: System) -> float:
-    """SLIP, LEVEL, FLOOR and PLACE of all points of a leg."""
-    leg, own = problem.legs[k], problem.columns(k)
-    at = posed(leg, x[:ROOT], x[own])
-    n = ROOT + LEG
-    main, next_, gradient = np.zeros((n, n, problem.frames)), np.zeros((n, n, problem.frames - 1)), np.zeros((n, problem.frames))
-    size, cost = problem.leg_length, 0.0
-    per_frame = _RATE * problem.frame_time
-    for place, J, pin in zip(at.places, at.jacobians, problem.pins[k], strict=True):
-        # SLIP
-        s = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
-        s[1] *= _UPRIGHT
-        long = np.sqrt(np.sum(s**2, axis=0))
-        c = problem.costs.slide / size * pin.hold
-        cost += float(np.sum(c * (long - eps * np.log1p(long / eps))))  # what the reweighting descends on
-        some = np.flatnonzero(c)
-        if len(some):
-            slow = 1.0 + (static - 1.0) / (1.0 + (long[some] / (_STATIC * size * problem.frame_time)) ** 4)
-            w = c[some] / (long[some] + eps) * np.stack([slow, np.full(len(some), _UPRIGHT), slow])  # (3, f)
-            s, Ja, Jb = s[:, some], J[..., some], J[..., some + 1]
-            s[1] /= _UPRIGHT
-            w[1] *= _UPRIGHT
-            wa, wb = w[:, None] * Ja, w[:, None] * Jb
-            _add(main, some, wa, Ja)
-            _add(main, some + 1, wb, Jb)
-            next_[..., some] -= np.einsum("cif,cjf->ijf", wb, Ja)
-            gradient[:, some] -= np.einsum("cif,cf->if", wa, s)
-            gradient[:, some + 1] += np.einsum("cif,cf->if", wb, s)
-        # LEVEL, FLOOR
-        low = np.maximum(pin.lowest - place[1], 0.0)
-        w = np.where(pin.stands, per_frame * pin.draw / (problem.costs.level * size) ** 2, 0.0)
-        wf = per_frame / (_FLOOR * size) ** 2 * (low > 0.0)
-        off = np.where(pin.draw > 0.0, place[1] - pin.level, 0.0)
-        cost += 0.5 * float(np.sum(w * off**2 + wf * low**2))
-        some = np.flatnonzero(w + wf)
-        if len(some):
-            Jy = J[1][:, some]
-            _add(main, some, ((w + wf)[some] * Jy)[None], Jy[None])
-            gradient[:, some] += (w * off - wf * low)[some] * Jy
-        # PLACE
-        some = np.flatnonzero(pin.placed)
-        if len(some):
-            w = per_frame * pin.placed[some] / (_PLACE * size) ** 2
-            off3, Ja = place[:, some] - pin.place[:, some], J[..., some]
-            cost += 0.5 * float(np.sum(w * off3**2))
-            _add(main, some, w * Ja, Ja)
-            gradient[:, some] += np.einsum("cif,cf->if", w * Ja, off3)
-    for here, there in ((slice(0, ROOT), slice(0, ROOT)), (slice(ROOT, n), own)):
-        out.gradient[there] += gradient[here]
-        for here2, there2 in ((slice(0, ROOT), slice(0, ROOT)), (slice(ROOT, n), own)):
-            out.main[there, there2] += main[here, here2]
-            out.next[there, there2] += next_[here, here2]
-    return cost
-
-
-def _add(main: Floats, frames: Ints, left: Floats, right: Floats) -> None:
-    """Add left' right, (C, n, f) each, to the blocks (n, n, F) of some frames."""
-    main[..., frames] += np.einsum("cif,cjf->ijf", left, right)
+def _beyond(
+    turn: Floats, x: Floats, own: slice, far: float, sigma: float, problem: Problem, out: System | None
+) -> float:
+    """FAR: one-sided cost of turn x, (3, n) times some unknowns (n, F), where it is longer than `far`."""
+    turned = turn @ x
+    size = np.sqrt(np.sum(turned**2, axis=0))
+    over = np.flatnonzero(size > far)
+    if not len(over):
+        return 0.0
+    weight = _RATE * problem.frame_time / sigma**2
+    row, beyond = turn.T @ (turned[:, over] / size[over]), size[over] - far
+    if out is not None:
+        out.gradient[own, over] += weight * beyond * row
+        main = out.main[own, own]
+        main[..., over] += weight * np.einsum("if,jf->ijf", row, row)
+    return 0.5 * weight * float(np.sum(beyond**2))

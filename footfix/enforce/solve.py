@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from footfix.enforce.leg import ROOT, posed
 from footfix.enforce.pins import Pins
-from footfix.enforce.problem import Problem, System, objective, system
+from footfix.enforce.problem import Problem, System, objective, systems
 from footfix.motion.clip import Bools, Floats, Ints
 
 EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
@@ -16,10 +17,12 @@ _EPS_FIRST = 0.06  # [m/s] in the first round
 _SHRINK = 0.35  # of it from round to round
 _COARSE = 30.0  # [Hz] of the first pass
 _ROUNDS, _FINE_ROUNDS = 10, 8
+_ROOT_ROUNDS = 2  # of these in which the root still moves: it is slow, and the legs are solved each by itself then
 _FINE_FIRST = 40.0  # times `EPS` in the first of the fine rounds
 _STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
 _STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
 _HALVINGS = 3  # of a step that would raise the objective
+_BLOCK = 1024  # frames
 _DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
@@ -33,7 +36,9 @@ def solve(problem: Problem) -> Floats:
     from scipy.interpolate import CubicSpline
 
     x = CubicSpline(which, rough, axis=1)(np.minimum(np.arange(problem.frames), which[-1]))
-    return descend(problem, x, _FINE_ROUNDS, first=_FINE_FIRST * EPS, last=_LAST)
+    x = descend(problem, x, _ROOT_ROUNDS, first=_FINE_FIRST * EPS)
+    first = _FINE_FIRST * EPS * _SHRINK**_ROOT_ROUNDS
+    return descend(problem, x, _FINE_ROUNDS - _ROOT_ROUNDS, first=first, last=_LAST, root=False)
 
 
 def thinned(problem: Problem, which: Ints) -> Problem:
@@ -54,7 +59,10 @@ def thinned(problem: Problem, which: Ints) -> Problem:
     )  # fmt: skip
 
 
-def descend(problem: Problem, x: Floats, rounds: int, *, first: float, last: int = 0, fixed: Bools | None = None) -> Floats:
+def descend(
+    problem: Problem, x: Floats, rounds: int, *, first: float, last: int = 0, root: bool = True,
+    fixed: Bools | None = None,
+) -> Floats:  # fmt: skip
     """Take some rounds of Gauss-Newton from a state.
 
     Args:
@@ -63,6 +71,7 @@ def descend(problem: Problem, x: Floats, rounds: int, *, first: float, last: int
         rounds: how many.
         first: [m/s] slip below which SLIP is a parabola in the first round; it shrinks to `EPS`.
         last: how many of the rounds are with static friction, which is more than that of a sliding foot.
+        root: whether the root is an unknown.
         fixed: (F,) frames that keep their state, as a stream's past does.
     """
     eps = first
@@ -72,10 +81,11 @@ def descend(problem: Problem, x: Floats, rounds: int, *, first: float, last: int
         static = _STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
             problem = settled(problem, x)
-        found = system(problem, x, here, static)
+        found = systems(problem, x, here, static=static, root=root)
         step = _step(problem, found, free, fixed)
+        cost = objective(problem, x, here) if static == 1.0 else 0.0
         for _ in range(_HALVINGS if static == 1.0 else 0):  # one-sided terms may come in along the way
-            if objective(problem, x + step, here) <= found.cost:
+            if objective(problem, x + step, here) <= cost:
                 break
             step = 0.5 * step
         x = x + step
@@ -98,33 +108,43 @@ def settled(problem: Problem, x: Floats) -> Problem:
     return replace(problem, pins=tuple(pins))
 
 
-def _step(problem: Problem, found: System, free: Bools, fixed: Bools | None) -> Floats:
-    """(U, F) the Gauss-Newton step, by a banded Cholesky decomposition."""
+def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools | None) -> Floats:
+    """(U, F) the Gauss-Newton step, by banded Cholesky decompositions."""
+    step = np.zeros((problem.unknowns, problem.frames))
+    s0, _ = problem.near()
+    for each in found:
+        own = np.flatnonzero(free[each.rows])
+        if len(own):
+            damping = _DAMPING * 60.0 * problem.frame_time / s0[each.rows[own]] ** 2
+            step[each.rows[own]] = _solved(each, own, damping, fixed)
+    return step
+
+
+def _solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
+    """(n, F) the step of those unknowns of a system that are free."""
     from scipy.linalg import solveh_banded
 
-    rows = np.flatnonzero(free)
-    U, F = len(rows), problem.frames
-    s0, _ = problem.near()
-    near = found.near[:, rows]
-    stay = _DAMPING * 60.0 * problem.frame_time / s0[rows] ** 2
+    U, F = len(own), system.gradient.shape[1]
+    square = np.ix_(own, own)
+    whole = U == len(system.rows)
+    main, next_ = (system.main, system.next) if whole else (system.main[square], system.next[square])
+    near = system.near[:, own]
     bands = np.zeros((F, U, 2 * U + 1))  # of the lower triangle, column by column
-    main, next_ = found.main[np.ix_(rows, rows)], found.next[np.ix_(rows, rows)]
-    for b in range(U):
-        for a in range(b, U):
-            bands[:, b, a - b] = main[a, b]
-        for a in range(U):
-            bands[: F - 1, b, U + a - b] = next_[a, b]
-    bands[..., 0] += near[0].T + stay
+    for start in range(0, F, _BLOCK):  # some frames at a time, so that they lie side by side, (f, column, row)
+        some = slice(start, start + _BLOCK)
+        by_frame, by_next = (np.ascontiguousarray(each[..., some].transpose(2, 1, 0)) for each in (main, next_))
+        for b in range(U):
+            bands[some, b, : U - b] = by_frame[:, b, b:]
+            bands[start : start + len(by_next), b, U - b : 2 * U - b] = by_next[:, b]
+    bands[..., 0] += near[0].T + damping
     bands[..., U] += near[1].T
     bands[..., 2 * U] += near[2].T
-    right = -found.gradient[rows].T
+    right = -system.gradient[own].T
     if fixed is not None:
         _hold(bands, right, fixed)
     ab = bands.reshape(F * U, 2 * U + 1).T
-    solved = solveh_banded(ab, right.ravel(), lower=True, overwrite_ab=True, check_finite=False)
-    step = np.zeros(found.gradient.shape)
-    step[rows] = solved.reshape(F, U).T
-    return step
+    solved = solveh_banded(ab, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
+    return np.asarray(solved.reshape(F, U).T)
 
 
 def _hold(bands: Floats, right: Floats, fixed: Bools) -> None:
