@@ -26,6 +26,7 @@ HEEL, TOE, ANKLE, TIP = range(4)
 
 _STRAIGHT = 0.4  # [sine] up to this bend the captured leg is too straight to say about which axis its knee flexes
 _STRETCHED = 3.6  # [degrees] of flexion: two equal bones at 99.95 % of their length
+_WHITE = -0.7  # correlation of neighbouring fourth differences: -0.8 in white noise, above 0 in motion
 _STRAIGHTEST = 1.0  # [percentile] of a clip's flexion that counts as its straightest knee
 
 
@@ -37,13 +38,13 @@ class LegCalibration:
         knee_axis: (3,) about which the knee flexes, in the hip joint's frame.
         straightest: [rad] flexion of the knee where it is straightest, but for outliers.
         toe_hinge: (3,) about which the toes turn up, in the ankle's frame.
-        noise: (3,) [rad] of each frame, in the line from hip to ankle, the knee, and the foot.
+        noise: [rad] of the line from hip to ankle, the knee, and the foot.
     """
 
     knee_axis: Floats
     straightest: float
     toe_hinge: Floats
-    noise: Floats
+    noise: tuple[Noise, Noise, Noise]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,9 +124,7 @@ def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
         ahead = unit((toe - heel) * [1.0, 0.0, 1.0])
         hinge = rotation.rotate(rotation.inverse(pose.rotation(leg.ankle)), cross_rows(ahead, up[None])).sum(axis=0)
         length = np.median(norm(ankle - hip))
-        noise = np.array([
-            noise_of((ankle - hip) / length), noise_of(flexion[:, None]), noise_of(unit(toe - ankle)),
-        ])  # fmt: skip
+        noise = noise_of((ankle - hip) / length), noise_of(flexion[:, None]), noise_of(unit(toe - ankle))
         found.append(LegCalibration(unit(usual), straightest, unit(hinge), noise))
     return tuple(found)
 
@@ -135,18 +134,34 @@ def _lying(track: Floats) -> Floats:
     return np.ascontiguousarray(track.T)
 
 
-def noise_of(track: Floats) -> float:
-    """Estimate the standard deviation of what is new in every frame of a track (F, D), along one axis.
+@dataclass(frozen=True)
+class Noise:
+    """What is new in every frame of a track.
+
+    Args:
+        sigma: its standard deviation along one axis.
+        white: whether that is all that the track's quickest changes are.
+    """
+
+    sigma: float
+    white: bool
+
+
+def noise_of(track: Floats) -> Noise:
+    """Estimate the noise of a track (F, D).
 
     By the median of fourth differences, in which motion hardly shows and steps and strikes, being few, don't count.
+    Quick motion shows a little; it is told by neighbouring differences, which are less unlike than those of noise.
     Source: the difference-based estimator of J. von Neumann et al., Annals of Mathematical Statistics 12 (1941).
     """
     if len(track) < 9:
-        return 0.0
-    fourth = np.abs(np.diff(track, n=4, axis=0))
+        return Noise(0.0, False)
+    fourth = np.diff(track, n=4, axis=0)
     # 0.6745: of a normal distribution; 70 = 1 + 16 + 36 + 16 + 1 times a frame's variance
-    deviation = np.median(fourth, axis=0) / 0.6745
-    return float(np.sqrt(np.mean(deviation**2) / 70.0))
+    deviation = np.median(np.abs(fourth), axis=0) / 0.6745
+    ahead, behind = fourth[1:], fourth[:-1]
+    alike = float(np.median(dot(ahead, behind))) / max(float(np.median(dot(ahead, ahead))), 1e-300)
+    return Noise(float(np.sqrt(np.mean(deviation**2) / 70.0)), alike < _WHITE)
 
 
 def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibration]) -> tuple[LegTracks, ...]:

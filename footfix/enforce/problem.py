@@ -30,7 +30,7 @@ from footfix.motion.clip import Bools, Floats, Ints
 # r: the standard deviations below are those of independent frames, so many a second
 _RATE = 60.0
 _UPRIGHT = 0.05  # weight of slip up and down against slip over the floor: a foot rolls
-_NOISY = 3.0  # times a cost's acceleration that noise may add to it
+_NOISY = 3.0  # times a cost's acceleration that noise may add to it, if it may be quick motion, too
 _STATIC = 0.03  # [leg lengths/s] of slip up to which static friction holds
 _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults are
 
@@ -74,7 +74,8 @@ class Problem:
         frame_time: [s].
         leg_length: [m].
         costs: the standard deviations.
-        noise: (U,) [m, rad] how much of each unknown's capture is new in every frame.
+        noise: (U,) [m, rad] how much of each unknown's capture is new in every frame,
+        white: (U,) and whether that is all there is to its quickest changes.
         root_moves: whether the root may.
         cut: whether a T-pose was cut off before the first frame, and after the last.
     """
@@ -85,6 +86,7 @@ class Problem:
     leg_length: float
     costs: CostParams
     noise: Floats
+    white: Bools
     root_moves: bool = True
     cut: tuple[bool, bool] = (False, False)
 
@@ -126,7 +128,8 @@ class Problem:
         # motions of similar figures: accelerations of joints go with 1 / size, those of places are the same
         s2 *= _GROWN / size
         # what the capture's own noise accelerates is not held to: second differences have 1 + 4 + 1 times its variance
-        return s0, np.hypot(s2, np.minimum(np.sqrt(6.0) * self.noise / self.frame_time**2, _NOISY * s2))
+        noise = np.sqrt(6.0) * self.noise / self.frame_time**2
+        return s0, np.hypot(s2, np.where(self.white, noise, np.minimum(noise, _NOISY * s2)))
 
 
 @dataclass(frozen=True, eq=False)

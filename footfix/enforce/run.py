@@ -18,6 +18,7 @@ from footfix.enforce.leg import (
     TOE,
     LegCalibration,
     LegTracks,
+    Noise,
     calibrate,
     local_rotations,
     noise_of,
@@ -237,12 +238,13 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         )
         for k, leg in enumerate(task.legs)
     )  # fmt: skip
-    noise = np.concatenate([
-        np.full(3, noise_of(task.pose.position(rig.root))),
-        *(np.append(np.repeat(each.noise, [3, 1, 3]), 0.0) for each in task.calibration),
-    ])  # fmt: skip
+    own = [noise_of(task.pose.position(rig.root))] * 3
+    for each in task.calibration:
+        line, knee, foot = each.noise
+        own += [line, line, line, knee, foot, foot, foot, Noise(0.0, False)]
+    noise, white = np.array([each.sigma for each in own]), np.array([each.white for each in own])
     moves = bool(clip.skeleton.translates[rig.root])
-    return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, moves, cut)
+    return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, moves, cut)
 
 
 def _faded(x: Floats, problem: Problem) -> Floats:
