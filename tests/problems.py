@@ -45,8 +45,10 @@ def problem(
         tuple(given.get((k, point), idle(frames)) for point in range(len(leg.points) + 1))
         for k, leg in enumerate(tracks)
     )  # fmt: skip
-    noise = np.zeros(ROOT + LEG * legs)
-    made = Problem(tracks, all_pins, every / 60.0, figure(kind).rig.leg_length, costs, noise)
+    made = Problem(
+        legs=tracks, pins=all_pins, frame_time=every / 60.0, leg_length=figure(kind).rig.leg_length, costs=costs,
+        noise=np.zeros(ROOT + LEG * legs), white=np.zeros(ROOT + LEG * legs, dtype=bool),
+    )  # fmt: skip
     return replace(made, **changes)  # type: ignore[arg-type]
 
 

@@ -260,11 +260,21 @@ def test_noise_is_measured_under_a_motion() -> None:
     motion = 0.3 * np.stack([np.sin(2 * np.pi * t), np.cos(3 * np.pi * t), np.sin(3.0 * t)], axis=1)
     strikes = np.where(np.arange(4000) % 60 < 2, 0.05, 0.0)[:, None]
     noise = 0.002 * random.normal(size=motion.shape)
-    assert noise_of(noise) == pytest.approx(0.002, rel=0.05)
-    assert noise_of(motion + noise) == pytest.approx(0.002, rel=0.1)
-    assert noise_of(motion + strikes + noise) == pytest.approx(0.002, rel=0.35)
-    assert noise_of(motion) < 1e-5
-    assert noise_of(noise[:8]) == 0.0
+    for track, rel, white in (
+        (noise, 0.05, True), (motion + noise, 0.1, True), (motion + strikes + noise, 0.35, None)
+    ):  # fmt: skip
+        found = noise_of(track)
+        assert found.sigma == pytest.approx(0.002, rel=rel)
+        assert white is None or found.white is white
+    assert noise_of(motion).sigma < 1e-5 and not noise_of(motion).white
+    assert noise_of(noise[:8]).sigma == 0.0 and not noise_of(noise[:8]).white
+
+
+@pytest.mark.parametrize("hertz", [3.0, 10.0, 25.0])
+def test_quick_motion_is_not_white(hertz: float) -> None:
+    t = np.arange(4000) / 120.0
+    circle = np.stack([np.cos(2 * np.pi * hertz * t), np.sin(2 * np.pi * hertz * t)], axis=1)
+    assert not noise_of(circle).white
 
 
 def test_each_noise_is_that_of_its_unknowns() -> None:
@@ -272,10 +282,10 @@ def test_each_noise_is_that_of_its_unknowns() -> None:
     rig = rig_of(made)
     random, frames = np.random.default_rng(1), len(made.clip)
 
-    def noises(joint: int, sigma: float) -> Floats:
+    def noises(joint: int, sigma: float) -> list[float]:
         shake = rotation.from_rotation_vector(sigma * random.normal(size=(frames, 1)) * [1.0, 0.0, 0.0])
         clip = made.clip.with_joints({}, {joint: rotation.multiply(made.clip.turn(joint), shake)})
-        return figure_of(clip, rig, made.contacts).calibration[0].noise
+        return [each.sigma for each in figure_of(clip, rig, made.contacts).calibration[0].noise]
 
     leg, sigma = rig.legs[0], 0.01
     line, knee, foot = noises(leg.knee, sigma)

@@ -175,7 +175,7 @@ def test_near_by_hand() -> None:
     assert objective(of, even, EPS) == pytest.approx(0.5 * 60.0 * dt * 7 * np.sum((0.01 / s0) ** 2), rel=1e-9)
 
 
-def test_noise_makes_accelerations_cheaper_and_no_more_than_so_much() -> None:
+def test_noise_makes_accelerations_cheaper_and_no_more_than_so_much_if_it_may_be_motion() -> None:
     of = near()
     s2 = of.near()[1]
     sigma = s2 * of.frame_time**2  # noise whose second differences are sqrt(6) times as large
@@ -184,6 +184,9 @@ def test_noise_makes_accelerations_cheaper_and_no_more_than_so_much() -> None:
     assert np.allclose(noisy.near()[0], of.near()[0])
     mad = replace(of, noise=100.0 * sigma)
     assert np.allclose(mad.near()[1], s2 * np.sqrt(1.0 + terms._NOISY**2))
+    white = replace(mad, white=np.arange(of.unknowns) % 2 == 0)
+    times = np.where(white.white, np.sqrt(1.0 + 6.0 * 100.0**2), np.sqrt(1.0 + terms._NOISY**2))
+    assert np.allclose(white.near()[1], s2 * times)
 
 
 def test_slip_by_hand() -> None:
