@@ -77,7 +77,7 @@ def changed(kind: str, clip: Clip, plain: Rig) -> tuple[Clip, Rig]:
 
 
 def inserted(clip: Clip, name: str, below: str, share: float, turn: Floats) -> Clip:
-    """The clip with one more joint above another, at a share of its bone, that turns by (F, 4); what is below turns back."""
+    """The clip with one more joint above another, at a share of its bone, that turns by (F, 4); the other turns back."""
     skeleton = clip.skeleton
     at = skeleton.names.index(below)
     later = np.arange(len(skeleton)) + (np.arange(len(skeleton)) >= at)
@@ -118,7 +118,7 @@ def rig_like(clip: Clip, plain: Rig) -> Rig:
 
 
 def with_knees(clip: Clip, rig: Rig, flexion: Floats) -> Clip:
-    """The clip with all knees bent by (F,) [rad] about the x axis of their frames; below zero they are hyperextended."""
+    """The clip with all knees bent by (F,) [rad] about the x axis of their frames, below zero hyperextended."""
     turns = {leg.knee: rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), flexion) for leg in rig.legs}
     return clip.with_joints({}, turns)
 

@@ -167,7 +167,7 @@ def test_a_slide_across_a_room_is_released_in_words() -> None:
     contacts = replace(made.contacts, method="auto", effectors=tuple(
         replace(e, contacts=(Contact(20, len(clip) - 20, 0.9),)) for e in made.contacts.effectors
     ))  # fmt: skip
-    after, found = cleaned(clip, rig, contacts)
+    _, found = cleaned(clip, rig, contacts)
     assert {plant.outcome for plant in found.plants} == {"released"}
     assert all("slides by" in plant.reason and "cost" in plant.reason for plant in found.plants)
 
