@@ -6,7 +6,7 @@ A pin belongs to a point of the foot: the heel, the toe joint, or the tip of the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +21,9 @@ from footfix.rig.rig import Rig
 
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
-_RESTS = 0.0025  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
+_RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
+_FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
+_RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
 _LASTS = 0.06  # [s] that it rests at a time
 _RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
@@ -52,6 +54,7 @@ class Pins:
         level: (F,) [m] the height it is drawn to while it is planted.
         draw: (F,) how much that counts, 0 or more.
         lowest: (F,) [m] how low it may be.
+        spans: the frames `[start, end)` of each plant that is to be held.
         place, placed: (3, F) [m] where labels or a style want it, and (F,) in which frames.
     """
 
@@ -63,6 +66,14 @@ class Pins:
     lowest: Floats
     place: Floats
     placed: Floats
+    spans: tuple[tuple[int, int], ...] = ()
+
+    def let_slide(self, spans: Sequence[tuple[int, int]]) -> Pins:
+        """Let some plants go: nothing holds or draws them any more."""
+        hold, draw = self.hold.copy(), self.draw.copy()
+        for start, end in spans:
+            hold[start : end - 1] = draw[start:end] = 0.0
+        return replace(self, hold=hold, draw=draw, spans=tuple(s for s in self.spans if s not in spans))
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,24 +206,47 @@ def kept(
         heights: whether heights count.
         params: the tolerances.
     """
-    found = [False] * len(plants)
+    found = [not plant.force and plant.end - plant.start < _FEWEST for plant in plants]
+    trim = max(1, round(params.edge / frame_time))
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
-        parts = segments([(p.start, p.end) for p in own])
         point = _point(own[0])
-        track = (legs[own[0].leg].place(point).T - ground)[parts.frames]
-        middle = np.stack([parts.median(track[:, axis]) for axis in (0, 1, 2)], axis=1)
-        slide = parts.largest(np.hypot(*(track - middle[parts.owner])[:, [0, 2]].T))
-        off = np.abs(middle[:, 1] - np.array([floors.plants[p.id] for p in own]))
-        still = (slide <= params.keep_slide * leg_length) & (~np.bool_(heights) | (off <= params.keep_height * leg_length))
-        step = np.zeros(len(track))
-        step[1:] = np.hypot(*np.diff(track[:, [0, 2]], axis=0).T)
-        step[parts.starts] = 0.0
-        rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
-        rests = parts.mean(rest.astype(np.float64)) * parts.lengths >= _RESTING * (parts.lengths - 1)
-        for plant, keep in zip(own, (still | (rests & (parts.lengths > 3))).tolist(), strict=True):
-            found[plant.id] = keep
+        track = legs[own[0].leg].place(point).T - ground
+        still = _still([_core(p, trim) for p in own], track, [floors.plants[p.id] for p in own], leg_length, heights, params)
+        rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
+        for plant, keep in zip(own, (still | rests).tolist(), strict=True):
+            found[plant.id] |= keep
     return tuple(found)
+
+
+def _core(plant: Footplant, trim: int) -> tuple[int, int]:
+    """The frames of a plant without those at its ends in which the foot may still land or leave."""
+    trim = min(trim, max((plant.end - plant.start - 3) // 2, 0))
+    return plant.start + trim, plant.end - trim
+
+
+def _still(
+    spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
+    params: PinParams,
+) -> Bools:  # fmt: skip
+    """(S,) whether a track (F, 3) [m] stays within the tolerance of one place, at its level [m], in each span."""
+    parts = segments(spans)
+    places = track[parts.frames]
+    middle = np.stack([parts.median(places[:, axis]) for axis in (0, 1, 2)], axis=1)
+    slide = parts.largest(np.hypot(*(places - middle[parts.owner])[:, [0, 2]].T))
+    near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
+    rests = slide <= _RESTED * leg_length
+    return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
+
+
+def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
+    """(S,) whether a track (F, 3) [m] rests in each span as only what a program has put to rest does."""
+    parts = segments(spans)
+    step = np.full(len(parts.frames), np.inf)
+    step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
+    step[parts.starts] = np.inf
+    rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
+    return np.asarray(parts.mean(rest.astype(np.float64)) * parts.lengths >= _RESTING * np.maximum(parts.lengths - 1, 1))
 
 
 def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
@@ -311,7 +345,8 @@ def _pins(
     if not leg.turns:  # the root is not to follow a leg that can't
         hold[:] = draw[:] = placed[:] = 0.0
     lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)
-    return Pins(hold, slip, stand, level, draw, lowest, place, placed)
+    spans = tuple((p.start, p.end) for p in own if not (keep[p.id] or p.force or by_hand[p.id] or p.end - p.start < 2))
+    return Pins(hold, slip, stand, level, draw, lowest, place, placed, spans)
 
 
 def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParams) -> Floats:

@@ -39,14 +39,14 @@ _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults ar
 class CostParams:
     """What each departure from the capture costs: standard deviations. A turn of one of them costs as much as another."""
 
-    slide: float = 9000.0  # cost of a leg length of slide; more holds more, at the price of the joints' speed
+    slide: float = 11000.0  # cost of a leg length of slide; more holds more, at the price of the joints' speed
     root: float = 0.09  # [leg lengths] of the root over the floor
     root_height: float = 0.055  # [leg lengths] of the root up and down
     root_acceleration: float = 1.1  # [leg lengths/s^2]
     root_farthest: float = 0.06  # [leg lengths] beyond this the root hardly goes
     line: float = 5.0  # [degrees] of the line from hip to ankle
     knee: float = 3.0  # [degrees] of the knee's flexion
-    foot: float = 8.0  # [degrees] of the foot in the world
+    foot: float = 4.5  # [degrees] of the foot in the world
     toes: float = 10.0  # [degrees] of the toes' bend
     line_acceleration: float = 200.0  # [degrees/s^2]
     knee_acceleration: float = 200.0  # [degrees/s^2]

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from footfix.enforce.leg import ROOT, posed
 from footfix.enforce.pins import Pins
 from footfix.enforce.problem import Problem, System, objective, system
 from footfix.motion.clip import Bools, Floats, Ints
@@ -17,6 +18,7 @@ _COARSE = 30.0  # [Hz] of the first pass
 _ROUNDS, _FINE_ROUNDS = 10, 8
 _FINE_FIRST = 40.0  # times `EPS` in the first of the fine rounds
 _STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
+_STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
 _HALVINGS = 3  # of a step that would raise the objective
 _DAMPING = 1.0  # of NEAR's own weight, on each step
 
@@ -68,6 +70,8 @@ def descend(problem: Problem, x: Floats, rounds: int, *, first: float, last: int
     for n in range(rounds):
         here = max(eps, EPS) * problem.frame_time
         static = _STATIC if n >= rounds - last else 1.0
+        if last and n == rounds - last:
+            problem = settled(problem, x)
         found = system(problem, x, here, static)
         step = _step(problem, found, free, fixed)
         for _ in range(_HALVINGS if static == 1.0 else 0):  # one-sided terms may come in along the way
@@ -77,6 +81,21 @@ def descend(problem: Problem, x: Floats, rounds: int, *, first: float, last: int
         x = x + step
         eps *= _SHRINK
     return x
+
+
+def settled(problem: Problem, x: Floats) -> Problem:
+    """Let go of what slides in most of its frames: static friction holds what stands, and nothing else."""
+    most = _STANDS * problem.leg_length * problem.frame_time
+    pins = []
+    for k, (leg, own) in enumerate(zip(problem.legs, problem.pins, strict=True)):
+        places = posed(leg, x[:ROOT], x[problem.columns(k)], derive=False).places
+        left = []
+        for place, pin in zip(places, own, strict=True):
+            slip = np.diff(place, axis=1) - pin.slip
+            still = np.hypot(slip[0], slip[2]) <= most
+            left.append(pin.let_slide([s for s in pin.spans if still[s[0] : s[1] - 1].mean() < _SETTLED]))
+        pins.append(tuple(left))
+    return replace(problem, pins=tuple(pins))
 
 
 def _step(problem: Problem, found: System, free: Bools, fixed: Bools | None) -> Floats:
