@@ -77,7 +77,7 @@ def changed(kind: str, clip: Clip, plain: Rig) -> tuple[Clip, Rig]:
 
 
 def inserted(clip: Clip, name: str, below: str, share: float, turn: Floats) -> Clip:
-    """The clip with one more joint above another, at a share of its bone, that turns by (F, 4); the other turns back."""
+    """The clip with one more joint above another, at a share of its bone, that turns by (F, 4) and the other back."""
     skeleton = clip.skeleton
     at = skeleton.names.index(below)
     later = np.arange(len(skeleton)) + (np.arange(len(skeleton)) >= at)
