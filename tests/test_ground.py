@@ -33,11 +33,8 @@ def steps(speeds: Floats, hip_speed: float = 0.0) -> tuple[Rig, Pose, Contacts]:
         tracks[n % 2][span, 0] = at[n * LENGTH, 0] + speed * np.arange(LENGTH) / FPS
         spans[n % 2].append(Contact(span.start, span.stop, 0.9))
     joints = rig.joints()
-    places = np.stack([
-        tracks[k] if joint in (leg.ankle, leg.toe) else at
-        for joint in joints
-        for k, leg in [next(((k, leg) for k, leg in enumerate(rig.legs) if joint in (leg.ankle, leg.toe)), (0, rig.legs[0]))]
-    ], axis=1)  # fmt: skip
+    feet = {joint: tracks[k] for k, leg in enumerate(rig.legs) for joint in (leg.ankle, leg.toe)}
+    places = np.stack([feet.get(joint, at) for joint in joints], axis=1)
     pose = Pose(joints, places, rotation.identity((frames, len(joints))))
     effectors = tuple(
         replace(e, contacts=tuple(spans[k // 2]) if e.part == "heel" else ())

@@ -49,7 +49,9 @@ CLIPS = {
     "games105/walk60.bvh": Bounds(toe=2.0, flat=2.0, knee=0.9, rise=15.0, jump=0.6, jitter=1.0),
     "ganimator/normal.bvh": Bounds(toe=5.0, flat=2.0, knee=0.2, rise=10.0, jump=0.4, jitter=1.11),
     "jujin_cmudaz/walk.bvh": Bounds(toe=2.0, flat=19.0, knee=0.8, rise=48.0, jump=0.8, jitter=1.0),
-    "lafan_karstm/fight1_subject2_backward_filtered.bvh": Bounds(toe=2.0, flat=2.0, knee=0.4, rise=22.0, jump=0.6, jitter=1.09),
+    "lafan_karstm/fight1_subject2_backward_filtered.bvh": Bounds(
+        toe=2.0, flat=2.0, knee=0.4, rise=22.0, jump=0.6, jitter=1.09,
+    ),
     "mann_dog/D1_010_KAN01_002.bvh": Bounds(toe=2.0, flat=23.0, knee=2.3, rise=17.0, jump=1.8, jitter=1.12),
     "mass/pirouette.bvh": Bounds(toe=46.0, flat=12.0, knee=0.9, rise=24.0, jump=0.8, jitter=1.03),
     "pybvh/cmu_12_01_walk.bvh": Bounds(toe=2.0, flat=2.0, knee=0.7, rise=31.0, jump=0.6, jitter=1.02),
@@ -110,5 +112,5 @@ def test_feet_stand_and_the_rest_is_as_it_was(name: str, tmp_path_factory: pytes
     assert found["jitter"] <= bounds.jitter
     # and nothing is worse than it was
     for what in ("toe", "flat", "tip"):
-        assert far(found, what, 1) <= far(found, what, 0) + 3.0
-    assert found["gmd"][1] <= found["gmd"][0] + 0.02
+        assert far(found, what, 1) <= far(found, what, 0) + 5.0
+    assert found["gmd"][1] <= found["gmd"][0] + 0.03
