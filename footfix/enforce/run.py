@@ -11,6 +11,7 @@ import numpy as np
 from footfix.enforce import ground as grounds
 from footfix.enforce import pins as pinning
 from footfix.enforce.correction import Correction, apply
+from footfix.enforce.cycle import Cycle, find_cycle, solved_as_cycle
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.leg import (
@@ -54,6 +55,7 @@ class EnforceParams:
 
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
     solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"  # one least squares, or a paper's own way
+    cycle: Literal["find", "yes", "no"] = "find"  # whether the last frame leads to the first: then the seam stays closed
     heights: Literal["floor", "keep"] = "floor"  # plants are drawn to their floor, or keep the height they have
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     pins: PinParams = field(default_factory=PinParams)
@@ -130,7 +132,10 @@ def enforce(
     if params.method == "root" or params.solver != "whole_clip":
         done, points = _by_paper(clip, rig, task, params)
     else:
-        done, points = _by_least_squares(clip, rig, task, params, cut)
+        cycle = _cycle(clip, rig, task, params, cut)
+        if cycle:
+            task = replace(task, notes=(*task.notes, _cycle_note(cycle, clip)))
+        done, points = _by_least_squares(clip, rig, task, params, cut, cycle)
     plants = outcomes(task.plants, task.legs, points, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
 
@@ -207,7 +212,7 @@ def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
 
 
 def _by_least_squares(
-    clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]
+    clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool], cycle: Cycle | None
 ) -> tuple[Correction, Points]:
     """The correction by one least squares over the whole clip, and where it leads each leg's heel and toe."""
     problem = problem_of(clip, rig, task, params, cut)
@@ -215,7 +220,7 @@ def _by_least_squares(
     x = np.zeros((problem.unknowns, len(clip)))
     wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
     if wanted and len(clip) >= _FEWEST:
-        x = _faded(solve(problem), problem)
+        x = _faded(solved_as_cycle(problem, cycle, solve) if cycle else solve(problem), problem)
     x = params.strength * x
     points = [
         (at[HEEL], at[TOE])
@@ -223,6 +228,22 @@ def _by_least_squares(
     ]
     shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), points
+
+
+def _cycle(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Cycle | None:
+    """The clip's round, where it is a cycle or said to be one."""
+    if params.cycle == "no" or any(cut) or len(clip) < _FEWEST:
+        return None
+    found = find_cycle(clip, rig, task.pose)
+    return found or (Cycle(len(clip) - 1, 0.0) if params.cycle == "yes" else None)
+
+
+def _cycle_note(cycle: Cycle, clip: Clip) -> Note:
+    text = (
+        f"the clip is a cycle of {cycle.frames * clip.frame_time:.2f} s: its last frame leads to the first, and the "
+        "correction is closed at the seam (enforce.cycle=no leaves it open)"
+    )
+    return Note("cycle", text)
 
 
 def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:
