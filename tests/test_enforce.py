@@ -84,8 +84,10 @@ def same(one: Clip, other: Clip) -> bool:
 # ---- what stands, stands ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("gait", GAITS)
-@pytest.mark.parametrize("artefact", ARTEFACTS)
+@pytest.mark.parametrize(("gait", "artefact"), [
+    *(("walk", artefact) for artefact in ARTEFACTS),
+    *((gait, artefact) for gait in GAITS[1:] for artefact in ("wander", "larger")),
+])  # fmt: skip
 def test_plants_hold_and_nothing_else_shows(gait: str, artefact: str) -> None:
     made = walk(gait)
     rig = rig_of(made)
@@ -122,8 +124,7 @@ def test_a_sunk_or_floating_figure_is_lifted_as_a_whole_and_says_so(artefact: st
     assert same(kept, ARTEFACTS[artefact](made.clip)) and not told.notes
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("method", ["ik", "both"])
+@pytest.mark.parametrize(("kind", "method"), [*((kind, "ik") for kind in KINDS), ("four bones", "both")])
 def test_legs_of_all_kinds_stand(kind: str, method: Method) -> None:
     made = walk()
     clip, rig = changed(kind, wandering(made), rig_of(made))
@@ -202,8 +203,8 @@ def test_what_stands_well_is_left_alone(gait: str) -> None:
     assert not found.notes and not found.ground.any()
 
 
-@pytest.mark.parametrize("artefact", ["drift", "wander", "larger", "shaken", "sunk"])
-@pytest.mark.parametrize("method", ["ik", "both", "root"])
+@pytest.mark.parametrize("artefact", ["wander", "larger", "shaken", "sunk"])
+@pytest.mark.parametrize("method", ["ik", "root"])
 def test_cleaning_a_cleaned_clip_changes_little(artefact: str, method: Method) -> None:
     if method == "root" and artefact == "shaken":
         pytest.skip("the root alone cannot still feet that shake")
