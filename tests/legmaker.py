@@ -7,7 +7,6 @@ from functools import cache
 
 import exports
 import numpy as np
-from rigmaker import together
 from walks import rig_of, walk
 
 from footfix.enforce.leg import LegCalibration, LegTracks, calibrate, tracks
@@ -129,6 +128,8 @@ def changes(before: Clip, after: Clip) -> Bools:
     return np.asarray(turned | np.any(before.positions != after.positions, axis=2))
 
 
-def pair(one: Clip, other: Clip, apart: float = 2.0) -> Clip:
-    """Two figures in one clip, side by side [m]."""
-    return together(one, other, (apart, 0.0, 0.0))
+def largest_turn(one: Clip, other: Clip, rig: Rig) -> float:
+    """[degrees] between two clips, the largest of all joints and frames of the legs."""
+    joints = sorted({joint for leg in rig.legs for joint in (*leg.chain, leg.toe) if joint is not None})
+    turns = [rotation.multiply(rotation.inverse(one.turn(j)), other.turn(j)) for j in joints]
+    return float(np.degrees(max(rotation.angle(turn).max() for turn in turns)))

@@ -9,7 +9,7 @@ from typing import Literal
 import artefacts
 import numpy as np
 import pytest
-from legmaker import KINDS, changed, changes
+from legmaker import KINDS, changed, changes, largest_turn
 from walker import Walk
 from walks import cleaned, extension, heights, rig_of, slides, straightness, walk
 
@@ -67,13 +67,6 @@ def in_order(slid: dict[str, list[float]], contacts: Contacts) -> list[float]:
     """What `strays` found, in the order of the plants."""
     left = {part: list(values) for part, values in slid.items()}
     return [left[effector.part].pop(0) for effector in contacts.effectors for _ in effector.contacts]
-
-
-def largest_turn(one: Clip, other: Clip, rig: Rig) -> float:
-    """[degrees] between two clips, the largest of all joints and frames of the legs."""
-    joints = sorted({joint for leg in rig.legs for joint in (*leg.chain, leg.toe) if joint is not None})
-    turns = [rotation.multiply(rotation.inverse(one.turn(j)), other.turn(j)) for j in joints]
-    return float(np.degrees(max(rotation.angle(turn).max() for turn in turns)))
 
 
 def same(one: Clip, other: Clip) -> bool:

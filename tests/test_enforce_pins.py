@@ -333,3 +333,36 @@ def test_on_a_belt_what_goes_along_is_kept() -> None:
     contacts = contacts_of(made, left_toe=[Contact(10, 90, 0.9)])
     assert kept_of(made, contacts) == [False]
     assert kept_of(made, contacts, ground=belt) == [True]
+
+
+def test_where_a_foot_lands_and_leaves_is_not_looked_at() -> None:
+    """A plant whose outermost frames slide by a centimetre and whose others stand stands."""
+    for slides, keep in ((1, True), (20, False)):
+        shift = np.zeros((FRAMES, 3))
+        shift[30 : 30 + slides, 0] = 0.01
+        shift[:30, 0] = 0.02
+        t = np.arange(FRAMES) * 2.0
+        made = moved(still(), shift + 0.0006 * np.sin(t)[:, None] * [1.0, 0.0, 0.0])
+        assert kept_of(made, contacts_of(made, left_toe=[Contact(30, 70, 0.9)])) == [keep]
+
+
+def test_contacts_of_a_few_frames_are_left_as_they_are_unless_forced() -> None:
+    shift = np.zeros((FRAMES, 3))
+    shift[:, 0] = 0.02 * np.arange(FRAMES)
+    made = moved(still(), shift)
+    spans = [Contact(5, 8, 0.9), Contact(20, 23, 0.9, wish="force"), Contact(40, 60, 0.9)]
+    assert kept_of(made, contacts_of(made, left_toe=spans)) == [True, False, False]
+
+
+def test_what_is_let_slide_is_neither_held_nor_drawn() -> None:
+    made = swayed(still(), 0.02)
+    spans = [Contact(10, 40, 0.9), Contact(60, 90, 0.9), Contact(95, 110, 0.9, wish="force")]
+    toe = laid_out(made, contacts_of(made, left_toe=spans))[0][TOE]
+    assert toe.spans == ((10, 40), (60, 90))  # not what is forced
+    less = toe.let_slide([(10, 40)])
+    assert not less.hold[:59].any() and not less.draw[:60].any() and less.spans == ((60, 90),)
+    assert np.array_equal(less.hold[59:], toe.hold[59:]) and np.array_equal(less.draw[60:], toe.draw[60:])
+    assert toe.hold[20] > 0.0 and np.array_equal(less.stands, toe.stands)
+    assert not laid_out(made, contacts_of(made, left_toe=spans), keep=True)[0][TOE].spans
+    by_hand = contacts_of(made, "labels", left_toe=[Contact(10, 40)])
+    assert not laid_out(made, by_hand)[0][TOE].spans
