@@ -14,9 +14,10 @@ from walker import Walk, make
 from walker_plan import Gait
 
 from footfix.formats.bvh import decode
+from footfix.formats.contacts import Labels
 from footfix.job import Outputs, clean_file, read
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.contacts import runs
+from footfix.motion.contacts import Contact, runs
 from footfix.settings import ReportParams, Settings
 
 SETTINGS = Settings(report=ReportParams(kind="json"))
@@ -157,3 +158,81 @@ def test_two_figures_in_one_file_are_both_cleaned_as_each_alone() -> None:
         [line.split() for line in each.bvh.decode().split("MOTION\n")[1].splitlines()[2:]] for each in (outputs, *alone)
     ]
     assert rows[0] == [a + b for a, b in zip(rows[1], rows[2], strict=True)]
+
+
+# ---- nothing to do, and doing it twice --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("gait", ["walk", "turn", "stairs"])
+def test_a_clean_walk_comes_back_as_the_same_file(gait: str) -> None:
+    data = exports.bvh(make(Gait(name=gait, duration=4.0, fps=60.0)).clip)
+    outputs = clean_file(data, "walk.bvh", SETTINGS)
+    assert outputs.status == "unchanged" and outputs.bvh == data
+    assert {plant["outcome"] for plant in outputs.report["plants"]} == {"kept"}
+
+
+@pytest.mark.parametrize("fps", [60, 120])
+def test_a_cleaned_file_is_its_own_cleaned_file(fps: int) -> None:
+    skating = artefacts.scale_root(walker(fps).clip, 1.08, height=False)
+    once = clean_file(exports.bvh(skating), "walk.bvh", SETTINGS)
+    assert once.status == "cleaned"
+    again = clean_file(once.bvh, "walk.bvh", SETTINGS)
+    assert again.status == "unchanged" and again.bvh == once.bvh
+
+
+def test_a_clip_without_contacts_is_the_same_file() -> None:
+    data = exports.bvh(artefacts.drift(walker(60).clip, 0.2))
+    for contacts in ((), (Contact(0, 241, wish="forbid"),)):
+        labels = Labels(dict.fromkeys(walker(60).contacts.names, contacts))
+        outputs = clean_file(data, "walk.bvh", SETTINGS, labels=labels)
+        assert outputs.status == "unchanged" and outputs.bvh == data and outputs.report["plants"] == []
+
+
+@pytest.mark.parametrize("frames", [3, 4, 6])
+def test_a_clip_of_a_few_frames_is_cleaned_or_left(frames: int) -> None:
+    clip = artefacts.drift(walker(60).clip, 2.0).frames(slice(0, frames))
+    outputs = clean_file(exports.bvh(clip), "walk.bvh", SETTINGS)
+    assert np.isfinite(decode(outputs.bvh).values).all() and len(decode(outputs.bvh).values) == frames
+
+
+# ---- the same motion, however it is written ---------------------------------------------------------
+
+
+@pytest.mark.parametrize("spelling", [
+    Spelling(unit_m=1.0, decimals=8), Spelling(unit_m=0.0254, decimals=8), Spelling(unit_m=1.0, up="z", decimals=8),
+    Spelling(order="XYZ", decimals=8),
+], ids=["metres", "inches", "metres, z up", "other order"])  # fmt: skip
+def test_units_and_axes_make_no_difference(spelling: Spelling) -> None:
+    skating = artefacts.wander(walker(60).clip, 0.04, slowest=1.0)
+    usual = clean_file(exports.bvh(skating, Spelling(decimals=8)), "walk.bvh", SETTINGS)
+    other = clean_file(exports.bvh(skating, spelling), "walk.bvh", SETTINGS)
+    rows = ("effector", "start", "end", "outcome")
+    told, same = ([[plant[key] for key in rows] for plant in each.report["plants"]] for each in (usual, other))
+    assert told == same and told
+    one, two = (heights_and_spans(each.bvh) for each in (usual, other))
+    assert np.abs(one - two).max() < 1e-4
+
+
+def heights_and_spans(written: bytes) -> Floats:
+    """(F, N) [m] what is the same in all axes: heights, and how far joints are from where the first one was first."""
+    from footfix.motion.kinematics import forward
+
+    at = forward(read(written, "walk.bvh", SETTINGS).clip).positions
+    return np.concatenate([at[..., 1], np.linalg.norm(at - at[:1, :1], axis=-1)], axis=1)
+
+
+# ---- labels -----------------------------------------------------------------------------------------
+
+
+def test_labels_are_held_and_what_they_forbid_is_not() -> None:
+    walk = walker(60)
+    data = exports.bvh(artefacts.wander(walk.clip, 0.05, slowest=1.0))
+    spans = {name: walk.contacts[name].contacts for name in walk.contacts.names}
+    first, *others = spans["left_toe"]
+    spans["left_toe"] = (replace(first, wish="forbid"), *(replace(c, wish="force") for c in others))
+    outputs = clean_file(data, "walk.bvh", SETTINGS, labels=Labels(spans))
+    rows = [(p["start"], p["end"]) for p in outputs.report["plants"] if p["effector"] == "left_toe"]
+    assert rows == [(c.start, c.end) for c in others]
+    slid = slides_of(outputs.bvh, walk, "toe", "y")[: len(others) + 1]
+    before = slides_of(data, walk, "toe", "y")[: len(others) + 1]
+    assert max(slid[1:]) < 6.0 < max(before[1:])

@@ -1,4 +1,4 @@
-"""The ground under plants: belts that a figure gets on and off, and feet that are on none."""
+"""The ground under plants: belts that a figure gets on and off, and figures that float."""
 
 from __future__ import annotations
 
@@ -6,89 +6,103 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from walks import cleaned, rig_of, walk
+from walks import rig_of, walk
 
-from footfix.enforce.aims import levelled
-from footfix.enforce.foot import Foot, feet, posed
-from footfix.enforce.ground import GroundParams, belt
-from footfix.enforce.plants import Plant, PlantParams, Stance
+from footfix.enforce.ground import GroundParams, belt, belt_notes, lift
+from footfix.motion import rotation
 from footfix.motion.clip import Floats
-from footfix.motion.contacts import Contact
-from footfix.motion.kinematics import forward
+from footfix.motion.contacts import Contact, Contacts
+from footfix.motion.kinematics import Pose
+from footfix.rig.rig import Rig
 
 FPS, LEG = 60.0, 0.88
+LENGTH = 24  # frames of a step
+PARAMS = GroundParams()
 
 
-def steps(speeds: Floats, hip_speed: float = 0.0) -> tuple[list[Foot], list[Stance]]:
-    """Two feet that stand in turn for 0.4 s at these speeds [m/s] over the floor, over hips that go on at another."""
+def steps(speeds: Floats, hip_speed: float = 0.0) -> tuple[Rig, Pose, Contacts]:
+    """Two feet that stand in turn for 0.4 s at these speeds [m/s] over the floor, under hips that go on at another."""
     made = walk()
     rig = rig_of(made)
-    length = 24
-    frames = length * (len(speeds) + 1)
+    frames = LENGTH * (len(speeds) + 1)
     at = np.zeros((frames, 3))
     at[:, 0] = hip_speed * np.arange(frames) / FPS
-    legs, stands = [], []
-    for k, foot in enumerate(feet(rig, posed(made.clip, rig))):
-        track = at.copy()
-        for n in range(k, len(speeds), 2):
-            span = slice(n * length, (n + 1) * length)
-            track[span, 0] = at[n * length, 0] + speeds[n] * np.arange(length) / FPS
-            contact = Contact(span.start, span.stop, 0.9)
-            stands.append(Stance(k, (Plant(k, "heel", contact, span.start, span.stop, np.zeros(3)),)))
-        still = np.zeros((frames, 3))
-        legs.append(replace(foot, hip=at, knee=at, ankle=track, heel=track, ball=track, turn=np.zeros((frames, 4)),
-                            heel_in_foot=still, ball_in_foot=still))  # fmt: skip
-    return legs, stands
+    tracks, spans = [at.copy(), at.copy()], [[], []]  # type: ignore[var-annotated]
+    for n, speed in enumerate(speeds):
+        span = slice(n * LENGTH, (n + 1) * LENGTH)
+        tracks[n % 2][span, 0] = at[n * LENGTH, 0] + speed * np.arange(LENGTH) / FPS
+        spans[n % 2].append(Contact(span.start, span.stop, 0.9))
+    joints = rig.joints()
+    feet = {joint: tracks[k] for k, leg in enumerate(rig.legs) for joint in (leg.ankle, leg.toe)}
+    places = np.stack([feet.get(joint, at) for joint in joints], axis=1)
+    pose = Pose(joints, places, rotation.identity((frames, len(joints))))
+    effectors = tuple(
+        replace(e, contacts=tuple(spans[k // 2]) if e.part == "heel" else ())
+        for k, e in enumerate(made.contacts.effectors)
+    )
+    return rig, pose, replace(made.contacts, frames=frames, effectors=effectors)
+
+
+def found(speeds: Floats, hip_speed: float = 0.0) -> Floats:
+    """(F, 3) [m/s] velocity of the belt."""
+    ground = belt(*steps(speeds, hip_speed), 1.0 / FPS, PARAMS)
+    assert not ground[0].any()
+    return np.diff(ground, axis=0) * FPS
 
 
 def test_a_belt_is_the_velocity_that_planted_feet_share_while_the_hips_stay() -> None:
-    legs, stands = steps(np.full(20, 1.2))
-    assert np.allclose(belt(stands, legs, 1.0 / FPS, LEG, GroundParams()), [1.2, 0.0, 0.0])
-    assert not np.any(belt(*steps(np.full(20, 1.2), hip_speed=1.2)[::-1], 1.0 / FPS, LEG, GroundParams()))
-    assert not np.any(belt(*steps(np.zeros(20))[::-1], 1.0 / FPS, LEG, GroundParams()))
+    assert np.allclose(found(np.full(20, 1.2)), [1.2, 0.0, 0.0])
+    assert not found(np.full(20, 1.2), hip_speed=1.2).any()
+    assert not found(np.zeros(20)).any()
+    assert not found(0.8 * PARAMS.belt * LEG * np.ones(20)).any()
+    assert found(1.2 * PARAMS.belt * LEG * np.ones(20)).any()
+    assert not found(np.full(3, 1.2)).any()  # three plants make no belt
 
 
 def test_a_figure_gets_on_a_belt_and_off() -> None:
     speeds = np.zeros(40)
     speeds[10:26] = 1.2 + 0.05 * np.cos(np.arange(16))
-    legs, stands = steps(speeds)
-    found = belt(stands, legs, 1.0 / FPS, LEG, GroundParams())
-    on = np.linalg.norm(found, axis=1) > 0.0
-    first, last = np.flatnonzero(on)[[0, -1]] / 24.0
-    assert 7.0 <= first <= 10.0 and 26.0 <= last + 1.0 / 24.0 <= 29.0 and np.all(np.diff(np.flatnonzero(on)) == 1)
-    assert np.allclose(found[on], [1.2, 0.0, 0.0], atol=0.06)
+    velocity = found(speeds)
+    on = np.linalg.norm(velocity, axis=1) > 0.0
+    first, last = np.flatnonzero(on)[[0, -1]] / LENGTH
+    assert 7.0 <= first <= 10.0 and 26.0 <= last + 1.0 / LENGTH <= 29.0 and np.all(np.diff(np.flatnonzero(on)) == 1)
+    assert np.allclose(velocity[on], [1.2, 0.0, 0.0], atol=0.06)
     few = np.zeros(40)
     few[10:15] = 1.2  # a slide or two are none
-    assert not np.any(belt(*steps(few)[::-1], 1.0 / FPS, LEG, GroundParams()))
-    assert not np.any(belt(*steps(np.array([0.0, 1.2, 1.2, 1.2, 0.0]))[::-1], 1.0 / FPS, LEG, GroundParams()))
+    assert not found(few).any()
+    assert not found(np.array([0.0, 1.2, 1.2, 1.2, 0.0])).any()
     slow = np.where(speeds > 0.0, 0.3, 0.0)  # a figure that wanders while its hips stay
-    assert not np.any(belt(*steps(slow)[::-1], 1.0 / FPS, LEG, GroundParams()))
+    assert not found(slow).any()
 
 
-@pytest.mark.parametrize("given", [False, True])
-def test_feet_that_move_up_and_down_in_the_air_do_not_stand(given: bool) -> None:
-    """As on the pedals of a bicycle. On a step they are as high, but steady."""
-    made = walk("stand")
-    rig = rig_of(made)
-    frames = len(made.clip)
-    up = 0.25 + 0.03 * np.sin(2.0 * np.pi * np.arange(frames) / made.clip.fps)  # [m]
-    for heights, stands in ((up, given), (np.full(frames, 0.25), True)):
-        positions = made.clip.positions.copy()
-        positions[:, 0, 1] += heights
-        contacts = made.contacts if given else replace(made.contacts, method="auto")
-        clip = replace(made.clip, positions=positions)
-        assert np.isclose(forward(clip).position(0)[0, 1] - forward(made.clip).position(0)[0, 1], heights[0])
-        _, found = cleaned(clip, rig, contacts)
-        gone = [plant for plant in found.plants if plant.outcome == "released"]
-        assert len(gone) == (0 if stands else len(found.plants))
-        assert all("up and down" in plant.reason for plant in gone)
+def test_a_plant_or_two_that_do_not_go_along_make_no_end_of_a_belt() -> None:
+    speeds = np.full(30, 1.2)
+    speeds[[11, 12]] = 0.0
+    assert np.allclose(found(speeds), [1.2, 0.0, 0.0], atol=1e-6)
+    rig, pose, contacts = steps(np.full(20, 1.2))
+    none = [replace(e, contacts=tuple(replace(c, wish="forbid") for c in e.contacts)) for e in contacts.effectors]
+    assert not belt(rig, pose, replace(contacts, effectors=tuple(none)), 1.0 / FPS, PARAMS).any()
 
 
-def test_what_is_let_go_has_a_floor_too() -> None:
-    made = walk("stand")
-    rig = rig_of(made)
-    legs = feet(rig, posed(made.clip, rig))
-    contact = Contact(0, len(made.clip), 0.9)
-    stance = Stance(0, (Plant(0, "heel", contact, 0, len(made.clip), np.zeros(3), reason="for a test"),))
-    floor = rig.floor + 0.01
-    assert levelled([stance], legs, floor, rig.leg_length, PlantParams())[0].level == floor
+def test_a_belt_says_how_fast_it_is_and_for_how_long() -> None:
+    ground = np.cumsum(np.tile([0.02, 0.0, 0.0], (61, 1)), axis=0)
+    (note,) = belt_notes(ground, 1.0 / FPS)
+    assert note.id == "in-place" and "1.20 m/s" in note.text and " for " not in note.text
+    ground[30:] = ground[30]
+    (note,) = belt_notes(ground, 1.0 / FPS)
+    assert "for 0.5 s" in note.text and "1.20 m/s" in note.text
+    assert belt_notes(0.0 * ground, 1.0 / FPS) == ()
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_figure_is_lifted_only_where_its_plants_agree(sign: float) -> None:
+    def lifted(*lacks: float) -> float:
+        return sign * lift(sign * np.array(lacks), LEG, PARAMS)
+
+    assert lifted(0.033, 0.031, 0.035) == pytest.approx(0.033)
+    assert lifted(0.03, 0.03, 0.03, 0.029, 0.001) == pytest.approx(0.03)
+    assert lifted(0.03, 0.03, 0.03, 0.0, 0.0) == 0.0
+    assert lifted(0.002, 0.001, 0.002) == 0.0  # less than is worth it
+    assert lifted(0.034, 0.033, 0.001, 0.003, 0.034) == 0.0
+    assert lifted(0.05, 0.05) == 0.0  # two plants may be a step
+    assert lifted() == 0.0

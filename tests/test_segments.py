@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, strategies
 
-from footfix.enforce.ease import covered, sloped
 from footfix.motion.contacts import runs
 from footfix.motion.segments import centres, middle, segments
 
@@ -65,20 +64,3 @@ def test_a_middle_knows_no_axes_and_no_outlier() -> None:
     assert np.linalg.norm(place) < 0.01
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
     assert np.allclose(centres(points @ turn.T, segments([(0, 25)]))[0], turn @ place)
-
-
-@given(strategies.integers(0, 2**32 - 1), strategies.floats(0.01, 1.0))
-def test_a_slope_is_the_least_that_covers(seed: int, most: float) -> None:
-    x = np.random.default_rng(seed).normal(size=80).cumsum()
-    t = np.arange(80)
-    assert np.allclose(sloped(x, most), np.max(x - most * np.abs(t[:, None] - t), axis=1))
-
-
-@given(strategies.integers(0, 2**32 - 1), strategies.integers(1, 9))
-def test_a_cover_is_nowhere_below_and_ends_nearby(seed: int, width: int) -> None:
-    random = np.random.default_rng(seed)
-    need = np.zeros(120)
-    need[40:60] = random.random(20)
-    cover = covered(need, width)
-    assert np.all(cover >= need - 1e-12) and cover.max() <= need.max() + 1e-12
-    assert not np.any(cover[: 40 - 4 * width]) and not np.any(cover[60 + 4 * width :])

@@ -1,0 +1,166 @@
+"""Small problems for the tests of enforcement, and their terms written down a second time, residual by residual.
+
+`residuals` follows the table of `footfix.enforce.problem` line by line and shares nothing with its arithmetic but the
+places of the sole points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+from legmaker import figure
+
+from footfix.enforce import problem as terms
+from footfix.enforce.leg import LEG, ROOT, K, LegTracks, posed
+from footfix.enforce.pins import Pins
+from footfix.enforce.problem import CostParams, Problem, System
+from footfix.motion.clip import Floats
+
+# Everything away from its capture is free: what a term costs is all there is.
+FREE = CostParams(**{
+    each.name: (1e9 if each.name not in ("slide", "level") else getattr(CostParams(), each.name))
+    for each in fields(CostParams)
+})  # fmt: skip
+
+
+def idle(frames: int) -> Pins:
+    """A pin of a point that has nothing to do."""
+    zero = np.zeros(frames)
+    return Pins(
+        np.zeros(frames - 1), np.zeros((3, frames - 1)), np.zeros(frames, dtype=bool), zero, zero,
+        np.full(frames, -np.inf), np.zeros((3, frames)), zero,
+    )  # fmt: skip
+
+
+def problem(
+    pins: dict[tuple[int, int], Pins] | None = None, *, frames: int = 7, legs: int = 1, first: int = 20, every: int = 3,
+    costs: CostParams = FREE, kind: str = "plain", **changes: object,
+) -> Problem:  # fmt: skip
+    """A walker's few frames, with pins by leg and point."""
+    which = np.arange(first, first + every * frames, every)
+    tracks = tuple(leg.frames(which) for leg in figure(kind).legs[:legs])
+    given = pins or {}
+    all_pins = tuple(
+        tuple(given.get((k, point), idle(frames)) for point in range(len(leg.points) + 1))
+        for k, leg in enumerate(tracks)
+    )  # fmt: skip
+    made = Problem(
+        legs=tracks, pins=all_pins, frame_time=every / 60.0, leg_length=figure(kind).rig.leg_length, costs=costs,
+        noise=np.zeros(ROOT + LEG * legs), white=np.zeros(ROOT + LEG * legs, dtype=bool),
+    )  # fmt: skip
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def state(of: Problem, size: float = 0.05, seed: int = 0) -> Floats:
+    """(U, F) a random state."""
+    return size * np.random.default_rng(seed).normal(size=(of.unknowns, of.frames))
+
+
+def places(of: Problem, x: Floats) -> list[list[Floats]]:
+    """For each leg its points, (3, F) [m] each."""
+    return [
+        list(posed(leg, x[:ROOT], x[of.columns(k)], derive=False).places) for k, leg in enumerate(of.legs)
+    ]  # fmt: skip
+
+
+def residuals(
+    of: Problem, x: Floats, *, near_at: Floats | None = None, eps: float = 1e-3, static: float = 1.0
+) -> Floats:
+    """(N,) the residuals r whose 1/2 r'r is the objective's quadratic part around a state.
+
+    SLIP is weighted by the slip that the state `near_at` has (Weiszfeld); the one-sided terms are what they are.
+    """
+    c, size, dt, deg = of.costs, of.leg_length, of.frame_time, np.pi / 180.0
+    frames, per_frame = of.frames, np.sqrt(terms._RATE * of.frame_time)
+    out: list[Floats] = []
+    # NEAR, CUT
+    s0, s2 = of.near()
+    out.append(per_frame * x / s0[:, None])
+    out.append(per_frame * np.diff(x, n=2, axis=1) / dt**2 / s2[:, None])
+    for end, frame in zip(of.cut, (0, frames - 1), strict=True):
+        if end:
+            sc = np.array([terms._CUT_ROOT * size] * ROOT + [terms._CUT * deg] * (len(x) - ROOT))
+            out.append(x[:, frame] / (sc * dt / (1.0 / 120.0)))
+    before = places(of, x if near_at is None else near_at)
+    for k, points in enumerate(places(of, x)):
+        leg, own = of.legs[k], x[of.columns(k)]
+        for point, place in enumerate(points):
+            pin = of.pins[k][point]
+            out += _slips(of, pin, place, before[k][point], eps, static)
+            # LEVEL, FLOOR, PLACE
+            on = pin.stands.astype(float) * np.sqrt(pin.draw)
+            out.append(per_frame * on * (place[1] - pin.level) / (c.level * size))
+            out.append(per_frame * np.maximum(0.0, pin.lowest - place[1]) / (terms._FLOOR * size))
+            out.append(per_frame * np.sqrt(pin.placed) * (place - pin.place) / (terms._PLACE * size))
+        # KNEE
+        flexion = leg.flexion + own[K]
+        out.append(per_frame * np.maximum(0.0, leg.least - flexion) / (terms._KNEE * deg))
+        out += _speeds(of, leg, own)
+        # how far: the line from hip to ankle, and the foot against it
+        for turn, far in ((own[:3], c.line_farthest), (own[4:7] - own[:3], c.ankle_farthest)):
+            beyond = np.maximum(0.0, np.linalg.norm(turn, axis=0) - far * deg)
+            out.append(per_frame * beyond / (terms._FAR_TURN * deg))
+    beyond = np.maximum(0.0, np.linalg.norm(x[:ROOT], axis=0) - c.root_farthest * size)
+    out.append(per_frame * beyond / (terms._FAR_ROOT * size))
+    return np.concatenate([each.ravel() for each in out])
+
+
+def _slips(of: Problem, pin: Pins, place: Floats, before: Floats, eps: float, static: float) -> list[Floats]:
+    out = []
+    for t in range(of.frames - 1):
+        slip = (place[:, t + 1] - place[:, t] - pin.slip[:, t]) * [1.0, terms._UPRIGHT, 1.0]
+        then = (before[:, t + 1] - before[:, t] - pin.slip[:, t]) * [1.0, terms._UPRIGHT, 1.0]
+        long = np.sqrt(then @ then)
+        weight = of.costs.slide / of.leg_length * pin.hold[t] / (long + eps)
+        slow = 1.0 + (static - 1.0) / (1.0 + (long / of.frame_time / (terms._STATIC * of.leg_length)) ** 4)
+        out.append(np.sqrt(weight * np.array([slow, 1.0, slow])) * slip)
+    return out
+
+
+def _speeds(of: Problem, leg: LegTracks, own: Floats) -> list[Floats]:
+    """SPEED: hip q - k / 2 axis, knee k, ankle w - q - k / 2 axis, each from frame to frame."""
+    out, most = [], np.radians(of.costs.speed) * of.frame_time
+    half = 0.5 * own[K] * leg.axis
+    for turn in (own[:3] - half, own[K : K + 1], own[4:7] - own[:3] - half):
+        step = np.linalg.norm(np.diff(turn, axis=1), axis=0)
+        out.append(np.maximum(0.0, step - most) / np.radians(terms._SPEED))
+    return out
+
+
+def slip_cost(of: Problem, x: Floats, eps: float) -> float:
+    """SLIP: c h |s|, round at its foot: what the reweighted parabolas descend on."""
+    cost = 0.0
+    for pins, points in zip(of.pins, places(of, x), strict=True):
+        for pin, place in zip(pins, points, strict=True):
+            slip = (np.diff(place, axis=1) - pin.slip) * [[1.0], [terms._UPRIGHT], [1.0]]
+            long = np.linalg.norm(slip, axis=0)
+            cost += of.costs.slide / of.leg_length * float(pin.hold @ (long - eps * np.log(1.0 + long / eps)))
+    return cost
+
+
+def differences(function: object, x: Floats, h: float = 1e-6) -> Floats:
+    """(N, U F) derivatives of a function of a state by each unknown of each frame, frames slowest."""
+    U, F = x.shape
+    columns = []
+    for f in range(F):
+        for u in range(U):
+            step = np.zeros_like(x)
+            step[u, f] = h
+            columns.append((function(x + step) - function(x - step)) / (2.0 * h))  # type: ignore[operator]
+    return np.stack(columns, axis=-1)
+
+
+def dense(of: System, U: int, F: int) -> Floats:
+    """(U F, U F) the matrix of a system, frames slowest."""
+    out = np.zeros((F, U, F, U))
+    for f in range(F):
+        out[f, :, f] += of.main[:, :, f] + np.diag(of.near[0, :, f])
+        if f + 1 < F:
+            block = of.next[:, :, f] + np.diag(of.near[1, :, f])
+            out[f + 1, :, f] += block
+            out[f, :, f + 1] += block.T
+        if f + 2 < F:
+            out[f + 2, :, f] += np.diag(of.near[2, :, f])
+            out[f, :, f + 2] += np.diag(of.near[2, :, f])
+    return out.reshape(F * U, F * U)

@@ -1,0 +1,355 @@
+"""The objective, term by term: its cost, its gradient, and its matrix, against differences and by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from legmaker import figure
+from problems import FREE, dense, differences, idle, places, problem, residuals, slip_cost, state
+
+from footfix.enforce import problem as terms
+from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, Q, W
+from footfix.enforce.problem import CostParams, Problem, objective, product, system
+from footfix.motion.clip import Floats
+
+EPS = 1e-3  # [m]
+DEG = np.pi / 180.0
+
+
+def near() -> Problem:
+    return problem(costs=CostParams(slide=0.0, speed=1e9, root_farthest=1e9, line_farthest=1e9, ankle_farthest=1e9))
+
+
+def holding(hold: float = 1.0, point: int = TOE, frames: int = 7) -> dict[tuple[int, int], object]:
+    pin = idle(frames)
+    slip = 0.01 * np.random.default_rng(4).normal(size=pin.slip.shape)
+    return {(0, point): replace(pin, hold=hold * np.linspace(0.2, 1.0, frames - 1), slip=slip)}
+
+
+def drawn(point: int = TOE) -> dict[tuple[int, int], object]:
+    stands = np.arange(7) % 3 != 0
+    return {(0, point): replace(idle(7), stands=stands, level=np.full(7, 0.02), draw=np.linspace(0.1, 1.0, 7))}
+
+
+def floored(point: int = TIP) -> dict[tuple[int, int], object]:
+    return {(0, point): replace(idle(7), lowest=np.linspace(-0.2, 0.6, 7))}
+
+
+def placed(point: int = HEEL) -> dict[tuple[int, int], object]:
+    place = places(problem(), np.zeros((ROOT + LEG, 7)))[0][point] + [[0.02], [-0.01], [0.03]]
+    return {(0, point): replace(idle(7), place=place, placed=np.array([0.0, 1.0, 1.0, 100.0, 0.0, 0.0, 1.0]))}
+
+
+PROBLEMS = {
+    "near": near,
+    "slip": lambda: problem(holding()),
+    "slip of the heel": lambda: problem(holding(point=HEEL)),
+    "slip of the ankle": lambda: problem(holding(point=ANKLE)),
+    "slip of the tip": lambda: problem(holding(point=TIP)),
+    "level": lambda: problem(drawn()),
+    "floor": lambda: problem(floored()),
+    "knee": lambda: raised_knees(problem()),
+    "speed": lambda: problem(costs=replace(FREE, speed=20.0)),
+    "root far": lambda: problem(costs=replace(FREE, root_farthest=0.06)),
+    "line far": lambda: problem(costs=replace(FREE, line_farthest=4.0)),
+    "ankle far": lambda: problem(costs=replace(FREE, ankle_farthest=5.0)),
+    "place": lambda: problem(placed()),
+    "cut": lambda: replace(near(), cut=(True, True)),
+    "cut after": lambda: replace(near(), cut=(False, True)),
+    "all of it": lambda: replace(
+        raised_knees(problem(
+            {(0, TOE): both(holding(), drawn(), TOE), (0, TIP): both(holding(0.3, TIP), floored(), TIP),
+             (0, HEEL): placed()[0, HEEL], (1, TOE): drawn()[0, TOE], (1, ANKLE): holding(0.4, ANKLE)[0, ANKLE]},
+            legs=2, costs=CostParams(speed=40.0, line_farthest=3.0, ankle_farthest=5.0),
+        )), cut=(True, False)),
+}  # fmt: skip
+
+
+def both(one: dict, other: dict, point: int) -> object:  # type: ignore[type-arg]
+    a, b = one[0, point], other[0, point]
+    return replace(b, hold=a.hold, slip=a.slip)
+
+
+def raised_knees(of: Problem) -> Problem:
+    """Knees that have to be bent more in most frames."""
+    legs = [replace(leg, least=leg.flexion + np.linspace(-0.2, 0.4, of.frames)) for leg in of.legs]
+    return replace(of, legs=tuple(legs))
+
+
+def spread(of: Problem, seed: int = 0) -> Floats:
+    """(U, F) a state in which one-sided terms are neither all on nor at their kinks."""
+    x = state(of, 0.08, seed)
+    x[:ROOT] *= 0.7
+    return x
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_each_gradient_is_the_slope_of_its_cost(name: str) -> None:
+    of = PROBLEMS[name]()
+    x, h = spread(of), 1e-6
+    found = system(of, x, EPS)
+    assert found.cost == objective(of, x, EPS)
+    slopes, stated = [], []
+    for u in range(of.unknowns):  # each unknown, its frames at random
+        way = np.zeros_like(x)
+        way[u] = np.random.default_rng(u).normal(size=of.frames)
+        slopes.append((objective(of, x + h * way, EPS) - objective(of, x - h * way, EPS)) / (2.0 * h))
+        stated.append(float(np.sum(found.gradient * way)))
+    assert np.abs(slopes).max() > 0.0
+    assert np.allclose(stated, slopes, rtol=0.0, atol=2e-6 * np.abs(slopes).max())
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_each_cost_is_what_the_table_says(name: str) -> None:
+    of = PROBLEMS[name]()
+    x = spread(of, 3)
+    without = replace(of, costs=replace(of.costs, slide=0.0))
+    r = residuals(without, x)
+    assert objective(of, x, EPS) == pytest.approx(0.5 * float(r @ r) + slip_cost(of, x, EPS), rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "static"), [
+    *((name, 1.0) for name in PROBLEMS), *((name, 8.0) for name in ("slip", "slip of the heel", "all of it"))
+])  # fmt: skip
+def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
+    """Gauss-Newton: J'J and J'r, J from differences of residuals that are written down in the tests."""
+    of = PROBLEMS[name]()
+    x = spread(of, 2)
+    found = system(of, x, EPS, static)
+
+    def r(y: Floats) -> Floats:
+        return residuals(of, y, near_at=x, eps=EPS, static=static)
+
+    J = differences(r, x)
+    matrix, expected = dense(found, of.unknowns, of.frames), J.T @ J
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected))) + 1e-9 * np.abs(expected).max()
+    assert np.abs((matrix - expected) / scale).max() < 1e-5
+    assert np.abs(found.gradient.T.ravel() - J.T @ r(x)).max() <= 2e-6 * np.abs(J.T @ r(x)).max()
+
+
+def test_what_nothing_asks_of_costs_nothing() -> None:
+    of = problem(legs=2)
+    found = system(of, np.zeros((of.unknowns, of.frames)), EPS)
+    assert found.cost == 0.0 and not found.gradient.any()
+    far = problem({(0, TOE): replace(idle(7), lowest=np.full(7, -5.0))}, legs=2)
+    assert objective(far, np.abs(state(far)), EPS) < 1e-9  # knees bend more
+    # a level counts only where a point stands, and only as much as it is drawn
+    off = replace(idle(7), level=np.full(7, -9.0), draw=np.ones(7))
+    none = replace(idle(7), level=np.full(7, -9.0), stands=np.ones(7, dtype=bool))
+    for pin in (off, none):
+        assert objective(problem({(0, TOE): pin}), np.zeros((ROOT + LEG, 7)), EPS) == 0.0
+
+
+# ---- by hand ----------------------------------------------------------------------------------------
+
+
+def one(of: Problem, row: int, frame: int, value: float) -> float:
+    """The objective where one unknown of one frame is not zero."""
+    x = np.zeros((of.unknowns, of.frames))
+    x[row, frame] = value
+    return objective(of, x, EPS)
+
+
+def test_near_by_hand() -> None:
+    """One frame of seven is 1 degree off: 1/2 of 60 / s, over the deviations' squares; and 1 + 4 + 1 accelerations."""
+    of, c = near(), CostParams()
+    dt, size = of.frame_time, of.leg_length
+    grown = 0.9 / size
+    for row, s0, s2 in (
+        (ROOT + 0, c.line * DEG, c.line_acceleration * DEG * grown),
+        (ROOT + K, c.knee * DEG, c.knee_acceleration * DEG * grown),
+        (ROOT + 5, c.foot * DEG, c.foot_acceleration * DEG * grown),
+        (ROOT + B, c.toes * DEG, c.toes_acceleration * DEG * grown),
+        (0, c.root * size, c.root_acceleration * size * grown),
+        (1, c.root_height * size, c.root_acceleration * size * grown),
+    ):
+        value = 0.01
+        expected = 0.5 * 60.0 * dt * ((value / s0) ** 2 + 6.0 * (value / dt**2 / s2) ** 2)
+        assert one(of, row, 3, value) == pytest.approx(expected, rel=1e-9)
+        end = 0.5 * 60.0 * dt * ((value / s0) ** 2 + (value / dt**2 / s2) ** 2)
+        assert one(of, row, 0, value) == pytest.approx(end, rel=1e-9)
+    even = np.ones((of.unknowns, of.frames)) * 0.01  # no acceleration
+    s0, _ = of.near()
+    assert objective(of, even, EPS) == pytest.approx(0.5 * 60.0 * dt * 7 * np.sum((0.01 / s0) ** 2), rel=1e-9)
+
+
+def test_noise_makes_accelerations_cheaper_and_no_more_than_so_much_if_it_may_be_motion() -> None:
+    of = near()
+    s2 = of.near()[1]
+    sigma = s2 * of.frame_time**2  # noise whose second differences are sqrt(6) times as large
+    noisy = replace(of, noise=0.4 * sigma)
+    assert np.allclose(noisy.near()[1], s2 * np.sqrt(1.0 + 6.0 * 0.4**2))
+    assert np.allclose(noisy.near()[0], of.near()[0])
+    mad = replace(of, noise=100.0 * sigma)
+    assert np.allclose(mad.near()[1], s2 * np.sqrt(1.0 + terms._NOISY**2))
+    white = replace(mad, white=np.arange(of.unknowns) % 2 == 0)
+    times = np.where(white.white, np.sqrt(1.0 + 6.0 * 100.0**2), np.sqrt(1.0 + terms._NOISY**2))
+    assert np.allclose(white.near()[1], s2 * times)
+
+
+def test_slip_by_hand() -> None:
+    """A root that goes 5 cm over the floor under a held toe: 9000 a leg length, but for what is round at its foot."""
+    hold = np.array([1.0, 1.0, 0.5, 1.0, 1.0, 1.0])
+    of = problem({(0, TOE): replace(idle(7), hold=hold)})
+    still = replace(of, legs=tuple(leg.frames(np.zeros(7, dtype=int)) for leg in of.legs))
+    x = np.zeros((of.unknowns, 7))
+    x[0, 3:] = 0.03
+    x[2, 3:] = 0.04
+    expected = 0.5 * still.costs.slide / still.leg_length * (0.05 - 1e-3 * np.log(51.0))
+    assert objective(still, x, 1e-3) == pytest.approx(expected, rel=1e-6)
+    x[:] = 0.0
+    x[1, 3:] = 0.05  # up and down it counts by little
+    expected = 0.5 * still.costs.slide / still.leg_length * terms._UPRIGHT * 0.05
+    assert objective(still, x, 1e-9) == pytest.approx(expected, rel=1e-5)
+
+
+def test_static_friction_is_more_than_kinetic() -> None:
+    """It holds what hardly moves: its weight is so many times as much there, half of that at its speed, none above."""
+    of = problem({(0, TOE): replace(idle(7), hold=np.ones(6))})
+    still = replace(of, legs=tuple(leg.frames(np.zeros(7, dtype=int)) for leg in of.legs))
+    speed = terms._STATIC * still.leg_length * still.frame_time  # [m] from frame to frame
+    for slip, times in ((1e-6, 8.0), (speed, 4.5), (30.0 * speed, 1.0)):
+        x = np.zeros((of.unknowns, 7))
+        x[0, 6] = slip
+        usual, static = system(still, x, EPS).main, system(still, x, EPS, 8.0).main
+        assert static[0, 0, 6] / usual[0, 0, 6] == pytest.approx(times, rel=1e-3)
+        assert system(still, x, EPS, 8.0).cost == system(still, x, EPS).cost
+
+
+def test_level_by_hand() -> None:
+    """A point 9 mm off its level in three frames of seven."""
+    base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][TOE]
+    stands = np.array([0, 1, 1, 0, 0, 1, 0], dtype=bool)
+    pin = replace(idle(7), stands=stands, level=base[1] - 0.009, draw=np.full(7, 0.25))
+    of = problem({(0, TOE): pin})
+    s = CostParams().level * of.leg_length
+    expected = 3 * 0.5 * 60.0 * of.frame_time * 0.25 * (0.009 / s) ** 2
+    assert objective(of, np.zeros((of.unknowns, 7)), EPS) == pytest.approx(expected, rel=1e-9)
+    x = np.zeros((of.unknowns, 7))
+    x[1] = -0.009  # the figure comes down to it
+    assert objective(of, x, EPS) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_floor_and_knee_by_hand() -> None:
+    base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][TIP]
+    of = problem({(0, TIP): replace(idle(7), lowest=base[1] + np.array([0.01, 0.02, 0, 0, 0, 0, -1.0]))})
+    per_frame = 60.0 * of.frame_time
+    expected = 0.5 * per_frame * (0.01**2 + 0.02**2) / (terms._FLOOR * of.leg_length) ** 2
+    assert objective(of, np.zeros((of.unknowns, 7)), EPS) == pytest.approx(expected, rel=1e-9)
+    of = problem()
+    straight = (np.degrees(of.legs[0].flexion) - np.degrees(of.legs[0].least)) * DEG
+    assert straight.min() > 0.03
+    expected = 0.5 * per_frame * (0.02 / (terms._KNEE * DEG)) ** 2
+    assert one(of, ROOT + K, 4, -straight[4] - 0.02) == pytest.approx(expected, rel=1e-9)
+    assert one(of, ROOT + K, 4, -straight[4] + 0.01) < 1e-9 and one(of, ROOT + K, 4, 1.0) < 1e-7
+
+
+def test_speed_by_hand() -> None:
+    """Knee and ankle: by so many degrees more from one frame to the next, and back."""
+    of = problem(costs=replace(FREE, speed=130.0))
+    most = 130.0 * of.frame_time  # [degrees] a frame
+    beyond = 3.0
+    half = 0.5 * (most + beyond)  # a knee's bend turns hip and ankle by half of it: no more than they may
+    assert half < most
+    expected = 2 * 0.5 * (beyond / terms._SPEED) ** 2
+    assert one(of, ROOT + K, 3, (most + beyond) * DEG) == pytest.approx(expected, rel=1e-9)
+    assert one(of, ROOT + 4, 3, (most + beyond) * DEG) == pytest.approx(expected, rel=1e-9)
+    assert one(of, ROOT + 1, 3, (most + beyond) * DEG) == pytest.approx(2.0 * expected, rel=1e-9)  # hip and ankle
+    assert one(of, ROOT + 1, 3, (most - 0.1) * DEG) < 1e-9
+    # thigh and foot that turn together turn the hip alone
+    x = np.zeros((of.unknowns, 7))
+    x[ROOT : ROOT + LEG][Q, 3] = x[ROOT : ROOT + LEG][W, 3] = [0.0, (most + beyond) * DEG, 0.0]
+    assert objective(of, x, EPS) == pytest.approx(expected, rel=1e-9)
+    # a knee and a thigh, turned about the knee's axis so that the hip stays, turn the ankle twice over
+    axis = of.legs[0].axis[:, 3]
+    x = np.zeros((of.unknowns, 7))
+    x[ROOT + K, 3] = most * DEG
+    x[ROOT : ROOT + 3, 3] = 0.5 * most * DEG * axis
+    x[ROOT + 4 : ROOT + 7, 3] = -beyond * DEG * axis
+    # the axis moves with the leg, but what is zero before and after stays so
+    assert objective(of, x, EPS) == pytest.approx(expected, rel=1e-9)
+
+
+def test_how_far_by_hand() -> None:
+    of = problem(costs=replace(FREE, root_farthest=0.06, line_farthest=12.0, ankle_farthest=25.0))
+    per_frame, size = 60.0 * of.frame_time, of.leg_length
+    expected = 0.5 * per_frame * (0.01 / terms._FAR_ROOT) ** 2
+    for row in range(ROOT):
+        assert one(of, row, 2, -0.07 * size) == pytest.approx(expected, rel=1e-9)
+    assert one(of, 0, 2, 0.059 * size) < 1e-9
+    turn = 0.5 * per_frame * (2.0 / terms._FAR_TURN) ** 2
+    assert one(of, ROOT + 2, 5, 14.0 * DEG) == pytest.approx(turn, rel=1e-9)
+    assert one(of, ROOT + 6, 5, -27.0 * DEG) == pytest.approx(turn, rel=1e-9)
+    x = np.zeros((of.unknowns, 7))
+    x[ROOT + 2, 5], x[ROOT + 6, 5] = 11.0 * DEG, -16.0 * DEG  # against each other
+    assert objective(of, x, EPS) == pytest.approx(turn, rel=1e-9)
+    x[ROOT + 6, 5] = 27.0 * DEG  # together
+    assert objective(of, x, EPS) < 1e-9
+
+
+def test_place_and_cut_by_hand() -> None:
+    base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][HEEL]
+    pin = replace(idle(7), place=base + [[0.003], [0.0], [0.004]], placed=np.array([0, 0, 1.0, 100.0, 0, 0, 0]))
+    of = problem({(0, HEEL): pin})
+    expected = 0.5 * 60.0 * of.frame_time * 101.0 * (0.005 / (terms._PLACE * of.leg_length)) ** 2
+    assert objective(of, np.zeros((of.unknowns, 7)), EPS) == pytest.approx(expected, rel=1e-9)
+    for cut, ends in (((True, False), (0,)), ((False, True), (6,)), ((True, True), (0, 6)), ((False, False), ())):
+        of = problem(cut=cut)
+        frames = 120.0 * of.frame_time  # so many 1/120 s is a frame
+        for frame in range(7):
+            turn = 0.5 * (0.01 / (terms._CUT * DEG * frames)) ** 2
+            assert one(of, ROOT + 4, frame, 0.01) == pytest.approx(turn * (frame in ends), rel=1e-6, abs=1e-8)
+            shift = 0.5 * (0.01 / (terms._CUT_ROOT * of.leg_length * frames)) ** 2
+            assert one(of, 1, frame, 0.01) == pytest.approx(shift * (frame in ends), rel=1e-6, abs=1e-8)
+
+
+# ---- the whole of it --------------------------------------------------------------------------------
+
+
+def test_nears_matrix_is_its_product() -> None:
+    of = replace(near(), cut=(True, False))
+    x = state(of)
+    found = system(of, x, EPS)
+    whole = dense(replace(found, main=0.0 * found.main, next=0.0 * found.next), of.unknowns, of.frames)
+    assert np.allclose(whole @ x.T.ravel(), product(found.near, x).T.ravel(), rtol=1e-12)
+
+
+def test_what_a_file_cannot_turn_is_not_free() -> None:
+    plain = problem(legs=2)
+    assert plain.free().all()
+    assert np.flatnonzero(~replace(plain, root_moves=False).free()).tolist() == [0, 1, 2]
+    toeless = problem(legs=2, kind="no toes")
+    assert np.flatnonzero(~toeless.free()).tolist() == [ROOT + B, ROOT + LEG + B]
+    legs = (replace(plain.legs[0], turns=False), plain.legs[1])
+    assert np.flatnonzero(~replace(plain, legs=legs).free()).tolist() == list(range(ROOT, ROOT + LEG))
+    assert (plain.unknowns, plain.frames) == (ROOT + 2 * LEG, 7)
+
+
+def test_a_giant_is_held_like_a_child() -> None:
+    """Everything twice as long in sqrt(2) as much time is the same problem: accelerations of places are the same."""
+    small = problem({(0, TOE): both(holding(), drawn(), TOE)}, costs=replace(CostParams(), speed=1e9))
+    pin = small.pins[0][TOE]
+    longer = ("hip", "ankle", "thigh", "shank", "reach")
+    leg = small.legs[0]
+    scale = {name: (4.0 if name == "reach" else 2.0) * getattr(leg, name) for name in longer}
+    giant_leg = replace(leg, **scale, points=tuple(2.0 * p for p in leg.points))
+    giant_pin = replace(pin, slip=2.0 * pin.slip, level=2.0 * pin.level)
+    pins = tuple(giant_pin if n == TOE else each for n, each in enumerate(small.pins[0]))
+    giant = replace(small, legs=(giant_leg,), pins=(pins,), leg_length=2.0 * small.leg_length)
+    x = state(small, 0.02)
+    large = x.copy()
+    large[:ROOT] *= 2.0
+    s0, s2 = small.near()
+    t0, t2 = giant.near()
+    assert np.allclose(t0[ROOT:], s0[ROOT:]) and np.allclose(t0[:ROOT], 2.0 * s0[:ROOT])
+    assert np.allclose(t2[ROOT:], 0.5 * s2[ROOT:]) and np.allclose(t2[:ROOT], s2[:ROOT])
+    without = [replace(each, costs=replace(each.costs, **dict.fromkeys(
+        ("root_acceleration", "line_acceleration", "knee_acceleration", "foot_acceleration", "toes_acceleration"), 1e9
+    ))) for each in (small, giant)]  # fmt: skip
+    assert objective(without[1], large, 2.0 * EPS) == pytest.approx(objective(without[0], x, EPS), rel=1e-9)
+
+
+def test_the_figure_of_these_tests_is_a_plain_one() -> None:
+    assert len(figure().legs) == 2 and len(figure().legs[0].points) == 3
