@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from footfix.detect.run import detect_contacts
+from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import enforce, ground_of
-from footfix.enforce.correction import Correction, apply
 from footfix.enforce.whole import put_back
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure

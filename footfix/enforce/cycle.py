@@ -134,7 +134,9 @@ def _laid(leg: LegTracks, cycle: Cycle, rounds: range) -> LegTracks:
     """A leg over some rounds. Where it is over the floor means nothing to the objective, so travel is left out."""
     one = leg.frames(slice(0, cycle.frames))
     turned = ("hip", "ankle", "line", "thigh", "shank", "axis", "toe_hinge")
-    parts = {name: np.concatenate([_turned(getattr(one, name), k * cycle.yaw) for k in rounds], axis=1) for name in turned}
+    parts = {
+        name: np.concatenate([_turned(getattr(one, name), k * cycle.yaw) for k in rounds], axis=1) for name in turned
+    }
     flexion, least, reach = (np.tile(each, len(rounds)) for each in (one.flexion, one.least, one.reach))
     points = tuple(np.concatenate([_turned(each, k * cycle.yaw) for k in rounds], axis=1) for each in one.points)
     # travel: each round goes on where the one before it ended
@@ -172,7 +174,8 @@ def _pins_laid(pin: Pins, track: Floats, cycle: Cycle, rounds: range) -> Pins:
         np.tile(hold, count)[:-1],
         np.concatenate([_turned(slip, k * cycle.yaw) for k in rounds], axis=1)[:, :-1],
         np.tile(pin.stands[:n], count), np.tile(pin.level[:n], count), np.tile(pin.draw[:n], count),
-        np.tile(pin.lowest[:n], count), np.tile(pin.place[:, :n], (1, count)), _middle_only(pin.placed[:n], count), spans,
+        np.tile(pin.lowest[:n], count), np.tile(pin.place[:, :n], (1, count)),
+        _middle_only(pin.placed[:n], count), spans,
     )  # fmt: skip
 
 

@@ -27,17 +27,17 @@ _OUTLIERS = 2  # and no more than so many one after the other may not
 class GroundParams:
     """What makes a ground. Speeds in leg lengths a second."""
 
-    belt: float = 0.15  # [leg lengths/s] planted feet that all move at least this fast, in a figure that stays, are on a belt
+    belt: float = 0.15  # [leg lengths/s] planted feet that all move so fast, in a figure that stays, are on a belt
     belt_spread: float = 0.3  # share of the belt's speed by which they may differ from it
     belt_plants: int = 8  # plants in a row that make a belt, where the figure is not on it all the time,
     belt_walk: float = 0.5  # [leg lengths/s] and that they move at least as fast
-    lift: float = 0.0055  # [leg lengths] that all plants must be off the floor for the whole figure to be raised or lowered
+    lift: float = 0.0055  # [leg lengths] all plants are off the floor, for the whole figure to be raised or lowered
     agree: float = 0.8  # share of plants that must agree, within half of that
 
 
 @dataclass(frozen=True)
 class _Ride:
-    """How a plant of a leg moves over the floor: its frames `[start, end)`, velocity (3,) [m/s], steps [m/s], time [s]."""
+    """How a plant of a leg moves over the floor: frames `[start, end)`, velocity (3,) and steps [m/s], time [s]."""
 
     leg: int
     start: int

@@ -19,7 +19,8 @@ from footfix.rig.rig import Leg, Rig
 
 # The unknowns of one leg and of the root, in the order of the state vector.
 ROOT = 3  # d: shift of the root [m]
-LEG = 8  # q (3): turn of the line from hip to ankle, k: flexion of the knee, w (3): turn of the foot, b: bend of the toes
+# q (3): turn of the line from hip to ankle, k: flexion of the knee, w (3): turn of the foot, b: bend of the toes
+LEG = 8
 Q, K, W, B = slice(0, 3), 3, slice(4, 7), 7  # within a leg's eight
 POINTS = ("heel", "toe", "ankle", "tip")
 HEEL, TOE, ANKLE, TIP = range(4)

@@ -52,7 +52,9 @@ def outcomes(
     return tuple(found)
 
 
-def _outcome(keep: bool, still: Bools, far: float, leg_length: float, plant: Footplant, turns: bool) -> tuple[Outcome, str]:
+def _outcome(
+    keep: bool, still: Bools, far: float, leg_length: float, plant: Footplant, turns: bool
+) -> tuple[Outcome, str]:
     if keep:
         return "kept", ""
     if far <= _PINNED * leg_length:

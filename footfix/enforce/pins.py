@@ -212,7 +212,8 @@ def kept(
         own = [plant for plant in plants if plant.effector == e]
         point = _point(own[0])
         track = legs[own[0].leg].place(point).T - ground
-        still = _still([_core(p, trim) for p in own], track, [floors.plants[p.id] for p in own], leg_length, heights, params)
+        cores, level = [_core(p, trim) for p in own], [floors.plants[p.id] for p in own]
+        still = _still(cores, track, level, leg_length, heights, params)
         rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
         for plant, keep in zip(own, (still | rests).tolist(), strict=True):
             found[plant.id] |= keep
@@ -246,7 +247,8 @@ def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, l
     step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
     step[parts.starts] = np.inf
     rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
-    return np.asarray(parts.mean(rest.astype(np.float64)) * parts.lengths >= _RESTING * np.maximum(parts.lengths - 1, 1))
+    count = parts.mean(rest.astype(np.float64)) * parts.lengths
+    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1))
 
 
 def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
@@ -290,7 +292,9 @@ def pins(
         if point == ANKLE:
             found.append(_ankle(found, own, leg, ground, keep, params))
             continue
-        found.append(_pins(mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params))
+        found.append(_pins(
+            mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params
+        ))  # fmt: skip
     return tuple(found)
 
 
@@ -345,18 +349,20 @@ def _pins(
     if not leg.turns:  # the root is not to follow a leg that can't
         hold[:] = draw[:] = placed[:] = 0.0
     lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)
-    spans = tuple((p.start, p.end) for p in own if not (keep[p.id] or p.force or by_hand[p.id] or p.end - p.start < 2))
+    unsure = [p for p in own if not (keep[p.id] or p.force or by_hand[p.id]) and p.end - p.start >= 2]
+    spans = tuple((p.start, p.end) for p in unsure)
     return Pins(hold, slip, stand, level, draw, lowest, place, placed, spans)
 
 
 def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParams) -> Floats:
-    """(n - 1,) weights of a contact's steps, less at its ends where the foot lands or leaves; none at a clip's own ends."""
+    """(n - 1,) weights of a contact's steps, less where the foot lands or leaves; not so at the clip's own ends."""
     steps = np.arange(end - start - 1)
     soft = max(1, round(params.edge / frame_time))
     soft = min(soft, len(steps) // 2)
     ramp = np.ones(len(steps))
     if soft:
-        rise = np.minimum(((np.arange(soft) + 0.5) / max(1, round(params.edge / frame_time))) ** 2 + params.edge_weight, 1.0)
+        ease = (np.arange(soft) + 0.5) / max(1, round(params.edge / frame_time))
+        rise = np.minimum(ease**2 + params.edge_weight, 1.0)
         if start > 0:
             ramp[:soft] = rise
         if end < frames:
@@ -367,7 +373,7 @@ def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParam
 def _floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int) -> Floats:
     """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
     step = np.zeros(frames)
-    by_plant = sorted(((p.start, p.end, floors.plants[p.id] - floors.rest[p.effector]) for p in plants))
+    by_plant = sorted((p.start, p.end, floors.plants[p.id] - floors.rest[p.effector]) for p in plants)
     if not by_plant:
         return step
     known = np.full(frames, np.nan)

@@ -7,10 +7,10 @@ Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near 
            + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   what stands is drawn to its floor
            + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor
            + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
-           + 1/2 sum_t (max(0, |x(t + 1) - x(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
-           + 1/2 sum_t r dt (max(0, |d| - far) / sd)^2        ROOT    the root stays where it was
+           + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
+           + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     root, leg and foot stay near; y = d, q, w - q
            + 1/2 sum_t r dt |(p - place) / sp|^2              PLACE   what was asked for
-           + 1/2 |x / sc|^2 at a cut                          CUT     where a T-pose was cut off, the correction starts small
+           + 1/2 |x / sc|^2 at a cut                          CUT     after a T-pose the correction starts small
 
 SLIP is an L1 norm: where holding costs more than sliding, the foot slides there, and only there. It is solved by
 reweighting (Weiszfeld): 1/2 c h |s|^2 / (|s_before| + eps), a bound from above that touches at s_before.
@@ -18,7 +18,6 @@ reweighting (Weiszfeld): 1/2 c h |s|^2 / (|s_before| + eps), a bound from above 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +36,7 @@ _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults ar
 
 @dataclass(frozen=True, kw_only=True)
 class CostParams:
-    """What each departure from the capture costs: standard deviations. A turn of one of them costs as much as another."""
+    """What each departure from the capture costs: standard deviations, each of which costs as much as another."""
 
     slide: float = 11000.0  # cost of a leg length of slide; more holds more, at the price of the joints' speed
     root: float = 0.09  # [leg lengths] of the root over the floor
@@ -120,10 +119,10 @@ class Problem:
             size * np.array([c.root, c.root_height, c.root]),
             *[deg * np.repeat([c.line, c.knee, c.foot, c.toes], [3, 1, 3, 1])] * len(self.legs),
         ])  # fmt: skip
+        accelerations = [c.line_acceleration, c.knee_acceleration, c.foot_acceleration, c.toes_acceleration]
         s2 = np.concatenate([
             np.full(3, size * c.root_acceleration),
-            *[deg * np.repeat([c.line_acceleration, c.knee_acceleration, c.foot_acceleration, c.toes_acceleration], [3, 1, 3, 1])]
-            * len(self.legs),
+            *[deg * np.repeat(accelerations, [3, 1, 3, 1])] * len(self.legs),
         ])  # fmt: skip
         # motions of similar figures: accelerations of joints go with 1 / size, those of places are the same
         s2 *= _GROWN / size
@@ -200,7 +199,8 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
 def objective(problem: Problem, x: Floats, eps: float) -> float:
     """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m]."""
     rows = np.arange(len(x))
-    cost = _near(problem, x, rows)[1] + _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
+    cost = _near(problem, x, rows)[1]
+    cost += _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
         at = posed(leg, x[:ROOT], own, derive=False)

@@ -55,7 +55,7 @@ class EnforceParams:
 
     method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
     solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"  # one least squares, or a paper's own way
-    cycle: Literal["find", "yes", "no"] = "find"  # whether the last frame leads to the first: then the seam stays closed
+    cycle: Literal["find", "yes", "no"] = "find"  # whether the last frame leads to the first, over a closed seam
     heights: Literal["floor", "keep"] = "floor"  # plants are drawn to their floor, or keep the height they have
     strength: float = 1.0  # 0 to 1: how much of the correction is applied
     pins: PinParams = field(default_factory=PinParams)

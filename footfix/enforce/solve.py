@@ -30,7 +30,8 @@ def solve(problem: Problem) -> Floats:
     """Find the state (U, F) with the least objective: first on every third or fourth frame, then on all."""
     every = max(1, round(1.0 / problem.frame_time / _COARSE))
     if every == 1 or problem.frames <= 8 * every:
-        return descend(problem, np.zeros((problem.unknowns, problem.frames)), _ROUNDS + _LAST, first=_EPS_FIRST, last=_LAST)
+        nothing = np.zeros((problem.unknowns, problem.frames))
+        return descend(problem, nothing, _ROUNDS + _LAST, first=_EPS_FIRST, last=_LAST)
     which = np.arange(0, problem.frames, every)
     rough = descend(thinned(problem, which), np.zeros((problem.unknowns, len(which))), _ROUNDS, first=_EPS_FIRST)
     from scipy.interpolate import CubicSpline
@@ -126,7 +127,7 @@ def _solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> 
 
     U, F = len(own), system.gradient.shape[1]
     square = np.ix_(own, own)
-    whole = U == len(system.rows)
+    whole = len(system.rows) == U
     main, next_ = (system.main, system.next) if whole else (system.main[square], system.next[square])
     near = system.near[:, own]
     bands = np.zeros((F, U, 2 * U + 1))  # of the lower triangle, column by column

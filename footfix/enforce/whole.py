@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import Enforcement
-from footfix.enforce.correction import Correction
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.crop import Crop

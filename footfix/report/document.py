@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from footfix.enforce.footplant import Footplant
 from footfix.enforce.correction import Correction
+from footfix.enforce.footplant import Footplant
 from footfix.measure.clip import Measures
 from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
