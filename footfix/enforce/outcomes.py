@@ -3,24 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from footfix.enforce.footplant import Footplant, Outcome
-from footfix.enforce.leg import POINTS, LegTracks
-from footfix.enforce.pins import Floors
+from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks, posed
+from footfix.enforce.pins import Floors, core
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.rig.rig import Rig
 
 _STANDS = 0.05  # [leg lengths/s] of slip: what moves less stands
-_PINNED = 0.0055  # [leg lengths] a plant that strays no farther over its whole contact is pinned
+_PINNED = 0.0055  # [leg lengths] a plant that strays no farther, but where the foot lands or leaves, is pinned
 _MOST = 0.5  # of its frames: a plant that stands in fewer is released
+_NOTICED = 30.0  # [degrees/s] less of a knee than this is no reason
+_EASE = 0.1  # [s] in which a foot that was held would come back to its way
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedLeg:
+    """Where a corrected leg is, (3, F) [m] each."""
+
+    hip: Floats
+    ankle: Floats
+    heel: Floats
+    toe: Floats
+
+    @classmethod
+    def of_state(cls, leg: LegTracks, root: Floats, x: Floats) -> CorrectedLeg:
+        """The leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
+        places = posed(leg, root, x, derive=False).places
+        return cls(leg.hip + root, places[ANKLE], places[HEEL], places[TOE])
+
+    @classmethod
+    def of_tracks(cls, leg: LegTracks) -> CorrectedLeg:
+        """The leg as it is."""
+        return cls(leg.hip, leg.ankle, leg.place(HEEL), leg.place(TOE))
+
+    def point(self, plant: Footplant) -> Floats:
+        """(3, F) [m] what a plant holds."""
+        return self.heel if plant.part == "heel" else self.toe
 
 
 def outcomes(
-    plants: Sequence[Footplant], legs: Sequence[LegTracks], points: Sequence[tuple[Floats, Floats]], ground: Floats,
+    plants: Sequence[Footplant], legs: Sequence[LegTracks], after: Sequence[CorrectedLeg], ground: Floats,
     keep: Sequence[bool], floors: Floors, rig: Rig, frame_time: float,
 ) -> tuple[Footplant, ...]:  # fmt: skip
     """Say of each plant whether it was kept, stands, stands in part, or slides.
@@ -28,7 +55,7 @@ def outcomes(
     Args:
         plants: as asked for.
         legs: as captured.
-        points: for each leg the corrected tracks (3, F) [m] of heel and toe.
+        after: the legs as corrected.
         ground: (F, 3) [m] displacement of the ground.
         keep: for each plant whether it was to stay as it was.
         floors: the heights the joints stand at.
@@ -37,32 +64,70 @@ def outcomes(
     """
     found = []
     for plant in plants:
-        point = POINTS.index(plant.part)
-        track = points[plant.leg][point][:, plant.frames].T - ground[plant.frames]
+        track = after[plant.leg].point(plant)[:, plant.frames].T - ground[plant.frames]
         slip = np.hypot(*np.diff(track, axis=0)[:, [0, 2]].T)
         still = slip <= _STANDS * rig.leg_length * frame_time
         held = tuple((plant.start + a, plant.start + b + 1) for a, b in runs(still))
         on = np.append(still, still[-1:]) if len(still) else np.ones(1, dtype=np.bool_)
         place = np.median(track[on] if np.any(on) else track, axis=0)
-        far = float(np.hypot(*(track - place)[:, [0, 2]].T).max())
+        strays = np.hypot(*(track - place)[:, [0, 2]].T)
+        far = float(strays.max())
         x, y, z = (place + ground[(plant.start + plant.end) // 2]).tolist()
         y -= floors.rest[plant.effector] - rig.floor  # a plant stands where its sole does
-        outcome, reason = _outcome(keep[plant.id], still, far, rig.leg_length, plant, legs[plant.leg].turns)
+        inner = core(plant, frame_time)
+        within = strays[inner[0] - plant.start : inner[1] - plant.start].max()
+        outcome, reason = _outcome(keep[plant.id], still, far, float(within), rig.leg_length, legs[plant.leg].turns)
+        if outcome in ("partly", "released") and legs[plant.leg].turns:
+            reason += _price(plant, legs[plant.leg], after[plant.leg], track - place, frame_time)
         found.append(replace(plant, target=(x, y, z), outcome=outcome, reason=reason, residual=far, held=held))
     return tuple(found)
 
 
 def _outcome(
-    keep: bool, still: Bools, far: float, leg_length: float, plant: Footplant, turns: bool
+    keep: bool, still: Bools, far: float, within: float, leg_length: float, turns: bool
 ) -> tuple[Outcome, str]:
     if keep:
         return "kept", ""
-    if far <= _PINNED * leg_length:
+    if within <= _PINNED * leg_length:
         return "pinned", ""
     if not turns:
         return "released", "the file has no rotation channels for a joint of this leg"
     share = float(still.mean()) if len(still) else 0.0
-    slides = f"it slides by {1000.0 * far:.0f} mm in {np.count_nonzero(~still)} of {plant.end - plant.start} frames"
+    slides = f"it slides by {1000.0 * far:.0f} mm, in {np.count_nonzero(~still)} of {len(still)} frames"
     if share >= _MOST:
-        return "partly", f"{slides}: holding it there would cost more than the slide"
-    return "released", f"{slides}: holding it would cost more than the slide"
+        return "partly", slides
+    return "released", slides
+
+
+def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats, frame_time: float) -> str:
+    """Say what holding a plant throughout would ask of its knee; `strays` (n, 3) [m] from its place."""
+    ease = max(1, round(_EASE / frame_time))
+    first, last = max(plant.start - ease, 0), min(plant.end + ease, after.ankle.shape[1])
+    lacks = np.zeros((last - first, 3))  # [m] what would bring the foot to its place
+    lacks[plant.start - first : plant.end - first] = -strays * [1.0, 0.0, 1.0]
+    fade = np.linspace(1.0, 0.0, ease + 2)[1:-1, None]
+    before, behind = plant.start - first, last - plant.end
+    lacks[:before] = -strays[:1] * [1.0, 0.0, 1.0] * fade[:before][::-1]
+    lacks[len(lacks) - behind :] = -strays[-1:] * [1.0, 0.0, 1.0] * fade[:behind]
+    line = (after.ankle - after.hip)[:, first:last].T  # (n, 3) [m]
+    bones = (np.linalg.norm(each[:, first:last], axis=0) for each in (leg.thigh, leg.shank))
+    thigh, shank = bones
+    now, then = (_flexion(np.linalg.norm(each, axis=1), thigh, shank) for each in (line, line + lacks))
+    if len(now) < 2:
+        return ""
+    faster = np.abs(np.diff(then)) - np.abs(np.diff(now))
+    at = int(np.argmax(faster))
+    speed = float(np.degrees(faster[at])) / frame_time
+    beyond = float(np.max(np.linalg.norm(line + lacks, axis=1) - thigh - shank))
+    if beyond > 0.0:
+        return f"; to hold it throughout, the leg would be {1000.0 * beyond:.0f} mm too short"
+    if speed < _NOTICED:
+        return ""
+    side = leg.leg.name
+    return f"; to hold it throughout, the {side} knee would turn {speed:.0f} degrees/s faster at frame {first + at + 1}"
+
+
+def _flexion(distance: Floats, thigh: Floats, shank: Floats) -> Floats:
+    """(n,) [rad] of a knee whose leg is so long from hip to ankle (n,) [m], by the law of cosines."""
+    cosine = (distance**2 - thigh**2 - shank**2) / np.maximum(2.0 * thigh * shank, 1e-12)
+    return np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -207,12 +207,11 @@ def kept(
         params: the tolerances.
     """
     found = [not plant.force and plant.end - plant.start < _FEWEST for plant in plants]
-    trim = max(1, round(params.edge / frame_time))
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
         point = _point(own[0])
         track = legs[own[0].leg].place(point).T - ground
-        cores, level = [_core(p, trim) for p in own], [floors.plants[p.id] for p in own]
+        cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         still = _still(cores, track, level, leg_length, heights, params)
         rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
         for plant, keep in zip(own, (still | rests).tolist(), strict=True):
@@ -220,9 +219,9 @@ def kept(
     return tuple(found)
 
 
-def _core(plant: Footplant, trim: int) -> tuple[int, int]:
-    """The frames of a plant without those at its ends in which the foot may still land or leave."""
-    trim = min(trim, max((plant.end - plant.start - 3) // 2, 0))
+def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:
+    """The frames of a plant without the `edge` [s] at its ends in which the foot may still land or leave."""
+    trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - 3) // 2, 0))
     return plant.start + trim, plant.end - trim
 
 

@@ -15,19 +15,16 @@ from footfix.enforce.cycle import Cycle, find_cycle, solved_as_cycle
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.leg import (
-    HEEL,
-    TOE,
     LegCalibration,
     LegTracks,
     Noise,
     calibrate,
     local_rotations,
     noise_of,
-    posed,
     raised,
     tracks,
 )
-from footfix.enforce.outcomes import outcomes
+from footfix.enforce.outcomes import CorrectedLeg, outcomes
 from footfix.enforce.papers.glardon import GlardonParams
 from footfix.enforce.papers.kim_neff import KimNeffParams
 from footfix.enforce.papers.lyard import LyardRootParams
@@ -41,8 +38,6 @@ from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
 from footfix.rig.rig import Rig
-
-Points = Sequence[tuple[Floats, Floats]]  # of each leg the tracks (3, F) [m] of heel and toe
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
 _SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
@@ -130,13 +125,13 @@ def enforce(
     """
     task = _task(clip, rig, contacts, params)
     if params.method == "root" or params.solver != "whole_clip":
-        done, points = _by_paper(clip, rig, task, params)
+        done, after = _by_paper(clip, rig, task, params)
     else:
         cycle = _cycle(clip, rig, task, params, cut)
         if cycle:
             task = replace(task, notes=(*task.notes, _cycle_note(cycle, clip)))
-        done, points = _by_least_squares(clip, rig, task, params, cut, cycle)
-    plants = outcomes(task.plants, task.legs, points, task.ground, task.keep, task.floors, rig, clip.frame_time)
+        done, after = _by_least_squares(clip, rig, task, params, cut, cycle)
+    plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
 
 
@@ -178,8 +173,8 @@ def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Ta
     return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)
 
 
-def _by_paper(clip: Clip, rig: Rig, task: Task, params: EnforceParams) -> tuple[Correction, Points]:
-    """The correction by a paper's own way, and where it leads each leg's heel and toe."""
+def _by_paper(clip: Clip, rig: Rig, task: Task, params: EnforceParams) -> tuple[Correction, list[CorrectedLeg]]:
+    """The correction by a paper's own way, and the legs as it leads them."""
     way: Callable[..., Correction]
     own: GlardonParams | KimNeffParams | LyardRootParams
     if params.method == "root":
@@ -198,7 +193,7 @@ def _by_paper(clip: Clip, rig: Rig, task: Task, params: EnforceParams) -> tuple[
     done = _weakened(way(clip, rig, task.plants, own, ground=ground), clip, params.strength)
     after = apply(clip, done)
     legs = tracks(after, rig, pose_of(after, rig), task.calibration)
-    return done, [(leg.place(HEEL), leg.place(TOE)) for leg in legs]
+    return done, [CorrectedLeg.of_tracks(leg) for leg in legs]
 
 
 def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
@@ -213,8 +208,8 @@ def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
 
 def _by_least_squares(
     clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool], cycle: Cycle | None
-) -> tuple[Correction, Points]:
-    """The correction by one least squares over the whole clip, and where it leads each leg's heel and toe."""
+) -> tuple[Correction, list[CorrectedLeg]]:
+    """The correction by one least squares over the whole clip, and the legs as it leads them."""
     problem = problem_of(clip, rig, task, params, cut)
     columns = [problem.columns(k) for k in range(len(task.legs))]
     x = np.zeros((problem.unknowns, len(clip)))
@@ -222,12 +217,9 @@ def _by_least_squares(
     if wanted and len(clip) >= _FEWEST:
         x = _faded(solved_as_cycle(problem, cycle, solve) if cycle else solve(problem), problem)
     x = params.strength * x
-    points = [
-        (at[HEEL], at[TOE])
-        for at in (posed(leg, x[:3], x[own], derive=False).places for leg, own in zip(task.legs, columns, strict=True))
-    ]
+    after = [CorrectedLeg.of_state(leg, x[:3], x[own]) for leg, own in zip(task.legs, columns, strict=True)]
     shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
-    return correction(clip, rig, task.pose, task.legs, x, columns, shift), points
+    return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
 
 
 def _cycle(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Cycle | None:
