@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -84,11 +85,14 @@ class LegTracks:
     turns: bool
 
     def place(self, point: int) -> Floats:
-        """(3, F) [m] track of a sole point as captured."""
-        if point == ANKLE:
-            return self.ankle
-        own = self.ankle + self.points[min(point, TOE)]
-        return own + self.points[2] if point == TIP else own
+        """(3, F) [m] track of a point as captured."""
+        return self._places[point]
+
+    @cached_property
+    def _places(self) -> tuple[Floats, ...]:
+        heel, toe = (self.ankle + each for each in self.points[:2])
+        tip = (toe + self.points[2],) if len(self.points) > 2 else ()
+        return heel, toe, self.ankle, *tip
 
     def frames(self, which: slice | Ints) -> LegTracks:
         """The leg in some frames only."""
