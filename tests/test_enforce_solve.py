@@ -126,6 +126,21 @@ def test_kinetic_rounds_never_raise_the_objective() -> None:
     assert np.all(np.diff(costs) <= 1e-9 * costs[0]) and costs[-1] < 0.3 * costs[0]
 
 
+def test_a_step_that_would_raise_the_objective_is_shortened() -> None:
+    """A place half a metre away, and a root that hardly goes beyond 5 cm, which is not seen from where it stands."""
+    frames = 9
+    base = places(problem(frames=frames), np.zeros((ROOT + LEG, frames)))[0][HEEL]
+    pin = replace(idle(frames), place=base + [[0.5], [0.0], [0.0]], placed=np.full(frames, 0.01))
+    of = problem({(0, HEEL): pin}, frames=frames, costs=replace(SPRINGS, root_farthest=0.06))
+    of = replace(of, legs=tuple(replace(leg, turns=False) for leg in of.legs))
+    x, cost = np.zeros((of.unknowns, frames)), np.inf
+    for _ in range(5):
+        now = objective(of, x, EPS)
+        assert now <= cost
+        x, cost = descend(of, x, 1, first=EPS), now
+    assert 0.06 * of.leg_length < np.abs(x[0]).max() < 0.25
+
+
 def test_the_gradient_is_small_where_the_descent_ends() -> None:
     of = skating(frames=90)
     start = np.zeros((of.unknowns, 90))
