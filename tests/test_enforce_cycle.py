@@ -128,7 +128,6 @@ def test_it_is_taken_for_a_cycle_where_somebody_says_so() -> None:
         assert ("cycle" in {note.id for note in found.notes}) is is_one
 
 
-@pytest.mark.xfail(strict=True, reason="the rounds before shift the middle one away from the clip's own ground")
 @pytest.mark.parametrize("closed", [True, False])
 def test_what_is_asked_for_in_a_cycle_is_where_it_is_asked_for(closed: bool) -> None:
     rig = rig_of(walk())

@@ -22,7 +22,7 @@ from footfix.enforce.leg import (
     local_rotations,
     noise_of,
     posed,
-    raised,
+    raise_leg,
     turned,
 )
 from footfix.motion import rotation
@@ -298,7 +298,7 @@ def test_each_noise_is_that_of_its_unknowns() -> None:
 
 def test_a_raised_leg_is_the_leg_higher_up() -> None:
     leg = figure().legs[0]
-    up = raised(leg, 0.03)
+    up = raise_leg(leg, 0.03)
     for point in (HEEL, TOE, ANKLE, TIP):
         assert np.allclose(up.place(point) - leg.place(point), [[0.0], [0.03], [0.0]])
     root, x = states(leg, 3, 0.2)

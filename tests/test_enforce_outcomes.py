@@ -12,7 +12,7 @@ from walks import cleaned, rig_of, walk
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import HEEL, TOE, LegTracks
-from footfix.enforce.outcomes import outcomes
+from footfix.enforce.outcomes import CorrectedLeg, outcomes
 from footfix.enforce.pins import Floors
 from footfix.enforce.run import EnforceParams, pose_of
 from footfix.motion.clip import Floats
@@ -34,7 +34,9 @@ def told(
     """What is said of a left plant whose point is shifted over the floor by (F, 3) [m]."""
     made = still()
     legs: list[LegTracks] = [replace(leg, turns=turns) for leg in made.legs]
-    points = [(leg.place(HEEL) + shift.T, leg.place(TOE) + shift.T) for leg in legs]
+    points = [
+        CorrectedLeg(leg.hip, leg.ankle + shift.T, leg.place(HEEL) + shift.T, leg.place(TOE) + shift.T) for leg in legs
+    ]
     e = 0 if part == "heel" else 1
     plant = Footplant(0, e, f"left_{part}", 0, part, *span)  # type: ignore[arg-type]
     usual = float(legs[0].place(HEEL if part == "heel" else TOE)[1, 0])
@@ -80,7 +82,7 @@ def test_what_stands_in_most_frames_is_partly_held_and_says_where() -> None:
     found = told(slid(0.04, 30, 40))
     assert found.outcome == "partly" and found.held == ((20, 31), (40, 80))
     assert found.residual == pytest.approx(0.04)  # from where it stands most of the time
-    assert "it slides by 40 mm in 10 of 60 frames" in found.reason
+    assert "it slides by 40 mm, in 10 of 59 frames" in found.reason
     x, _, z = own_place() + [0.024, 0.0, 0.032]
     assert (found.target[0], found.target[2]) == pytest.approx((x, z))
 
@@ -88,7 +90,7 @@ def test_what_stands_in_most_frames_is_partly_held_and_says_where() -> None:
 def test_what_slides_in_most_frames_is_released_and_says_why() -> None:
     found = told(slid(0.10, 22, 75))
     assert found.outcome == "released" and found.held == ((20, 23), (75, 80))
-    assert "in 53 of 60 frames" in found.reason and "cost" in found.reason
+    assert "in 53 of 59 frames" in found.reason and "the left knee would turn" in found.reason
     assert not found.reason.endswith(".")
     everywhere = told(slid(0.10, 0, 99))
     assert everywhere.outcome == "released" and everywhere.held == ()
@@ -169,10 +171,9 @@ def test_a_slide_across_a_room_is_released_in_words() -> None:
     ))  # fmt: skip
     _, found = cleaned(clip, rig, contacts)
     assert {plant.outcome for plant in found.plants} == {"released"}
-    assert all("slides by" in plant.reason and "cost" in plant.reason for plant in found.plants)
+    assert all("slides by" in plant.reason and ("too short" in plant.reason or "faster" in plant.reason) for plant in found.plants)
 
 
-@pytest.mark.xfail(strict=True, reason="the last rounds, with static friction, drag the root along by half a metre")
 def test_a_slide_across_a_room_does_not_drag_the_root_along() -> None:
     made = walk("stand")
     rig = rig_of(made)

@@ -142,6 +142,7 @@ def _laid(leg: LegTracks, cycle: Cycle, rounds: range) -> LegTracks:
     # travel: each round goes on where the one before it ended
     ends = [_turned(_travel(leg, cycle), k * cycle.yaw) for k in rounds]
     shift = np.cumsum(np.concatenate([np.zeros((3, 1)), *ends[:-1]], axis=1), axis=1)
+    shift -= shift[:, [len(rounds) // 2]]  # the middle round stays where it is
     moved = np.repeat(shift, cycle.frames, axis=1)
     parts["hip"], parts["ankle"] = parts["hip"] + moved, parts["ankle"] + moved
     return LegTracks(

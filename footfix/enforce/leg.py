@@ -203,7 +203,7 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
     return tuple(found)
 
 
-def raised(leg: LegTracks, lift: float) -> LegTracks:
+def raise_leg(leg: LegTracks, lift: float) -> LegTracks:
     """Raise a leg as captured by `lift` [m]."""
     up = np.array([[0.0], [lift], [0.0]])
     return replace(leg, hip=leg.hip + up, ankle=leg.ankle + up)

@@ -76,8 +76,9 @@ def outcomes(
         y -= floors.rest[plant.effector] - rig.floor  # a plant stands where its sole does
         inner = core(plant, frame_time)
         within = strays[inner[0] - plant.start : inner[1] - plant.start].max()
-        outcome, reason = _outcome(keep[plant.id], still, far, float(within), rig.leg_length, legs[plant.leg].turns)
-        if outcome in ("partly", "released") and legs[plant.leg].turns:
+        kept, turns = keep[plant.id] and plant.asked is None, legs[plant.leg].turns
+        outcome, reason = _outcome(kept, still, far, float(within), rig.leg_length, turns)
+        if outcome in ("partly", "released") and turns:
             reason += _price(plant, legs[plant.leg], after[plant.leg], track - place, frame_time)
         found.append(replace(plant, target=(x, y, z), outcome=outcome, reason=reason, residual=far, held=held))
     return tuple(found)

@@ -23,6 +23,7 @@ _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detecte
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
 _RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
 _FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
+_KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
 _RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
 _LASTS = 0.06  # [s] that it rests at a time
 _RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
@@ -336,6 +337,8 @@ def _pins(
         draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
         if keep[plant.id]:
             slip[:, a : b - 1] = np.diff(track[:, a:b], axis=1)
+            if point != TIP:
+                place[:, a:b], placed[a:b] = track[:, a:b], _KEPT
         elif point != TIP:
             level[a:b] = floors.plants[plant.id]
         if plant.asked is not None and point != TIP:
@@ -345,6 +348,7 @@ def _pins(
             level[a:b], draw[a:b] = place[1, a:b], 0.0
     if not heights or point == TIP:
         draw[:] = 0.0
+        slip[1] = np.diff(track[1])
     if not leg.turns:  # the root is not to follow a leg that can't
         hold[:] = draw[:] = placed[:] = 0.0
     lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)

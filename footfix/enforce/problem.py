@@ -58,7 +58,7 @@ class CostParams:
 
 
 # Bounds, as standard deviations of what is beyond them.
-_FLOOR, _PLACE, _FAR_ROOT = 0.0033, 0.0011, 0.005  # [leg lengths]
+_FLOOR, _PLACE, _FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
 _KNEE, _SPEED, _FAR_TURN = 0.3, 0.15, 2.0  # [degrees]
 _CUT, _CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 

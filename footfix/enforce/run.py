@@ -21,7 +21,7 @@ from footfix.enforce.leg import (
     calibrate,
     local_rotations,
     noise_of,
-    raised,
+    raise_leg,
     tracks,
 )
 from footfix.enforce.outcomes import CorrectedLeg, outcomes
@@ -160,11 +160,11 @@ def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Ta
     if params.heights == "floor" and params.method != "root" and clip.skeleton.translates[rig.root]:
         lift = grounds.lift(pinning.lacks(plants, legs, rig), rig.leg_length, params.ground)
     if lift:
-        legs = tuple(raised(leg, lift) for leg in legs)
+        legs = tuple(raise_leg(leg, lift) for leg in legs)
         text = f"the whole figure is {'raised' if lift > 0 else 'lowered'} by {1000.0 * abs(lift):.0f} mm to its floor"
         notes += (Note("height-moved", text),)
     floors = pinning.floors(plants, legs, rig, params.pins)
-    plants = styled(plants, legs, rig, floors.plants, params.style)
+    plants = styled(plants, legs, rig, floors, params.style)
     keep = pinning.kept(
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
         heights=params.heights == "floor", params=params.pins,
@@ -190,7 +190,10 @@ def _by_paper(clip: Clip, rig: Rig, task: Task, params: EnforceParams) -> tuple[
 
         own = params.kim_neff
     ground = task.ground if np.any(task.ground) else None
-    done = _weakened(way(clip, rig, task.plants, own, ground=ground), clip, params.strength)
+    lift = np.tile([0.0, task.lift, 0.0], (len(clip), 1))
+    raised = apply(clip, Correction(rig.root, lift, (), np.zeros((len(clip), 0, 4))))
+    done = way(raised, rig, task.plants, own, ground=ground)
+    done = _weakened(replace(done, root_shift=done.root_shift + lift), clip, params.strength)
     after = apply(clip, done)
     legs = tracks(after, rig, pose_of(after, rig), task.calibration)
     return done, [CorrectedLeg.of_tracks(leg) for leg in legs]
@@ -217,7 +220,8 @@ def _by_least_squares(
     if wanted and len(clip) >= _FEWEST:
         x = _faded(solved_as_cycle(problem, cycle, solve) if cycle else solve(problem), problem)
     x = params.strength * x
-    after = [CorrectedLeg.of_state(leg, x[:3], x[own]) for leg, own in zip(task.legs, columns, strict=True)]
+    less = (params.strength - 1.0) * task.lift * np.array([[0.0], [1.0], [0.0]])  # the legs are raised by all of it
+    after = [CorrectedLeg.of_state(leg, x[:3] + less, x[own]) for leg, own in zip(task.legs, columns, strict=True)]
     shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import HEEL, POINTS, TOE, LegTracks
+from footfix.enforce.pins import Floors
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.rig.rig import Rig
@@ -26,7 +27,7 @@ class StyleParams:
 
 
 def styled(
-    plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, heights: Sequence[float], params: StyleParams
+    plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, floors: Floors, params: StyleParams
 ) -> tuple[Footplant, ...]:
     """Ask for other places of planted feet.
 
@@ -34,18 +35,20 @@ def styled(
         plants: of the clip.
         legs: as captured.
         rig: names, size and floor.
-        heights: for each plant [m] the height its joint stands at.
+        floors: the heights that joints stand at.
         params: what is to be moved; nothing by default.
     """
     if not params.toe_out and not params.offset:
         return tuple(plants)
-    return tuple(_moved(plant, legs[plant.leg], rig, heights[plant.id], params) for plant in plants)
+    # a place is asked for as that of the sole, which is so much below its joint
+    soles = [floors.plants[p.id] - (floors.rest[p.effector] - rig.floor) for p in plants]
+    return tuple(_moved(p, legs[p.leg], rig, float(soles[p.id]), params) for p in plants)
 
 
 def _moved(plant: Footplant, leg: LegTracks, rig: Rig, height: float, params: StyleParams) -> Footplant:
     angle = params.toe_out.get(leg.leg.name, 0.0)
     offset = params.offset.get(plant.name)
-    if (not angle or plant.part == "heel") and offset is None:
+    if not angle and offset is None:
         return plant
     heel, ball, own = (
         np.median(leg.place(point)[:, plant.frames], axis=1) for point in (HEEL, TOE, POINTS.index(plant.part))
