@@ -14,7 +14,7 @@ from legmaker import figure
 from footfix.enforce import problem as terms
 from footfix.enforce.leg import LEG, ROOT, K, LegTracks, posed
 from footfix.enforce.pins import Pins
-from footfix.enforce.problem import CostParams, Problem, System
+from footfix.enforce.problem import CostParams, Problem, System, systems
 from footfix.motion.clip import Floats
 
 # Everything away from its capture is free: what a term costs is all there is.
@@ -151,11 +151,20 @@ def differences(function: object, x: Floats, h: float = 1e-6) -> Floats:
     return np.stack(columns, axis=-1)
 
 
-def dense(of: System, U: int, F: int) -> Floats:
-    """(U F, U F) the matrix of a system, frames slowest."""
-    out = np.zeros((F, U, F, U))
+def system(of: Problem, x: Floats, eps: float, static: float = 1.0) -> System:
+    """The objective linearised in all unknowns."""
+    (found,) = systems(of, x, eps, static=static)
+    assert np.array_equal(found.rows, np.arange(of.unknowns))
+    return found
+
+
+def dense(of: System) -> Floats:
+    """(n F, n F) the matrix of a system, frames slowest; of its main blocks only the lower triangles mean anything."""
+    n, F = of.gradient.shape
+    out = np.zeros((F, n, F, n))
     for f in range(F):
-        out[f, :, f] += of.main[:, :, f] + np.diag(of.near[0, :, f])
+        lower = np.tril(of.main[:, :, f])
+        out[f, :, f] += lower + np.tril(lower, -1).T + np.diag(of.near[0, :, f])
         if f + 1 < F:
             block = of.next[:, :, f] + np.diag(of.near[1, :, f])
             out[f + 1, :, f] += block
@@ -163,4 +172,4 @@ def dense(of: System, U: int, F: int) -> Floats:
         if f + 2 < F:
             out[f + 2, :, f] += np.diag(of.near[2, :, f])
             out[f, :, f + 2] += np.diag(of.near[2, :, f])
-    return out.reshape(F * U, F * U)
+    return out.reshape(F * n, F * n)

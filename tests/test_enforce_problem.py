@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import figure
-from problems import FREE, dense, differences, idle, places, problem, residuals, slip_cost, state
+from problems import FREE, dense, differences, idle, places, problem, residuals, slip_cost, state, system
 
 from footfix.enforce import problem as terms
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, Q, W
-from footfix.enforce.problem import CostParams, Problem, objective, product, system
+from footfix.enforce.problem import CostParams, Problem, objective, product, systems
 from footfix.motion.clip import Floats
 
 EPS = 1e-3  # [m]
@@ -90,7 +90,7 @@ def test_each_gradient_is_the_slope_of_its_cost(name: str) -> None:
     of = PROBLEMS[name]()
     x, h = spread(of), 1e-6
     found = system(of, x, EPS)
-    assert found.cost == objective(of, x, EPS)
+    assert found.cost == pytest.approx(objective(of, x, EPS), rel=1e-12)
     slopes, stated = [], []
     for u in range(of.unknowns):  # each unknown, its frames at random
         way = np.zeros_like(x)
@@ -123,10 +123,34 @@ def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
         return residuals(of, y, near_at=x, eps=EPS, static=static)
 
     J = differences(r, x)
-    matrix, expected = dense(found, of.unknowns, of.frames), J.T @ J
+    matrix, expected = dense(found), J.T @ J
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected))) + 1e-9 * np.abs(expected).max()
     assert np.abs((matrix - expected) / scale).max() < 1e-5
     assert np.abs(found.gradient.T.ravel() - J.T @ r(x)).max() <= 2e-6 * np.abs(J.T @ r(x)).max()
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_while_the_root_stays_each_leg_has_its_part_of_the_whole(name: str) -> None:
+    of = PROBLEMS[name]()
+    x = spread(of, 5)
+    whole = system(of, x, EPS, 3.0)
+    legs = systems(of, x, EPS, static=3.0, root=False)
+    assert [each.rows.tolist() for each in legs] == [
+        list(range(of.columns(k).start, of.columns(k).stop)) for k in range(len(of.legs))
+    ]
+    matrix = dense(whole).reshape(of.frames, of.unknowns, of.frames, of.unknowns)
+    own = 0.0
+    for each in legs:
+        assert np.allclose(each.gradient, whole.gradient[each.rows], rtol=1e-12, atol=1e-9)
+        part = matrix[:, each.rows][:, :, :, each.rows]
+        assert np.allclose(dense(each), part.reshape(each.gradient.size, -1), rtol=1e-12, atol=1e-9)
+        own += each.cost
+    root = x.copy()
+    root[ROOT:] = 0.0  # what only the root's own terms cost
+    idle_legs = replace(of, pins=tuple(tuple(idle(of.frames) for _ in each) for each in of.pins), legs=tuple(
+        replace(leg, least=np.full(of.frames, -9.0)) for leg in of.legs
+    ))  # fmt: skip
+    assert own + objective(idle_legs, root, EPS) == pytest.approx(whole.cost, rel=1e-9)
 
 
 def test_what_nothing_asks_of_costs_nothing() -> None:
@@ -312,7 +336,7 @@ def test_nears_matrix_is_its_product() -> None:
     of = replace(near(), cut=(True, False))
     x = state(of)
     found = system(of, x, EPS)
-    whole = dense(replace(found, main=0.0 * found.main, next=0.0 * found.next), of.unknowns, of.frames)
+    whole = dense(replace(found, main=0.0 * found.main, next=0.0 * found.next))
     assert np.allclose(whole @ x.T.ravel(), product(found.near, x).T.ravel(), rtol=1e-12)
 
 

@@ -9,13 +9,13 @@ import artefacts
 import numpy as np
 import pytest
 from legmaker import figure_of
-from problems import FREE, dense, idle, places, problem, state
+from problems import FREE, dense, idle, places, problem, state, system
 from walks import rig_of, walk
 
 from footfix.enforce import run
 from footfix.enforce import solve as solver
 from footfix.enforce.leg import HEEL, LEG, ROOT, TOE, B
-from footfix.enforce.problem import CostParams, Problem, objective, system
+from footfix.enforce.problem import CostParams, Problem, objective, systems
 from footfix.enforce.run import EnforceParams
 from footfix.enforce.solve import EPS, descend, solve, thinned
 from footfix.motion.clip import Floats
@@ -46,7 +46,7 @@ def least(of: Problem, fixed: Floats | None = None, x: Floats | None = None) -> 
     """(U, F) where a quadratic objective is least, by a dense solve; `fixed` (F,) frames stay at x."""
     start = np.zeros((of.unknowns, of.frames)) if x is None else x
     found = system(of, start, EPS)
-    matrix, right = dense(found, of.unknowns, of.frames), -found.gradient.T.ravel()
+    matrix, right = dense(found), -found.gradient.T.ravel()
     free = np.tile(of.free(), of.frames)
     if fixed is not None:
         free &= ~np.repeat(fixed.astype(bool), of.unknowns)
@@ -58,18 +58,18 @@ def least(of: Problem, fixed: Floats | None = None, x: Floats | None = None) -> 
 def test_a_step_is_that_of_a_dense_solve() -> None:
     made = skating(frames=20)
     x = 0.3 * state(made)
-    found = system(made, x, 1e-3)
+    found = systems(made, x, 1e-3)
     free = made.free()
     free[[1, ROOT + B]] = False
     fixed = np.zeros(20, dtype=bool)
     fixed[[0, 1, 7, 19]] = True
-    damped = dense(found, made.unknowns, 20)
+    damped = dense(found[0])
     s0, _ = made.near()
     damped += np.diag(np.tile(solver._DAMPING * 60.0 * made.frame_time / s0**2, 20))
     for held in (None, fixed):
         on = np.tile(free, 20) & ~np.repeat(np.zeros(20, dtype=bool) if held is None else held, made.unknowns)
         expected = np.zeros(len(on))
-        expected[on] = np.linalg.solve(damped[np.ix_(on, on)], -found.gradient.T.ravel()[on])
+        expected[on] = np.linalg.solve(damped[np.ix_(on, on)], -found[0].gradient.T.ravel()[on])
         step = solver._step(made, found, free, held)
         assert np.allclose(step.T.ravel(), expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
         assert not step[~free].any()
@@ -106,6 +106,21 @@ def test_a_past_held_fixed_at_the_solution_leads_on_to_the_solution() -> None:
     assert np.array_equal(again[:, :60], whole[:, :60])
     off = np.abs(again - whole)[:, 60:]
     assert off.max() < 1e-5 < 1e-3 < np.abs(whole[:, 60:]).max()
+
+
+def test_a_root_that_is_no_unknown_stays_and_the_legs_step_as_in_a_dense_solve_without_it() -> None:
+    of = skating(60.0, 30)
+    x = 0.2 * state(of)
+    step = solver._step(of, systems(of, x, 1e-3, root=False), of.free(), None)
+    whole = dense(system(of, x, 1e-3))
+    whole += np.diag(np.tile(solver._DAMPING * 60.0 * of.frame_time / of.near()[0] ** 2, 30))
+    on = np.tile(np.arange(of.unknowns) >= ROOT, 30)
+    right = -system(of, x, 1e-3).gradient.T.ravel()
+    expected = np.zeros(len(on))
+    expected[on] = np.linalg.solve(whole[np.ix_(on, on)], right[on])
+    assert np.allclose(step.T.ravel(), expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
+    found = descend(of, x, 4, first=0.06, root=False)
+    assert np.array_equal(found[:ROOT], x[:ROOT]) and not np.array_equal(found[ROOT:], x[ROOT:])
 
 
 def test_unknowns_that_a_file_does_not_have_stay_zero() -> None:
@@ -147,8 +162,8 @@ def test_the_gradient_is_small_where_the_descent_ends() -> None:
     x = descend(of, start, 60, first=0.06)
     here = EPS * of.frame_time
     # where it is flat a step, not a slope, says how far the least is
-    step = solver._step(of, system(of, x, here), of.free(), None)
-    first = solver._step(of, system(of, start, here), of.free(), None)
+    step = solver._step(of, systems(of, x, here), of.free(), None)
+    first = solver._step(of, systems(of, start, here), of.free(), None)
     assert np.abs(step).max() < 0.01 * np.abs(first).max()
     slope = np.abs(system(of, x, here).gradient).max() / np.abs(system(of, start, here).gradient).max()
     assert slope < 0.01
