@@ -52,7 +52,7 @@ CLIPS = {
     "lafan_karstm/fight1_subject2_backward_filtered.bvh": Bounds(
         toe=2.0, flat=2.0, knee=0.4, rise=22.0, jump=0.6, jitter=1.09,
     ),
-    "mann_dog/D1_010_KAN01_002.bvh": Bounds(toe=2.0, flat=23.0, knee=2.3, rise=24.0, jump=1.8, jitter=1.12),
+    "mann_dog/D1_010_KAN01_002.bvh": Bounds(toe=2.0, flat=23.0, knee=2.3, rise=24.0, jump=2.4, jitter=1.12),
     "mass/pirouette.bvh": Bounds(toe=46.0, flat=12.0, knee=0.9, rise=24.0, jump=0.8, jitter=1.03),
     "pybvh/cmu_12_01_walk.bvh": Bounds(toe=2.0, flat=2.0, knee=0.7, rise=31.0, jump=0.6, jitter=1.02),
     "radar_pn/walk.bvh": Bounds(toe=2.0, flat=5.0, knee=0.3, rise=44.0, jump=0.8, jitter=1.0),
