@@ -65,11 +65,11 @@ def places(of: Problem, x: Floats) -> list[list[Floats]]:
 
 
 def residuals(
-    of: Problem, x: Floats, *, near_at: Floats | None = None, eps: float = 1e-3, static: float = 1.0
+    of: Problem, x: Floats, *, near_at: list[list[Floats]] | None = None, eps: float = 1e-3, static: float = 1.0
 ) -> Floats:
     """(N,) the residuals r whose 1/2 r'r is the objective's quadratic part around a state.
 
-    SLIP is weighted by the slip that the state `near_at` has (Weiszfeld); the one-sided terms are what they are.
+    SLIP is weighted by the slip of the places `near_at`, if not its own (Weiszfeld); one-sided terms are what they are.
     """
     c, size, dt, deg = of.costs, of.leg_length, of.frame_time, np.pi / 180.0
     frames, per_frame = of.frames, np.sqrt(terms._RATE * of.frame_time)
@@ -82,8 +82,9 @@ def residuals(
         if end:
             sc = np.array([terms._CUT_ROOT * size] * ROOT + [terms._CUT * deg] * (len(x) - ROOT))
             out.append(x[:, frame] / (sc * dt / (1.0 / 120.0)))
-    before = places(of, x if near_at is None else near_at)
-    for k, points in enumerate(places(of, x)):
+    here = places(of, x)
+    before = here if near_at is None else near_at
+    for k, points in enumerate(here):
         leg, own = of.legs[k], x[of.columns(k)]
         for point, place in enumerate(points):
             pin = of.pins[k][point]
@@ -107,15 +108,12 @@ def residuals(
 
 
 def _slips(of: Problem, pin: Pins, place: Floats, before: Floats, eps: float, static: float) -> list[Floats]:
-    out = []
-    for t in range(of.frames - 1):
-        slip = (place[:, t + 1] - place[:, t] - pin.slip[:, t]) * [1.0, terms._UPRIGHT, 1.0]
-        then = (before[:, t + 1] - before[:, t] - pin.slip[:, t]) * [1.0, terms._UPRIGHT, 1.0]
-        long = np.sqrt(then @ then)
-        weight = of.costs.slide / of.leg_length * pin.hold[t] / (long + eps)
-        slow = 1.0 + (static - 1.0) / (1.0 + (long / of.frame_time / (terms._STATIC * of.leg_length)) ** 4)
-        out.append(np.sqrt(weight * np.array([slow, 1.0, slow])) * slip)
-    return out
+    less = np.array([[1.0], [terms._UPRIGHT], [1.0]])
+    slip, then = (less * (each[:, 1:] - each[:, :-1] - pin.slip) for each in (place, before))
+    long = np.linalg.norm(then, axis=0)
+    weight = of.costs.slide / of.leg_length * pin.hold / (long + eps)
+    slow = 1.0 + (static - 1.0) / (1.0 + (long / of.frame_time / (terms._STATIC * of.leg_length)) ** 4)
+    return [np.sqrt(weight * np.stack([slow, np.ones_like(slow), slow])) * slip]
 
 
 def _speeds(of: Problem, leg: LegTracks, own: Floats) -> list[Floats]:

@@ -13,14 +13,16 @@ from legmaker import KINDS, changed, changes, largest_turn
 from walker import Walk
 from walks import cleaned, extension, heights, rig_of, slides, straightness, walk
 
+from footfix.enforce.correction import Correction, apply
 from footfix.enforce.leg import HEEL, TIP, TOE, calibrate, tracks
 from footfix.enforce.problem import CostParams
 from footfix.enforce.run import EnforceParams, enforce, pose_of
 from footfix.enforce.style import StyleParams
 from footfix.measure.clip import peak_acceleration
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contact, Contacts
+from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
 GAITS = ("walk", "run", "turn", "backwards")
@@ -79,10 +81,10 @@ def same(one: Clip, other: Clip) -> bool:
 
 @pytest.mark.parametrize(("gait", "artefact"), [
     *(("walk", artefact) for artefact in ARTEFACTS),
-    *((gait, artefact) for gait in GAITS[1:] for artefact in ("wander", "larger")),
+    ("run", "wander"), ("turn", "larger"), ("backwards", "larger"),
 ])  # fmt: skip
 def test_plants_hold_and_nothing_else_shows(gait: str, artefact: str) -> None:
-    made = walk(gait)
+    made = walk(gait, duration=2.0)
     rig = rig_of(made)
     clip = ARTEFACTS[artefact](made.clip)
     after, found = cleaned(clip, rig, made.contacts)
@@ -103,7 +105,7 @@ def test_plants_hold_and_nothing_else_shows(gait: str, artefact: str) -> None:
 
 @pytest.mark.parametrize("artefact", ["sunk", "floating"])
 def test_a_sunk_or_floating_figure_is_lifted_as_a_whole_and_says_so(artefact: str) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     after, found = cleaned(ARTEFACTS[artefact](made.clip), rig, made.contacts)
     up = 0.03 if artefact == "sunk" else -0.03
@@ -119,7 +121,7 @@ def test_a_sunk_or_floating_figure_is_lifted_as_a_whole_and_says_so(artefact: st
 
 @pytest.mark.parametrize(("kind", "method"), [*((kind, "ik") for kind in KINDS), ("four bones", "both")])
 def test_legs_of_all_kinds_stand(kind: str, method: Method) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     clip, rig = changed(kind, wandering(made), rig_of(made))
     after, found = cleaned(clip, rig, made.contacts, EnforceParams(method=method))
     before, now = strays(clip, rig, made.contacts), strays(after, rig, made.contacts)
@@ -134,7 +136,7 @@ def test_legs_of_all_kinds_stand(kind: str, method: Method) -> None:
 
 @pytest.mark.parametrize(("method", "solver"), WAYS)
 def test_every_way_to_hold_holds(method: Method, solver: Solver) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = artefacts.scale_root(made.clip, 1.08, height=False)
     after, found = cleaned(clip, rig, made.contacts, EnforceParams(method=method, solver=solver))
@@ -149,7 +151,7 @@ def test_every_way_to_hold_holds(method: Method, solver: Solver) -> None:
 
 
 def test_both_shares_between_root_and_legs() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = artefacts.scale_root(made.clip, 1.1, height=False)
     turned = {}
@@ -160,7 +162,7 @@ def test_both_shares_between_root_and_legs() -> None:
 
 
 def test_stiff_toes_bend_rather_than_enter_the_floor() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     stiff = made.clip.rotations.copy()
     for leg in rig.legs:
@@ -176,7 +178,7 @@ def test_stiff_toes_bend_rather_than_enter_the_floor() -> None:
 
 
 def test_straight_knees_stay_as_straight_and_no_straighter() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = artefacts.scale_root(made.clip, 1.1, height=False)
     after, _ = cleaned(clip, rig, made.contacts)
@@ -188,7 +190,7 @@ def test_straight_knees_stay_as_straight_and_no_straighter() -> None:
 
 @pytest.mark.parametrize("gait", GAITS)
 def test_what_stands_well_is_left_alone(gait: str) -> None:
-    made = walk(gait)
+    made = walk(gait, duration=2.0)
     found = enforce(made.clip, rig_of(made), made.contacts, EnforceParams())
     assert not found.correction.root_shift.any() and found.correction.joints == ()
     assert {plant.outcome for plant in found.plants} == {"kept"}
@@ -201,7 +203,7 @@ def test_what_stands_well_is_left_alone(gait: str) -> None:
 def test_cleaning_a_cleaned_clip_changes_little(artefact: str, method: Method) -> None:
     if method == "root" and artefact == "shaken":
         pytest.skip("the root alone cannot still feet that shake")
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     once, _ = cleaned(ARTEFACTS[artefact](made.clip), rig, made.contacts, EnforceParams(method=method))
     twice, _ = cleaned(once, rig, made.contacts, EnforceParams(method=method))
@@ -210,7 +212,7 @@ def test_cleaning_a_cleaned_clip_changes_little(artefact: str, method: Method) -
 
 
 def test_a_clip_without_contacts_needs_nothing() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     found = enforce(wandering(made), rig, rig.no_contacts(made.clip), EnforceParams())
     assert found.plants == () and not found.correction.root_shift.any() and found.correction.joints == ()
@@ -218,7 +220,7 @@ def test_a_clip_without_contacts_needs_nothing() -> None:
 
 @pytest.mark.parametrize(("method", "solver"), WAYS)
 def test_only_legs_and_the_roots_place_change(method: Method, solver: Solver) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = artefacts.scale_root(made.clip, 1.1, height=False)
     after, _ = cleaned(clip, rig, made.contacts, EnforceParams(method=method, solver=solver))
@@ -247,7 +249,7 @@ def test_away_from_contacts_frames_keep_their_very_numbers() -> None:
 @pytest.mark.parametrize("strength", [0.0, 0.5])
 @pytest.mark.parametrize(("method", "solver"), WAYS)
 def test_no_strength_no_change_and_half_strength_half_way(method: Method, solver: Solver, strength: float) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = wandering(made)
     after, found = cleaned(clip, rig, made.contacts, EnforceParams(strength=strength, method=method, solver=solver))
@@ -265,7 +267,7 @@ def test_no_strength_no_change_and_half_strength_half_way(method: Method, solver
 
 
 def test_half_strength_lifts_half_way() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     after, found = cleaned(artefacts.sink(made.clip, 0.03), rig, made.contacts, EnforceParams(strength=0.5))
     assert np.allclose(found.correction.root_shift, [0.0, 0.015, 0.0], atol=1e-4)
@@ -273,14 +275,14 @@ def test_half_strength_lifts_half_way() -> None:
 
 
 def test_of_a_figure_that_is_lifted_half_way_it_is_told_where_its_feet_stand() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     _, found = cleaned(artefacts.sink(made.clip, 0.03), rig_of(made), made.contacts, EnforceParams(strength=0.5))
     assert [plant.target[1] for plant in found.plants] == pytest.approx([-0.015] * len(found.plants), abs=1e-3)
 
 
 @pytest.mark.parametrize("solver", ["glardon", "kim_neff"])
 def test_what_is_said_to_be_lifted_is_lifted(solver: Solver) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     _, found = cleaned(artefacts.sink(made.clip, 0.03), rig_of(made), made.contacts, EnforceParams(solver=solver))
     said = any(note.id == "height-moved" for note in found.notes)
     assert bool(found.correction.root_shift.any()) is said
@@ -290,7 +292,7 @@ def test_what_is_said_to_be_lifted_is_lifted(solver: Solver) -> None:
 
 
 def test_turned_and_shifted_clips_give_the_turned_and_shifted_result() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = wandering(made)
     plain, one = cleaned(clip, rig, made.contacts)
@@ -319,7 +321,7 @@ def test_a_mirrored_clip_gives_the_mirrored_result() -> None:
 
 def test_a_giant_that_walks_as_giants_do_is_cleaned_like_a_child() -> None:
     """Twice as large in sqrt(2) times the time: accelerations of places are the same."""
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = wandering(made)
     soles = tuple(replace(s, offset=tuple(2.0 * v for v in s.offset)) for s in rig.soles)
@@ -366,7 +368,7 @@ def with_toes(contacts: Contacts, made: tuple[Contact, ...]) -> Contacts:
 
 @pytest.mark.parametrize(("wish", "within"), [(None, 0.004), ("force", 0.001)])
 def test_forbidden_contacts_are_none_and_places_asked_for_are_taken(wish: None, within: float) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     first, second, *others = made.contacts.effectors[1].contacts
     where = made.tracks[1][second.start]
@@ -383,7 +385,7 @@ def test_forbidden_contacts_are_none_and_places_asked_for_are_taken(wish: None, 
 
 
 def test_a_plant_that_was_brought_elsewhere_was_not_kept() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     _, second, *_ = made.contacts.effectors[1].contacts
     where = made.tracks[1][second.start]
@@ -413,7 +415,7 @@ def test_what_is_forced_is_held_whatever_it_costs() -> None:
 
 
 def test_labels_as_a_detector_wrote_them_are_taken_as_a_detectors() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = artefacts.wander(made.clip, 0.05)
     unsure = tuple(
@@ -453,7 +455,7 @@ def test_heights_that_are_kept_are_kept_in_every_frame() -> None:
 
 
 def test_toes_turn_out_as_asked() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     after, _ = cleaned(made.clip, rig, made.contacts, EnforceParams(style=StyleParams(toe_out={"left": 15.0})))
     flat = made.contacts.mask()[:, :2].all(axis=1)
@@ -468,7 +470,7 @@ def test_toes_turn_out_as_asked() -> None:
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_feet_are_put_aside_as_asked(side: str) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     leg = 0 if side == "left" else 1
     wish = dict.fromkeys((f"{side}_heel", f"{side}_toe"), (0.03, 0.0, 0.02))
@@ -484,7 +486,7 @@ def test_feet_are_put_aside_as_asked(side: str) -> None:
 
 
 def test_feet_that_are_put_aside_stay_on_the_floor() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     wish = dict.fromkeys(("left_heel", "left_toe"), (0.03, 0.0, 0.0))
     after, _ = cleaned(made.clip, rig, made.contacts, EnforceParams(style=StyleParams(offset=wish)))
@@ -536,11 +538,37 @@ def test_a_foot_that_turns_on_its_ball_keeps_turning() -> None:
     assert same(after, clip) and found.plants[0].outcome == "kept"
 
 
+# ---- corrections ------------------------------------------------------------------------------------
+
+
+def test_a_shift_in_the_world_is_one_in_the_frame_of_the_roots_parent() -> None:
+    """Many files have a joint above the one that carries the figure, turned and moved as it likes."""
+    made = walk(duration=2.0)
+    skeleton, frames = made.clip.skeleton, len(made.clip)
+    above = Skeleton(
+        names=("World", *skeleton.names), parents=np.append(-1, skeleton.parents + 1),
+        offsets=np.concatenate([np.zeros((1, 3)), skeleton.offsets]), end_parents=skeleton.end_parents + 1,
+        end_offsets=skeleton.end_offsets, translates=np.append([True, True], np.zeros(len(skeleton) - 1, dtype=bool)),
+    )  # fmt: skip
+    t = np.arange(frames) / frames
+    turn = rotation.from_rotation_vector(np.stack([0.4 * t, 2.0 * t - 0.7, 0.3 + 0.0 * t], axis=1))
+    positions = np.concatenate([np.zeros((frames, 1, 3)), made.clip.positions], axis=1)
+    rotations = np.concatenate([turn[:, None], made.clip.rotations], axis=1)
+    clip = Clip(above, positions, rotations, made.clip.frame_time)
+    shift = np.stack([0.05 * np.sin(9.0 * t), 0.02 * t, 0.03 + 0.0 * t], axis=1)
+    shift[:40] = 0.0
+    after = apply(clip, Correction(1, shift, (), np.zeros((frames, 0, 4))))
+    assert np.allclose(forward(after).positions[:, 1:] - forward(clip).positions[:, 1:], shift[:, None], atol=1e-12)
+    assert np.array_equal(after.positions[:40], clip.positions[:40])
+    assert np.array_equal(after.positions[:, 2:], clip.positions[:, 2:])
+    assert apply(clip, Correction(1, 0.0 * shift, (), np.zeros((frames, 0, 4)))) is clip
+
+
 # ---- files that lack something ----------------------------------------------------------------------
 
 
 def test_a_leg_that_the_file_cannot_turn_is_released_and_said() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     rotates = np.ones(len(made.clip.skeleton), dtype=bool)
     rotates[rig.legs[0].knee] = False
@@ -554,7 +582,7 @@ def test_a_leg_that_the_file_cannot_turn_is_released_and_said() -> None:
 
 
 def test_a_root_that_cannot_move_stays_and_the_legs_hold() -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     fixed = replace(made.clip.skeleton, translates=np.zeros(len(made.clip.skeleton), dtype=bool))
     for artefact in ("wander", "sunk"):
@@ -568,7 +596,7 @@ def test_a_root_that_cannot_move_stays_and_the_legs_hold() -> None:
 @pytest.mark.parametrize(("method", "solver"), WAYS)
 @pytest.mark.parametrize("frames", [1, 2, 3, 4, 5])
 def test_a_handful_of_frames_is_no_trouble(method: Method, solver: Solver, frames: int) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     clip = artefacts.drift(made.clip, 1.0).frames(slice(0, frames))
     whole = replace(made.contacts, frames=frames).with_mask(np.ones((frames, 4), dtype=bool))
@@ -580,7 +608,7 @@ def test_a_handful_of_frames_is_no_trouble(method: Method, solver: Solver, frame
 @pytest.mark.parametrize("what", ["teleport", "spike", "frozen", "huge"])
 @pytest.mark.parametrize(("method", "solver"), WAYS)
 def test_teleports_and_spikes_leave_numbers(method: Method, solver: Solver, what: str) -> None:
-    made = walk()
+    made = walk(duration=2.0)
     rig = rig_of(made)
     positions, clip = made.clip.positions.copy(), made.clip
     if what == "teleport":
@@ -608,22 +636,10 @@ def test_a_spike_is_not_felt_far_away() -> None:
     turn = rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians(50.0))
     rotations[150, knee] = rotation.multiply(rotations[150, knee], turn)
     plain, _ = cleaned(clip, rig, made.contacts)
-    spiked, _ = cleaned(replace(clip, rotations=rotations), rig, made.contacts)
+    spiked, found = cleaned(replace(clip, rotations=rotations), rig, made.contacts)
     off = np.linalg.norm(point(plain, rig, 0, TOE) - point(spiked, rig, 0, TOE), axis=1)
     assert off[:60].max() < 0.04
-    assert np.isfinite(off).all()
-
-
-def test_the_root_does_not_go_far_for_a_spike() -> None:
-    made = walk()
-    rig = rig_of(made)
-    clip = artefacts.scale_root(made.clip, 1.08, height=False)
-    rotations = clip.rotations.copy()
-    knee = rig.legs[0].knee
-    turn = rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians(50.0))
-    rotations[150, knee] = rotation.multiply(rotations[150, knee], turn)
-    _, found = cleaned(replace(clip, rotations=rotations), rig, made.contacts)
-    assert np.linalg.norm(found.correction.root_shift, axis=1).max() < 0.15
+    assert np.linalg.norm(found.correction.root_shift, axis=1).max() < 0.15  # nor does the root go far for it
 
 
 def test_where_a_pose_was_cut_off_the_correction_starts_small() -> None:

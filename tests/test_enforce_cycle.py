@@ -9,7 +9,10 @@ import pytest
 from legmaker import largest_turn
 from walks import cleaned, rig_of, walk
 
-from footfix.enforce.cycle import find_cycle
+from footfix.enforce import run
+from footfix.enforce.cycle import Cycle, find_cycle, solved_as_cycle
+from footfix.enforce.leg import HEEL, TOE
+from footfix.enforce.problem import Problem
 from footfix.enforce.run import EnforceParams, pose_of
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -114,6 +117,35 @@ def test_a_foot_that_stands_across_the_seam_stands_there_too(closed: bool, yaw: 
     assert (closed or before > 15.0) and now < 1.6
     steps = np.linalg.norm(np.diff(toe[1][-6:, [0, 2]], axis=0), axis=1) * 1000.0
     assert steps.max() < 1.6
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.5])
+@pytest.mark.parametrize("closed", [True, False])
+def test_rounds_are_laid_end_to_end_and_what_stands_is_held_over_their_seams(closed: bool, yaw: float) -> None:
+    rig, laid = rig_of(walk()), []
+    clip, contacts = striding(0.0, closed=closed, yaw=yaw)
+    params = EnforceParams()
+    of = run.problem_of(clip, rig, run._task(clip, rig, contacts, params), params, (False, False))
+
+    def solve(problem: Problem) -> Floats:
+        laid.append(problem)
+        return np.zeros((problem.unknowns, problem.frames))
+
+    x = solved_as_cycle(of, Cycle(FRAMES, yaw), solve)
+    assert x.shape == (of.unknowns, len(clip))
+    (long,) = laid
+    count = long.frames // FRAMES
+    assert count % 2 == 1 and long.frames == count * FRAMES
+    middle = slice(count // 2 * FRAMES, (count // 2 + 1) * FRAMES)
+    for k, (leg, more) in enumerate(zip(of.legs, long.legs, strict=True)):
+        assert np.allclose(more.hip[:, middle], leg.hip[:, :FRAMES])  # where it is in the clip
+        steps = np.linalg.norm(np.diff(more.hip, axis=1), axis=0)
+        assert steps.max() < 1.2 * np.linalg.norm(np.diff(leg.hip, axis=1), axis=0).max()  # no jump at a seam
+        for point in (HEEL, TOE):
+            hold, pin = long.pins[k][point].hold, of.pins[k][point]
+            stands = bool(pin.stands[0] and pin.stands[-1])
+            assert stands is (k == 1) and np.all((hold[FRAMES - 1 :: FRAMES] > 0.0) == stands)
+            assert np.array_equal(hold[middle.start : middle.stop - 1], pin.hold[: FRAMES - 1])
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.5])

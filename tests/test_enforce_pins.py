@@ -320,6 +320,15 @@ def test_what_a_program_has_put_to_rest_is_kept_whatever_the_rest_of_it_does() -
         assert kept_of(made, contacts) == [keep]
 
 
+def test_what_hardly_strays_over_a_whole_plant_was_put_to_rest_at_whatever_height() -> None:
+    up = np.zeros((FRAMES, 3))
+    up[:30, 1] = 1.6 * PARAMS.keep_height * still().rig.leg_length
+    for size, keep in ((0.2, True), (0.8, False)):  # [mm]
+        made = moved(swayed(still(), 0.001 * size), up)
+        contacts = contacts_of(made, left_toe=[Contact(0, 30, 0.9), Contact(30, FRAMES, 0.9)])
+        assert kept_of(made, contacts) == [keep, True]
+
+
 def test_frames_written_twice_are_not_rest() -> None:
     """60 Hz motion written at 120: every second step is none."""
     t = np.arange(FRAMES) // 2

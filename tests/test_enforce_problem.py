@@ -111,7 +111,7 @@ def test_each_cost_is_what_the_table_says(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "static"), [
-    *((name, 1.0) for name in PROBLEMS), *((name, 8.0) for name in ("slip", "slip of the heel", "all of it"))
+    *((name, 1.0) for name in PROBLEMS if not name.startswith("slip of")), ("slip", 8.0), ("all of it", 8.0)
 ])  # fmt: skip
 def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
     """Gauss-Newton: J'J and J'r, J from differences of residuals that are written down in the tests."""
@@ -119,8 +119,10 @@ def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
     x = spread(of, 2)
     found = system(of, x, EPS, static)
 
+    before = places(of, x)
+
     def r(y: Floats) -> Floats:
-        return residuals(of, y, near_at=x, eps=EPS, static=static)
+        return residuals(of, y, near_at=before, eps=EPS, static=static)
 
     J = differences(r, x)
     matrix, expected = dense(found), J.T @ J

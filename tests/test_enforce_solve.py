@@ -159,7 +159,7 @@ def test_a_step_that_would_raise_the_objective_is_shortened() -> None:
 def test_the_gradient_is_small_where_the_descent_ends() -> None:
     of = skating(frames=90)
     start = np.zeros((of.unknowns, 90))
-    x = descend(of, start, 60, first=0.06)
+    x = descend(of, start, 40, first=0.06)
     here = EPS * of.frame_time
     # where it is flat a step, not a slope, says how far the least is
     step = solver._step(of, systems(of, x, here), of.free(), None)
@@ -171,10 +171,10 @@ def test_the_gradient_is_small_where_the_descent_ends() -> None:
 
 def test_the_objective_of_the_solver_is_about_the_least() -> None:
     """The few rounds of the solver, coarse and fine, lead to where many rounds do."""
-    of = skating(120.0, 160)
+    of = skating(120.0, 120)
     found = solve(of)
     here = EPS * of.frame_time
-    many = descend(of, found, 60, first=EPS)
+    many = descend(of, found, 40, first=EPS)
     cost, lowest = objective(of, found, here), objective(of, many, here)
     nothing = objective(of, np.zeros_like(found), here)
     assert lowest <= cost <= lowest + 0.02 * (nothing - lowest)
@@ -297,7 +297,7 @@ def test_a_motion_costs_the_same_at_any_rate() -> None:
         assert a > 0.0 and b == pytest.approx(a, rel=0.06)
 
 
-@pytest.mark.parametrize("frames", [4, 5, 31, 33, 34, 35])
+@pytest.mark.parametrize("frames", [4, 5, 33, 35])
 def test_clips_of_any_length_are_solved(frames: int) -> None:
     x = solve(skating(120.0, frames))
     assert x.shape[1] == frames and np.isfinite(x).all()
