@@ -32,7 +32,8 @@ from walker_gaits import Gait, Name
 from footfix import api
 from footfix.enforce.run import EnforceParams
 from footfix.errors import FootfixError
-from footfix.formats.bvh import compose, decode, encode
+from footfix.formats.bvh import compose
+from footfix.formats.document import open_document, rewrite
 from footfix.measure.clip import Measures, peak_acceleration
 from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
@@ -88,7 +89,7 @@ def run(path: Path, params: EnforceParams) -> Row:
     start = time.perf_counter()
     corrected, figures = correct(prepared, contacts, settings)
     spent = time.perf_counter() - start
-    written = decode(encode(document, corrected)).placed(unit_m=document.unit_m, up=document.up).clip
+    written = rewrite(document, corrected)[1]
     (result,) = measure_figures(clip, written, figures)
     rig = result.rig
     twice = api.clean(written, settings, rig=rig, contacts=contacts).clip
@@ -197,11 +198,11 @@ def farthest(places: Floats) -> float:
 def walker(gait: Name, artefact: str, params: EnforceParams) -> WalkerRow:
     """A walker made, spoilt, written, read, cleaned, written, read and measured."""
     made = make(Gait(name=gait, fps=120.0))
-    document = decode(compose(ARTEFACTS[artefact](made.clip), unit_m=0.01)).placed(unit_m=0.01, up="y")
+    document = open_document(compose(ARTEFACTS[artefact](made.clip), unit_m=0.01)).placed(unit_m=0.01, up="y")
     clip = document.clip
     rig = api.find_rig(clip)
     found = api.clean(clip, Settings(enforce=params), rig=rig, contacts=replace(made.contacts, method="labels"))
-    after = decode(encode(document, found.clip)).placed(unit_m=0.01, up="y").clip
+    after = rewrite(document, found.clip)[1]
     pose = forward(after)
     tracks = [pose.point(clip.skeleton.names.index(joint), np.array(offset)) for joint, offset in made.soles]
     mask = made.contacts.mask()

@@ -43,8 +43,8 @@ from footfix.measure.clip import measure
 from footfix.motion.clip import Clip, Skeleton
 from footfix.motion.kinematics import forward
 from footfix.motion.smoothing import savgol
-from footfix.report.motion import film
-from footfix.report.page import PageData, render
+from footfix.report.web.motion import film
+from footfix.report.web.page import PageData, render
 from footfix.rig.find import find_rig
 from footfix.rig.survey import survey
 from footfix.settings import Settings

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from footfix import job
 from footfix.detect.run import detect
-from footfix.formats.bvh import Document, compose, encode
+from footfix.formats.bvh import compose
+from footfix.formats.document import Document, rewrite
 from footfix.motion.clip import Clip
 from footfix.pipeline import clean
 from footfix.rig.find import find_rig
@@ -17,7 +18,7 @@ __all__ = ["clean", "detect", "find_rig", "load", "save"]
 
 
 def load(path: str | os.PathLike[str], settings: Settings | None = None) -> Document:
-    """Reads a BVH file.
+    """Read a file of motion.
 
     Args:
         path: the file.
@@ -27,14 +28,14 @@ def load(path: str | os.PathLike[str], settings: Settings | None = None) -> Docu
         The file; its `.clip` is the motion in metres, y up, its `.notes` what was odd about it.
 
     Raises:
-        InputError: it is no BVH, or holds numbers that are none.
+        InputError: it can't be read, or holds numbers that are none.
         OSError: it can't be opened.
     """
     return job.read(Path(path).read_bytes(), os.fspath(path), settings or Settings())
 
 
 def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = None) -> None:
-    """Writes a BVH file, whole or not at all.
+    """Write a file of motion, whole or not at all.
 
     Args:
         path: the file; one that is there is replaced.
@@ -45,6 +46,6 @@ def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = No
     Raises:
         OutputError: it could not be written; what stood there still does.
     """
-    from footfix.files import write_whole
+    from footfix.batch.files import write_whole
 
-    write_whole(Path(path), compose(clip) if like is None else encode(like, clip))
+    write_whole(Path(path), compose(clip) if like is None else rewrite(like, clip)[0])

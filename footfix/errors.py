@@ -5,21 +5,34 @@ An error is written for a person: where (file, line, frames, joint), what is wro
 
 from __future__ import annotations
 
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """What the end of a command means to a shell."""
+
+    DONE = 0
+    OVER_BUDGET = 1  # `check` found a clip over a gate
+    USAGE = 2  # the command line or the settings make no sense; nothing has been done
+    FAILED = 3  # at least one input failed; the others are done
+    BUG = 4  # ours, not the file's
+    INTERRUPTED = 130  # what was finished is kept
+
 
 class FootfixError(Exception):
     """Root of all errors that footfix raises on purpose."""
 
-    exit_code = 3
+    exit_code = ExitCode.FAILED
 
 
 class UsageError(FootfixError):
     """The command line or the settings make no sense; nothing has been done."""
 
-    exit_code = 2
+    exit_code = ExitCode.USAGE
 
 
 class InputError(FootfixError):
-    """An input can't be used: it is no BVH, is damaged, or holds nothing this tool can work on."""
+    """An input can't be used: it is no motion file, is damaged, or holds nothing this tool can work on."""
 
     def __init__(
         self, what: str, *, file: str = "", line: int | None = None, column: int | None = None, hint: str = ""

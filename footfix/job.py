@@ -14,17 +14,17 @@ import numpy as np
 from footfix import version
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
-from footfix.formats.bvh import Document, decode, rewrite
 from footfix.formats.contacts import Labels
+from footfix.formats.document import Document, open_document, rewrite
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
 from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
-from footfix.pages import draw
 from footfix.pipeline import Prepared, Result, correct, measure_as_it_is, measure_figures, prepare
 from footfix.pipeline import find_contacts as detected
 from footfix.report import document as report_format
+from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
 from footfix.rig.rig import joined
@@ -46,7 +46,7 @@ class Outputs:
 
     Args:
         status: "cleaned", or "unchanged" where nothing needed doing.
-        bvh: the corrected file; the very bytes that came in where nothing changed.
+        motion: the corrected file; the very bytes that came in where nothing changed.
         contacts: the contacts file.
         report: the report file as a document.
         pages: further outputs by suffix (".report.html", ".png").
@@ -54,7 +54,7 @@ class Outputs:
     """
 
     status: Status
-    bvh: bytes
+    motion: bytes
     contacts: bytes
     report: Mapping[str, Any]
     pages: Mapping[str, bytes] = field(default_factory=dict)
@@ -74,17 +74,17 @@ def read(data: bytes, name: str, settings: Settings) -> Document:
     """Read a file as a document in metres, y up.
 
     Raises:
-        InputError: it is no BVH, or holds numbers that are none.
+        InputError: it can't be read, or holds numbers that are none.
     """
     return _opened(data, name, settings)[0]
 
 
 def _opened(data: bytes, name: str, settings: Settings) -> tuple[Document, slice]:
     """A file as a document in metres, y up, and the frames of it that are motion."""
-    document = decode(data, name=name, limits=settings.limits)
+    document = open_document(data, name=name, limits=settings.limits)
     for broken in document.unusable:
         raise InputError(broken.text, file=name, line=broken.line, column=broken.column)
-    if len(document.values) == 0:
+    if document.frames == 0:
         return document, slice(0, 0)
     proper = motion_proper(document.clip)
     with about(name):
@@ -202,7 +202,7 @@ def _report(
 def _too_short(
     data: bytes, document: Document, source: Mapping[str, Any], settings: Settings, output: str | None
 ) -> Outputs:
-    frames = len(document.values)
+    frames = document.frames
     text = f"{frames} {'frame' if frames == 1 else 'frames'}: too short to hold a motion, so nothing was changed"
     report = {
         **report_format.frame(source, version.__version__, status="unchanged", output=output),

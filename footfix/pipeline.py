@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from footfix.detect.run import detect_contacts
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
+from footfix.enforce.put_back import put_back
 from footfix.enforce.run import enforce, ground_of
-from footfix.enforce.whole import put_back
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats

@@ -18,7 +18,7 @@ from typing import Any, Literal
 from footfix.detect.run import DetectParams
 from footfix.enforce.run import EnforceParams
 from footfix.errors import UsageError
-from footfix.formats.bvh import Limits
+from footfix.formats.bvh.text import Limits
 from footfix.motion.smoothing import SmoothParams
 from footfix.rig.params import RigParams
 

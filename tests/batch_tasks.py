@@ -8,7 +8,8 @@ import time
 from pathlib import Path
 
 from footfix.batch.outputs import Job
-from footfix.batch.work import FileResult, Task, clean_one
+from footfix.batch.task import FileResult, Task
+from footfix.batch.work import clean_one
 from footfix.settings import Settings
 
 

@@ -159,3 +159,11 @@ def files(draw: st.DrawFn) -> tuple[list[Joint], np.ndarray, Style, bytes]:
     values = rng.uniform(-200.0, 200.0, (frames, width))
     values = np.array([[float(style.number(x)) for x in row] for row in values.tolist()]).reshape(values.shape)
     return joints, values, style, write(roots, values, style)
+
+
+def side_by_side(one: bytes, other: bytes) -> bytes:
+    """Two files of as many frames as one file with two roots."""
+    (head, rows), (other_head, other_rows) = (each.decode().split("MOTION\n") for each in (one, other))
+    lines, other_lines = rows.splitlines(), other_rows.splitlines()
+    both = [f"{a.strip()} {b.strip()}" for a, b in zip(lines[2:], other_lines[2:], strict=True)]
+    return "\n".join([head + other_head.removeprefix("HIERARCHY\n") + "MOTION", *lines[:2], *both, ""]).encode()

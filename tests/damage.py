@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.errors import InputError
 from footfix.formats.bvh import Document, decode, encode, rewrite
-from footfix.formats.repair import repair
+from footfix.formats.bvh.repair import repair
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 

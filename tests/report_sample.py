@@ -12,7 +12,7 @@ from footfix.formats.contacts import encode_json
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.motion.contacts import Contact, Contacts
-from footfix.report.motion import Motion, film
+from footfix.report.web.motion import Motion, film
 from footfix.rig.rig import Leg, Rig, SolePoint
 
 # What a stranger may call a file or a joint.

@@ -13,7 +13,7 @@ PACKAGE = ROOT / "footfix"
 
 # Lower rooms first: a module may import from its own room and from rooms before it.
 FLOORS = [
-    {"errors", "notes", "version", "files"},
+    {"errors", "notes", "version"},
     {"motion"},
     {"rig"},
     {"detect", "enforce", "measure"},
@@ -21,11 +21,10 @@ FLOORS = [
     {"settings", "configs"},
     {"pipeline", "config"},
     {"report"},
-    {"pages"},
     {"job"},
-    {"doctor"},
+    {"inspection"},
     {"batch", "api"},
-    {"cli", "cli_options", "cli_common", "cli_clean", "cli_runs", "console", "__main__", "__init__"},
+    {"cli", "__main__", "__init__"},
 ]
 NUMERIC = {"motion", "rig", "detect", "enforce", "measure"}
 DOORS_ONLY = {"click", "yaml", "json", "pathlib", "logging"}
@@ -69,6 +68,30 @@ def test_numeric_code_does_not_print(path: object) -> None:
     if room(path.relative_to(PACKAGE).parts) in NUMERIC:  # type: ignore[attr-defined]
         calls = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]  # type: ignore[attr-defined]
         assert not any(isinstance(call.func, ast.Name) and call.func.id in ("print", "open") for call in calls)
+
+
+def name_of(path: object) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts  # type: ignore[attr-defined]
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def test_no_module_imports_itself_by_way_of_others() -> None:
+    known = {name_of(path) for path in MODULES}
+    arrows = {
+        name_of(path): {each if each in known else each.rpartition(".")[0] for each in imported(path)} & known
+        for path in MODULES
+    }
+    done: set[str] = set()
+
+    def look(name: str, way: tuple[str, ...]) -> None:
+        assert name not in way, " -> ".join((*way[way.index(name) :], name))
+        if name not in done:
+            for each in sorted(arrows[name] - {name, "footfix"}):
+                look(each, (*way, name))
+            done.add(name)
+
+    for name in sorted(known - {"footfix"}):
+        look(name, ())
 
 
 def test_help_waits_for_no_number_cruncher() -> None:

@@ -9,7 +9,7 @@ import artefacts
 import exports
 import numpy as np
 import pytest
-from test_clean import side_by_side
+from bvhmaker import side_by_side
 from walker import Walk, make
 from walker_plan import Gait
 
@@ -17,8 +17,8 @@ import footfix
 from footfix import pipeline
 from footfix.batch import gates
 from footfix.batch.outputs import Job
-from footfix.batch.work import Task
-from footfix.enforce.whole import put_back
+from footfix.batch.task import Task
+from footfix.enforce.put_back import put_back
 from footfix.formats.contacts import Labels
 from footfix.job import clean_file, measure_file, read
 from footfix.measure.plants import PlantMeasure
@@ -63,7 +63,7 @@ def test_the_command_and_python_do_the_same(settings: Settings, t_pose: bool) ->
     outputs = clean_file(data, "a.bvh", settings)
     clip = read(data, "a.bvh", settings).clip
     result = footfix.clean(clip, settings)
-    written = read(outputs.bvh, "a.bvh", settings).clip
+    written = read(outputs.motion, "a.bvh", settings).clip
     assert np.allclose(written.positions, result.clip.positions, atol=1e-6)
     assert np.abs(np.einsum("fji,fji->fj", written.rotations, result.clip.rotations)).min() > 1.0 - 1e-9
     rows = outputs.report["plants"]
@@ -88,7 +88,7 @@ def test_after_is_measured_on_the_written_file_for_every_figure() -> None:
     spans: dict[str, tuple[Contact, ...]] = {}
     for row in outputs.report["plants"]:
         spans[row["effector"]] = (*spans.get(row["effector"], ()), Contact(row["start"], row["end"]))
-    measured = measure_file(outputs.bvh, "two.bvh", SETTINGS, labels=Labels(spans))[1]
+    measured = measure_file(outputs.motion, "two.bvh", SETTINGS, labels=Labels(spans))[1]
     after = outputs.report["after"]
     assert set(measured) == set(after)
     for key, value in after.items():

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from footfix.batch.processes import Results, Stop, Work
-from footfix.batch.work import FileResult, Task
+from footfix.batch.task import FileResult, Task
 from footfix.errors import UsageError
 
 _AHEAD = 4  # tasks a thread of the cluster has in hand or waiting, so that a stop does not leave thousands
@@ -44,9 +44,7 @@ def _connect(address: str) -> Any:
         raise UsageError(f"--dask {address}: no scheduler answers there ({error})") from None
 
 
-def _feed(
-    client: Any, work: Work, tasks: Sequence[Task], stop: Stop, starting: Callable[[int], None]
-) -> Results:
+def _feed(client: Any, work: Work, tasks: Sequence[Task], stop: Stop, starting: Callable[[int], None]) -> Results:
     threads = max(sum(client.nthreads().values()), 1)
     suspects: list[int] = []
     for index, end in _ended(client, work, tasks, range(len(tasks)), _AHEAD * threads, stop, starting):

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from footfix.batch.work import REPORT, FileResult, Task
+from footfix.batch.files import STDIN
+from footfix.batch.task import REPORT, FileResult, Task
 from footfix.errors import UsageError
-from footfix.files import STDIN
 from footfix.formats.contacts import Labels
 from footfix.measure.clip import WORLD, Measures
 from footfix.motion.contacts import Contact

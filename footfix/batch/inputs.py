@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from footfix.batch.files import STDIN, read_whole
 from footfix.errors import UsageError
-from footfix.files import STDIN, read_whole
-
-# What a cleaned file's name ends in where it is written beside its input; such files are no inputs of a folder.
-CLEAN_SUFFIX = ".clean.bvh"
+from footfix.formats.suffixes import STDIN_NAME, is_cleaned, is_motion
 
 # A folder of this name stands in every folder of outputs; it holds the journal of the run that wrote them.
 MARK = ".footfix"
@@ -63,7 +61,7 @@ def sources(
     for name in named:
         path = Path(name)
         if name == STDIN:
-            add(name, Path("stdin.bvh"))
+            add(name, Path(STDIN_NAME))
         elif path.is_dir():
             below = [each for each in _walk(path, leave_out, own_outputs) if wanted(each.relative_to(path))]
             if not below:
@@ -109,9 +107,8 @@ def _walk(folder: Path, leave_out: Path | None, own_outputs: bool) -> Iterator[P
             if not each.startswith(".") and (avoided is None or os.path.realpath(Path(root, each)) != avoided)
         )  # fmt: skip
         for name in sorted(files):
-            low = name.lower()
-            cleaned = low.endswith(CLEAN_SUFFIX) and not own_outputs
-            if low.endswith(".bvh") and not cleaned and not name.startswith("."):
+            ours = is_cleaned(name) and not own_outputs  # a copy beside its input is no input of a folder
+            if is_motion(name) and not ours and not name.startswith("."):
                 yield Path(root) / name
 
 

@@ -13,10 +13,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from footfix.batch.files import write_whole
 from footfix.batch.inputs import MARK
-from footfix.batch.work import FileResult
+from footfix.batch.task import FileResult
 from footfix.errors import OutputError
-from footfix.files import write_whole
 
 
 @dataclass(frozen=True)

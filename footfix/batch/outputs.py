@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from footfix.batch.inputs import CLEAN_SUFFIX, Source
+from footfix.batch.files import STDIN
+from footfix.batch.inputs import Source
 from footfix.errors import UsageError
-from footfix.files import STDIN
+from footfix.formats.suffixes import cleaned_name
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ def _job(source: Source, output: Path | None, in_place: bool) -> Job:
     path = Path(source.path)
     if in_place:  # behind a link it is the file itself that is replaced
         return Job(source.path, Path(os.path.realpath(path)), path.with_suffix(""), name)
-    return Job(source.path, path.with_name(path.stem + CLEAN_SUFFIX), path.with_suffix(""), name)
+    return Job(source.path, path.with_name(cleaned_name(path.name)), path.with_suffix(""), name)
 
 
 def _outputs(job: Job, suffixes: Sequence[str]) -> Iterator[Path]:

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from footfix.batch.work import FileResult, Task
+from footfix.batch.files import remove_leftovers
+from footfix.batch.task import FileResult, Task
 from footfix.errors import FootfixError
-from footfix.files import remove_leftovers
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -53,9 +53,7 @@ class _Worker:
     since: float = 0.0
 
 
-def here(
-    work: Work, tasks: Sequence[Task], *, stop: Stop, starting: Callable[[int], None]
-) -> Results:
+def here(work: Work, tasks: Sequence[Task], *, stop: Stop, starting: Callable[[int], None]) -> Results:
     """Does the tasks one after the other in this process."""
     for index, task in enumerate(tasks):
         if stop.soon:

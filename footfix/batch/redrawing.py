@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from footfix.batch.work import CONTACTS, REPORT, FileResult
+from footfix.batch.files import read_whole, write_whole
+from footfix.batch.task import CONTACTS, REPORT, FileResult
 from footfix.errors import FootfixError, InputError
-from footfix.files import read_whole, write_whole
 from footfix.settings import ReportParams, Settings
 
 
@@ -26,7 +26,7 @@ def redraw_one(
         output: the folder that pages go to; beside the report without one.
         force: pages that are there are replaced.
     """
-    from footfix.pages import redraw
+    from footfix.report.pages import redraw
 
     try:
         most = Settings().limits.bytes

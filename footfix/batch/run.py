@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from footfix.batch.files import STDIN, remove_leftovers
 from footfix.batch.journal import Journal
 from footfix.batch.processes import Results, Stop, Work, here, on_processes
-from footfix.batch.work import FileResult, Task
-from footfix.files import STDIN, remove_leftovers
+from footfix.batch.task import FileResult, Task
 
 # With fewer clips than this a worker process takes longer to start than it saves.
 _WORTH_A_PROCESS = 4
@@ -89,9 +89,7 @@ def run(
     return Outcome(tuple(results[index] for index in sorted(results)), stop.soon and len(results) < len(tasks))
 
 
-def _done(
-    work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: Callable[[int], None]
-) -> Results:
+def _done(work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: Callable[[int], None]) -> Results:
     # standard input is this process's own
     own = [index for index, task in enumerate(tasks) if task.job.source == STDIN]
     others = [index for index, task in enumerate(tasks) if task.job.source != STDIN]

@@ -6,91 +6,20 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from footfix.batch.outputs import Job, is_within
+from footfix.batch.files import STDIN, read_whole, sync_folder, write_whole
+from footfix.batch.outputs import is_within
+from footfix.batch.task import CONTACTS, REPORT, FileResult, Task, beside
 from footfix.errors import FootfixError, InputError, OutputError
-from footfix.files import STDIN, read_whole, sync_folder, write_whole
 from footfix.version import __version__
 
 if TYPE_CHECKING:
     from footfix.formats.contacts import Labels
     from footfix.job import Outputs
-    from footfix.report.offenders import Offender
     from footfix.settings import Settings
-
-REPORT, PAGE, PICTURE, CONTACTS = ".report.json", ".report.html", ".report.png", ".contacts.json"
-
-
-@dataclass(frozen=True)
-class Task:
-    """A job and all that is needed to do it anywhere.
-
-    Args:
-        job: the clip and its outputs.
-        settings: the parameters that hold for this clip.
-        labels: contacts given for it.
-        dry_run: do everything but write.
-        resume: leave what is done for the same input, settings and version.
-        wrote: for a run that is resumed, file name -> SHA-256 of what it wrote for this clip before, as far as
-            that is known; None where it had not begun with it, so that files in the way are not its own.
-        tag: of the run, in the names of its temporary files.
-        folder: what relative paths are relative to.
-        keep_report: hand the whole report back, not only what a summary needs.
-        extra: what else a kind of work needs.
-    """
-
-    job: Job
-    settings: Settings
-    labels: Labels | None = None
-    dry_run: bool = False
-    resume: bool = False
-    wrote: Mapping[str, str] | None = None
-    tag: str = "run"
-    folder: str = ""
-    keep_report: bool = True
-    extra: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class FileResult:
-    """What became of one clip: small, plain and picklable.
-
-    Args:
-        source: path of the input.
-        status: "cleaned", "unchanged" or "failed"; of other commands "done", "over" (a gate) or "failed".
-        error: for a person, where it failed.
-        line: of the input, where the error is about one.
-        report: the report document or what the command makes in its place; a digest of it in large runs.
-        written: paths of the outputs.
-        hashes: file name -> SHA-256 of each output.
-        data: bytes for standard output.
-        offenders: its worst plants, as small pictures.
-        skipped: True where it was done already.
-        bug: True where the failure is ours, not the file's.
-    """
-
-    source: str
-    status: str
-    error: str = ""
-    line: int | None = None
-    report: Mapping[str, Any] = field(default_factory=dict)
-    written: tuple[str, ...] = ()
-    hashes: Mapping[str, str] = field(default_factory=dict)
-    data: bytes = b""
-    offenders: tuple[Offender, ...] = ()
-    skipped: bool = False
-    bug: bool = False
-
-
-def beside(settings: Settings) -> tuple[str, ...]:
-    """What the names of the outputs beside a corrected clip end in."""
-    kind, png = settings.report.kind, settings.report.png
-    asked = {REPORT: kind != "none", PAGE: kind == "html", PICTURE: png}
-    return (CONTACTS, *(suffix for suffix, wanted in asked.items() if wanted))
 
 
 def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
@@ -151,12 +80,12 @@ def _guarded(task: Task, work: Any) -> FileResult:
 
 
 def _read(task: Task) -> bytes:
-    from footfix.formats.bvh import glance
+    from footfix.formats.document import glance
 
     source = task.job.source
     path = source if source == STDIN else str(Path(task.folder, source))
     try:
-        return read_whole(path, task.settings.limits.bytes, partial(glance, limits=task.settings.limits))
+        return read_whole(path, task.settings.limits.bytes, partial(glance, name=source, limits=task.settings.limits))
     except InputError as error:
         raise error.within(source) from None
 
@@ -181,7 +110,7 @@ def _clean(task: Task) -> FileResult:
         report=report if task.keep_report else digest(report),
         written=tuple(map(str, files)),
         hashes={path.name: hashlib.sha256(content).hexdigest() for path, content in files.items()},
-        data=outputs.bvh if job.target is None and not task.dry_run else b"",
+        data=outputs.motion if job.target is None and not task.dry_run else b"",
         offenders=outputs.offenders,
     )
 
@@ -192,7 +121,7 @@ def _files(task: Task, outputs: Outputs, report: Mapping[str, Any]) -> dict[Path
     assert job.target is not None
     files = {job.beside(CONTACTS): outputs.contacts}
     files |= {job.beside(suffix): page for suffix, page in outputs.pages.items()}
-    files[job.target] = outputs.bvh
+    files[job.target] = outputs.motion
     if task.settings.report.kind != "none":
         text = json.dumps(report, indent=1, ensure_ascii=False) + "\n"
         files[job.beside(REPORT)] = text.encode("utf-8", "surrogateescape")
@@ -288,13 +217,13 @@ def _detect(task: Task) -> FileResult:
 
 
 def _inspect(task: Task) -> FileResult:
-    from footfix.doctor import inspect_file
+    from footfix.inspection import inspect_file
 
     return FileResult(task.job.source, "done", report=inspect_file(_read(task), task.job.source, task.settings))
 
 
 def _repair(task: Task) -> FileResult:
-    from footfix.doctor import repair_file
+    from footfix.inspection import repair_file
 
     job = task.job
     mended, notes = repair_file(_read(task), job.source, task.settings)

@@ -8,8 +8,8 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.motion.segments import distinct
-from footfix.report.motion import Motion
 from footfix.report.verdict import Report, entries, number, worst_first
+from footfix.report.web.motion import Motion
 
 Path = tuple[tuple[float, float], ...]
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from footfix.measure.plants import NOTICED_MM
-from footfix.report.motion import Motion, side_of
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.raster import Raster, color, fitted
 from footfix.report.text import printable
 from footfix.report.verdict import Report, Tone, judge, source_name
+from footfix.report.web.motion import Motion, side_of
 
 _PAPER, _INK, _MUTED, _LINE = color("#fffefb"), color("#1a2027"), color("#5b6570"), color("#dfdcd4")
 _WAS, _LEFT, _RIGHT = color("#8450a6"), color("#0069a8"), color("#b34800")

@@ -1,0 +1,124 @@
+"""The command line: one module a command. No mathematics, no file formats.
+
+A command's module is imported when it is called, so that `footfix --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+import sys
+from contextlib import suppress
+from importlib import import_module
+
+import click
+
+from footfix.cli.say import say
+from footfix.errors import ExitCode, FootfixError, UsageError
+from footfix.version import __version__
+
+# Each command lies in the module of its name, as the function of its name.
+COMMANDS = {
+    "clean": "Take the foot skate out of clips.",
+    "detect": "Find contacts only, as labels.",
+    "check": "Measure clips and hold them against gates; change nothing.",
+    "inspect": "Say what is in a file: rig, units, floor, and everything odd about it.",
+    "settings": "Print the settings that hold, each with its origin.",
+    "report": "Draw the pages of cleaned clips anew, from their report files.",
+}
+
+
+class Commands(click.Group):
+    """The commands by name; each is imported when it is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = getattr(import_module(f"footfix.cli.{cmd_name}"), cmd_name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+def main() -> None:
+    """The entry point: does what the command line asks for, and ends the process."""
+    try:
+        code = run()
+        _hear_no_more()
+    except KeyboardInterrupt:  # one more, on the way out
+        _hear_no_more()
+        code = ExitCode.INTERRUPTED
+    # Python itself would end as killed, had it been at code from a string, as dataclasses are.
+    if code == ExitCode.INTERRUPTED:
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(code)
+    sys.exit(code)
+
+
+def _hear_no_more() -> None:
+    """All is written and said: while Python puts itself away, an interrupt would only make another code of this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def run() -> int:
+    """Does what the command line asks for, and gives what each kind of ending means to a shell: its exit code."""
+    _bytes_through()
+    # One thread a process: batches run as many processes, and sums come out the same to the last bit.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    try:
+        code = cli.main(standalone_mode=False)
+        sys.stdout.flush()
+    except click.exceptions.Abort:
+        return ExitCode.INTERRUPTED
+    except click.ClickException as error:
+        error.show()
+        return UsageError.exit_code
+    except FootfixError as error:
+        say(f"footfix: {error}")
+        return error.exit_code
+    except KeyboardInterrupt:
+        say("footfix: interrupted")
+        return ExitCode.INTERRUPTED
+    except (BrokenPipeError, SystemExit):  # what click makes of a pipe whose reader has gone
+        # Python would complain once more when it closes stdout.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:
+        say(f"footfix: can't write what was asked for: {error.strerror or error}")
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FootfixError.exit_code
+    except Exception as error:
+        say(f"footfix: a bug in footfix, not in your file: {type(error).__name__}: {error}")
+        if os.environ.get("FOOTFIX_DEBUG"):
+            raise
+        say("footfix: please report it; FOOTFIX_DEBUG=1 shows where it happened")
+        return ExitCode.BUG
+    finally:
+        gc.freeze()  # Python looks through all that is left before it ends, for 20 ms; the system takes it back anyway
+    return code if isinstance(code, int) else 0
+
+
+def _bytes_through() -> None:
+    """File names of any bytes, on consoles of any encoding, are shown as well as they can be, and never fail."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="footfix")
+def cli() -> None:
+    """Cleans motion-capture clips: finds footplants and takes the foot skate out.
+
+    footfix clean walk.bvh   writes walk.clean.bvh, contact labels and a report beside it.
+    """

@@ -1,0 +1,78 @@
+"""`footfix check`: measures and gates; changes nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from footfix.batch.journal import Journal
+from footfix.batch.work import check_one
+from footfix.cli.options import Common, Many, many, shared
+from footfix.cli.running import (
+    code,
+    config_for,
+    found_inputs,
+    print_json,
+    reading,
+    run_tasks,
+    tasks_for,
+    write_file,
+)
+from footfix.errors import ExitCode
+
+
+@click.command()
+@click.argument("src", nargs=-1)
+@click.option("--max", "most", multiple=True, metavar="NAME=VALUE",
+              help="The most a measure may be, such as slide_mm=21. May be repeated.")  # fmt: skip
+@click.option("--labels", type=click.Path(exists=True, path_type=Path), help="Contacts to measure against.")
+@click.option("--anew", is_flag=True, help="Detect contacts anew, even where those of a cleaning lie beside the clip.")
+@click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
+@click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
+              help="How results are told.")  # fmt: skip
+@many
+@shared
+def check(
+    src: tuple[str, ...], most: tuple[str, ...], labels: Path | None, anew: bool, junit: Path | None, style: str,
+    many: Many, common: Common,
+) -> int:  # fmt: skip
+    """Measure clips and hold them against gates; change nothing.
+
+    A clip that footfix cleaned is measured against the contacts that lie beside it, others are looked through.
+    Exits with 1 where a clip is over a gate, given by --max or by `gates:` in the config.
+    """
+    return checked(src, most=most, junit=junit, labels=labels, style=style, anew=anew, many=many, common=common)
+
+
+def checked(
+    src: tuple[str, ...], *, most: tuple[str, ...], junit: Path | None, labels: Path | None, style: str, anew: bool,
+    many: Many, common: Common,
+) -> int:  # fmt: skip
+    """`footfix check`."""
+    from footfix.batch import gates
+    from footfix.report import checking
+
+    limits = gates.parse(most)
+    found = found_inputs(src, many, own_outputs=True)
+    config = config_for(src, many, common, {})
+    jobs = [reading(source) for source in found]
+    tasks = [replace(task, extra={"gates": limits, "anew": anew}) for task in tasks_for(jobs, found, config, labels)]
+    for task in tasks:
+        gates.known(task.settings.gates)
+    outcome = run_tasks(check_one, tasks, many, common, style, Journal(None, ""), lambda result, say: None)
+    rows = [checking.row(result.source, result.status, result.report, result.error) for result in outcome.results]
+    if common.as_json:
+        print_json(checking.document(rows))
+    elif style == "github":
+        for line in checking.workflow_commands(rows):
+            click.echo(line)
+    else:
+        click.echo(checking.text(rows, quiet=common.quiet, verbose=common.verbose), nl=False)
+    if outcome.interrupted:
+        return ExitCode.INTERRUPTED
+    if junit is not None:
+        write_file(junit, checking.junit(rows))
+    ended = code(outcome)
+    return ExitCode.OVER_BUDGET if not ended and any(result.status == "over" for result in outcome.results) else ended

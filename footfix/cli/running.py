@@ -1,0 +1,165 @@
+"""What the commands over many clips share: inputs, settings, tasks, how a run is told, and exit codes."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from footfix.batch import inputs
+from footfix.batch.files import STDIN, read_whole, write_whole
+from footfix.batch.inputs import Source
+from footfix.batch.journal import Journal
+from footfix.batch.outputs import Job
+from footfix.batch.run import Crew, Outcome, run
+from footfix.batch.task import FileResult, Task
+from footfix.cli.options import Common, Many
+from footfix.cli.progress import Progress
+from footfix.errors import ExitCode, UsageError
+
+if TYPE_CHECKING:
+    from footfix.config import Config
+    from footfix.formats.contacts import Labels
+
+Say = Callable[[str], None]
+
+
+def plain(result: FileResult) -> dict[str, Any]:
+    """A result as it stands in a `--json` document."""
+    entry: dict[str, Any] = {"source": result.source, "status": result.status}
+    if result.error:
+        entry["error"] = result.error
+    if result.written:
+        entry["written"] = list(result.written)
+    if result.report:
+        entry["report"] = dict(result.report)
+    return entry
+
+
+def print_json(document: Any) -> None:
+    """One document on stdout; ASCII, so that it is the same on a console of any encoding."""
+    click.echo(json.dumps(document, indent=1))
+
+
+def code(outcome: Outcome) -> ExitCode:
+    """The exit code that results stand for."""
+    if any(result.bug for result in outcome.results):
+        return ExitCode.BUG
+    return ExitCode.FAILED if any(result.status == "failed" for result in outcome.results) else ExitCode.DONE
+
+
+def found_inputs(
+    src: tuple[str, ...], many: Many, *, leave_out: Path | None = None, own_outputs: bool = False
+) -> tuple[Source, ...]:  # fmt: skip
+    if many.dask and many.timeout is not None:
+        raise UsageError("--timeout stops processes of this machine; a cluster's are not ours to stop")
+    if (*src, *many.from_file).count(STDIN) > 1:
+        raise UsageError("standard input can be named only once")
+    found = inputs.sources(
+        src, lists=many.from_file, include=many.include, exclude=many.exclude, leave_out=leave_out,
+        own_outputs=own_outputs,
+    )  # fmt: skip
+    if many.shard is not None:
+        found = inputs.shard(found, *many.shard)
+    return found
+
+
+def config_for(src: tuple[str, ...], many: Many, common: Common, options: Mapping[str, Any]) -> Config:
+    return config_near([*src, *many.from_file], common, options)
+
+
+def config_near(named: Sequence[str], common: Common, options: Mapping[str, Any]) -> Config:
+    """The settings of a run; `footfix.yaml` is looked for from the common parent of what was named, upward."""
+    from footfix.config import load_config
+
+    parents = [Path(each) if Path(each).is_dir() else Path(each).parent for each in named if each != STDIN]
+    try:
+        near = Path(os.path.commonpath([str(each.absolute()) for each in parents])) if parents else Path.cwd()
+    except ValueError:  # inputs on several drives have no common parent
+        near = Path.cwd()
+    return load_config(
+        config=common.config, preset=common.preset, sets=common.sets, near=near, command_line=dict(options)
+    )
+
+
+def tasks_for(jobs: Sequence[Job], found: Sequence[Source], config: Config, labels: Path | None) -> list[Task]:
+    given = labels_for(labels, found)
+    return [
+        Task(
+            job,
+            config.settings(None if job.source == STDIN else Path(job.source)),
+            labels=given.get(job.source),
+            folder=str(Path.cwd()),
+        )
+        for job in jobs
+    ]
+
+
+def labels_for(path: Path | None, found: Sequence[Source]) -> dict[str, Labels]:
+    """For each input the labels given for it: one file for one clip, or a folder with a file for each."""
+    if path is None:
+        return {}
+    from footfix.formats.contacts import decode
+
+    if path.is_file():
+        if len(found) > 1:
+            raise UsageError(f"{path} labels one clip, but {len(found)} are named; give a folder of label files")
+        return {found[0].path: decode(read_whole(path, 1 << 30), name=str(path))}
+    given = {}
+    for source in found:
+        stem = source.below.with_suffix("")
+        places = [(path / folder / stem.name) for folder in dict.fromkeys((stem.parent, Path()))]
+        kinds = ("json", "csv", "npz")
+        names = (place.with_name(f"{place.name}.contacts.{kind}") for place in places for kind in kinds)
+        file = next((each for each in names if each.is_file()), None)
+        if file is None:
+            raise UsageError(f"{path} holds no {stem.as_posix()}.contacts.json (.csv, .npz) for {source.path}")
+        given[source.path] = decode(read_whole(file, 1 << 30), name=str(file))
+    return given
+
+
+def run_tasks(
+    work: Callable[[Task], FileResult], tasks: Sequence[Task], many: Many, common: Common, style: str,
+    journal: Journal, told: Callable[[FileResult, Say], None],
+) -> Outcome:  # fmt: skip
+    """Runs the tasks, with a bar or lines of progress; failures are told at once."""
+    from footfix.report.text import printable
+
+    progress = Progress(len(tasks), shown=not common.quiet and not common.as_json)
+
+    def ended(result: FileResult) -> None:
+        if result.error:
+            progress.say(f"footfix: {printable(result.error)}")
+            if style == "github":
+                from footfix.report.annotations import annotation
+
+                click.echo(annotation("error", result.source, result.error, line=result.line))
+        told(result, progress.say)
+        progress.step(failed=result.status == "failed", skipped=result.skipped)
+
+    def asked_to_stop(running: int) -> None:
+        progress.say("footfix: finishing the clips that are being worked on; once more stops at once")
+
+    crew = Crew(many.jobs, many.timeout, many.dask)
+    try:
+        return run(work, tasks, crew=crew, told=ended, journal=journal, asked_to_stop=asked_to_stop)
+    finally:
+        progress.close()
+
+
+def write_file(path: Path, data: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, data)
+
+
+def one_or_many(documents: list[Any]) -> Any:
+    return documents[0] if len(documents) == 1 else {"format": "footfix-run", "version": 1, "files": documents}
+
+
+def reading(source: Source) -> Job:
+    """A job that writes nothing."""
+    return Job(source.path, None, None, source.below.as_posix())

@@ -1,0 +1,103 @@
+"""A BVH file as a value: its text, its numbers, and what they mean.
+
+The text is kept: nobody wrote a standard for BVH, so a file is read as a person would mean it, and every assumption is
+a note.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from footfix.formats.bvh.channels import AXES, displaced, to_clip
+from footfix.formats.bvh.channels import placed as in_metres
+from footfix.formats.bvh.rows import Rows
+from footfix.formats.bvh.tree import Channel
+from footfix.motion.clip import Clip, Floats, Skeleton
+from footfix.notes import Note
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """One BVH file.
+
+    Args:
+        name: of the file, for messages.
+        text: the file as bytes in which words can be found (UTF-16 becomes UTF-8).
+        encoding: what the text is to be encoded in again; empty where it is the file itself.
+        skeleton: in the file's units and axes.
+        channels: what each column of the rows is.
+        rows: the numbers, and where they stand.
+        frame_time: [s]; a plausible one where the file's own makes no sense.
+        notes: what was assumed, and what is wrong.
+        base: (J, 3) what position channels are counted from, in file units.
+        motion_at: where in the text the MOTION part begins.
+        unit_m: [m] one unit of the file.
+        up: the file's upward axis: "y", "-y", "z", "-z", "x" or "-x".
+    """
+
+    name: str
+    text: bytes
+    encoding: str
+    skeleton: Skeleton
+    channels: tuple[Channel, ...]
+    rows: Rows
+    frame_time: float
+    notes: tuple[Note, ...]
+    base: Floats
+    motion_at: int
+    unit_m: float = 1.0
+    up: str = "y"
+
+    @property
+    def values(self) -> Floats:
+        """(F, C) the numbers of the rows, in the file's units and degrees."""
+        return self.rows.values
+
+    @property
+    def frames(self) -> int:
+        """How many rows of motion there are."""
+        return len(self.rows.values)
+
+    @property
+    def columns(self) -> int:
+        """How many numbers a row has."""
+        return int(self.rows.values.shape[1]) if self.rows.values.ndim == 2 else 0
+
+    @property
+    def unusable(self) -> tuple[Note, ...]:
+        """The notes that say why nothing can be done with this motion; empty for a sound file."""
+        return tuple(note for note in self.notes if note.severity == "error")
+
+    @cached_property
+    def file_clip(self) -> Clip:
+        """The motion in the file's units and axes."""
+        with np.errstate(invalid="ignore"):
+            return to_clip(self.skeleton, self.channels, self.values, self.base, self.frame_time)
+
+    @cached_property
+    def clip(self) -> Clip:
+        """The motion in metres, y up. With `unit_m` and `up` as they come, it is the `file_clip`."""
+        if self.unit_m == 1.0 and self.up == "y":
+            return self.file_clip
+        found = in_metres(self.file_clip, self.unit_m, self.up)
+        self.__dict__.pop("file_clip", None)  # hardly asked for again, and half as large as the file
+        return found
+
+    def in_file(self, clip: Clip) -> Clip:
+        """A clip in metres, y up, in the file's units and axes."""
+        return displaced(clip, self.unit_m, self.up)
+
+    def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
+        """The same file, with another belief about its unit and its upward axis."""
+        unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
+        if up not in AXES:
+            raise ValueError(f"up must be one of {', '.join(AXES)}, not {up!r}")
+        if not 0.0 < unit_m < float("inf"):
+            raise ValueError(f"unit_m must be positive, not {unit_m}")
+        document = replace(self, unit_m=unit_m, up=up)
+        if "file_clip" in self.__dict__:
+            document.__dict__["file_clip"] = self.file_clip
+        return document

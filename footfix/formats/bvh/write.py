@@ -1,0 +1,70 @@
+"""Writing BVH: only those numbers are new that had to change, and all else is the file's own text."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from footfix.formats.bvh.channels import changes
+from footfix.formats.bvh.document import Document
+from footfix.formats.bvh.read import decode
+from footfix.formats.bvh.reread import said_again
+from footfix.formats.bvh.splice import Columns, splice
+from footfix.formats.bvh.text import Limits
+from footfix.motion.clip import Clip
+
+_LIMITS = Limits()
+
+
+def encode(document: Document, clip: Clip | None = None) -> bytes:
+    """Writes the file with the motion of `clip`.
+
+    Where `clip` has the very numbers of `document.clip`, the text stays as it is to the byte. Elsewhere the
+    numbers of the channels that changed are replaced: with the file's own decimals and at least 6, without
+    exponents, on the Euler branch nearest to the file's own angles.
+
+    Args:
+        document: the file.
+        clip: F frames of its joints [m], y up; by default nothing changes.
+    """
+    text = document.text if clip is None else _spliced(document, clip)[0]
+    return _encoded(document, text)
+
+
+def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tuple[bytes, Clip]:
+    """Writes the file with the motion of `clip`, as `encode` does, and says what reading it again will find.
+
+    Args:
+        document: the file.
+        clip: F frames of its joints [m], y up.
+        limits: beyond these it can't be read again.
+
+    Returns:
+        The file, and the motion in it [m], y up; `document.clip` itself where nothing changed.
+    """
+    text, said = _spliced(document, clip)
+    written = _encoded(document, text)
+    if text == document.text:
+        return written, document.clip
+    with np.errstate(invalid="ignore"):
+        again = said_again(document, said)
+    if again is None:
+        read = decode(written, name=document.name, limits=limits)
+        again = read.placed(unit_m=document.unit_m, up=document.up).clip
+    return written, again
+
+
+def _encoded(document: Document, text: bytes) -> bytes:
+    return text.decode("utf-8").encode(document.encoding) if document.encoding else text
+
+
+def _spliced(document: Document, clip: Clip) -> tuple[bytes, Columns]:
+    """The text with the motion of `clip`, and what it says in the columns that changed."""
+    old, rows = document.clip, document.rows
+    if clip is old:
+        return document.text, {}
+    if (len(clip), len(clip.skeleton)) != (len(old), len(old.skeleton)):
+        of = [f"{len(each)} frames of {len(each.skeleton)} joints" for each in (clip, old)]
+        raise ValueError(f"the clip has {of[0]}, the file {of[1]}")
+    with np.errstate(invalid="ignore"):  # numbers that are none stay as they stand
+        found = changes(document.channels, rows.values, document.base, old, clip, document.unit_m, document.up)
+        return splice(document.text, rows, list(found))

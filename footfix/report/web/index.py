@@ -1,0 +1,150 @@
+"""The index of a batch: every clip with its verdict, the worst first, and small pictures of the worst plants."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from string import Template
+from urllib.parse import quote
+
+from footfix.measure.plants import NOTICED_MM
+from footfix.report.offenders import Offender, Path
+from footfix.report.text import released
+from footfix.report.verdict import Report, Verdict, judge, number, section
+from footfix.report.web import sections
+from footfix.report.web.markup import name, text
+from footfix.report.web.page import asset, fingerprint, script
+from footfix.version import __version__
+
+MOST_OFFENDERS = 24
+_SIZE = 120  # of a small picture, in its own units
+
+
+@dataclass(frozen=True, eq=False)
+class IndexRow:
+    """One clip of a batch.
+
+    Args:
+        source: its name, as people know it.
+        page: path of its page relative to the index, with forward slashes; "" where it has none.
+        report: its report document; `{"status": "failed"}` where there is none.
+        error: why it failed.
+        offenders: its worst plants.
+    """
+
+    source: str
+    page: str = ""
+    report: Report = field(default_factory=dict)
+    error: str = ""
+    offenders: tuple[Offender, ...] = ()
+
+
+def render_index(rows: Sequence[IndexRow]) -> str:
+    """The index of a batch, as one HTML document."""
+    judged = sorted(((row, judge(row.report)) for row in rows), key=_badness, reverse=True)
+    style, code = asset("report.css"), script("table.js", "index.js")
+    verdicts = [verdict for _, verdict in judged]
+    return Template(asset("index.html")).substitute(
+        style=style,
+        style_hash=fingerprint(style),
+        script=code,
+        script_hash=fingerprint(code),
+        clips=f"{len(rows)} {'clip' if len(rows) == 1 else 'clips'}",
+        verdict=text(_verdict(verdicts)),
+        badges=" ".join(_badges(verdicts)),
+        tiles=_tiles(verdicts),
+        offenders="\n".join(_offenders(rows)),
+        rows="\n".join(_row(row, verdict) for row, verdict in judged),
+        version=text(__version__),
+    )
+
+
+def _badness(pair: tuple[IndexRow, Verdict]) -> tuple[bool, float, float]:
+    verdict = pair[1]
+    return verdict.word == "failed", verdict.worst_after, verdict.worst_before
+
+
+def _verdict(verdicts: Sequence[Verdict]) -> str:
+    plants = sum(verdict.plants for verdict in verdicts)
+    before = sum(verdict.over_before for verdict in verdicts)
+    after = sum(verdict.over_after for verdict in verdicts)
+    if not plants:
+        return "No footplants were found"
+    if not before and not after:
+        return f"None of {plants} footplants slides more than {NOTICED_MM:g} mm"
+    now = f"{after} still {'do' if after > 1 else 'does'}" if after else "now none does"
+    return f"{before} of {plants} footplants slid more than {NOTICED_MM:g} mm; {now}"
+
+
+def _badges(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    counts = Counter((verdict.tone, verdict.word) for verdict in verdicts)
+    for (tone, word), count in counts.most_common():
+        yield sections.badge(tone, f"{count} {word}")
+
+
+def _tiles(verdicts: Sequence[Verdict]) -> str:
+    worst = [max((getattr(each, key) for each in verdicts), default=0.0) for key in ("worst_before", "worst_after")]
+    sums = [sum(getattr(verdict, key) for verdict in verdicts) for key in ("plants", "over_before", "over_after")]
+    return (
+        sections.tile("Clips", "", str(len(verdicts)))
+        + sections.tile("Footplants", "", str(sums[0]))
+        + sections.tile(f"Slide over {NOTICED_MM:g} mm", "", str(sums[1]), str(sums[2]))
+        + sections.tile("Longest slide", "mm", f"{worst[0]:.0f}", f"{worst[1]:.0f}")
+    )
+
+
+def _row(row: IndexRow, verdict: Verdict) -> str:
+    after = section(row.report, "after")
+    below, jitter = (number(after.get(key)) for key in ("penetration_mm", "jitter_100m_s3"))
+    link = f'<a href="{_address(row.page)}">{name(row.source)}</a>' if row.page else name(row.source)
+    remark = row.error or "; ".join(released(row.report))
+    return (
+        f'<tr><th scope="row">{link}</th><td class="word">{sections.badge(verdict.tone, verdict.word)}</td>'
+        f"<td>{verdict.plants}</td><td>{verdict.over_before}</td><td>{verdict.over_after}</td>"
+        f"<td>{verdict.worst_before:.1f}</td><td>{verdict.worst_after:.1f}</td>"
+        f'<td data-value="{verdict.worst_after:.3f}">'
+        f"{sections.bars(verdict.worst_before, verdict.worst_after, 5 * NOTICED_MM)}</td>"
+        f"<td>{'–' if below is None else f'{below:.1f}'}</td><td>{'–' if jitter is None else f'{jitter:.2f}'}</td>"
+        f"<td>{text(remark)}</td></tr>"
+    )
+
+
+def _address(page: str) -> str:
+    """A relative address that can't be taken for one with a scheme or a host of its own."""
+    try:
+        raw = page.encode("utf-8", "surrogateescape")  # a name that is no UTF-8 keeps its bytes
+    except UnicodeEncodeError:
+        raw = page.encode("utf-8", "surrogatepass")
+    return text("./" + quote(raw, safe="/").lstrip("/"))
+
+
+def _offenders(rows: Sequence[IndexRow]) -> Iterator[str]:
+    pairs = [(row, offender) for row in rows for offender in row.offenders[:2]]  # one clip must not fill the wall
+    pairs.sort(key=lambda pair: (pair[1].after_mm, pair[1].before_mm), reverse=True)
+    for row, offender in pairs[:MOST_OFFENDERS]:
+        title = f"{offender.effector.replace('_', ' ')} {offender.start}–{offender.end}"
+        link = f'<a href="{_address(row.page)}">{name(row.source)}</a>' if row.page else name(row.source)
+        yield (
+            f"<li>{_picture(offender)}<p>{link}</p><p>{text(title)}</p>"
+            f'<p><span class="was">{offender.before_mm:.0f}</span> → <b>{offender.after_mm:.0f}</b> mm</p></li>'
+        )
+
+
+def _picture(offender: Offender) -> str:
+    """The way of a plant from above, before and after, with the ring of what viewers notice."""
+    reach = 1.3 * NOTICED_MM
+    places = [(-reach, -reach), (reach, reach), *offender.path_before, *offender.path_after]
+    (x0, x1), (z0, z1) = ((min(axis), max(axis)) for axis in zip(*places, strict=True))
+    scale = _SIZE / (1.1 * max(x1 - x0, z1 - z0))
+    left, top = (scale * (low + high) / 2 - _SIZE / 2 for low, high in ((x0, x1), (z0, z1)))
+
+    def line(path: Path) -> str:
+        # A point alone is drawn too: a line of no length with round ends.
+        return "M" + " ".join(f"{x * scale:.1f} {z * scale:.1f}" for x, z in (path if len(path) > 1 else path * 2))
+
+    return (
+        f'<svg class="plant" viewBox="{left:.1f} {top:.1f} {_SIZE} {_SIZE}" aria-hidden="true">'
+        f'<circle r="{NOTICED_MM * scale:.1f}"/><path class="was" d="{line(offender.path_before)}"/>'
+        f'<path class="now" d="{line(offender.path_after)}"/></svg>'
+    )

@@ -1,0 +1,192 @@
+"""What the page needs of the motion: joints, sole points and their speeds, before and after."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footfix.motion.clip import Clip, Floats, Ints, frozen
+from footfix.motion.kinematics import forward
+from footfix.report.web.pack import pack, quantize
+from footfix.rig.rig import Rig
+
+SHOWN_FRAMES = 7200  # as many as a page holds: a minute at 120 fps
+
+
+def display_frames(frames: int, most: int = SHOWN_FRAMES) -> Ints:
+    """The frames that a page shows: every one, or every n-th where there are more than `most`."""
+    return np.arange(0, frames, max(1, -(-frames // most)), dtype=np.intp)
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Lines to draw into the curves of height and speed, and what they mean.
+
+    Args:
+        height: [m] above the floor.
+        speed: [m/s] over the floor.
+        meaning: for people.
+    """
+
+    height: float = 0.05
+    speed: float = 0.5
+    meaning: str = "the bounds of the foot skating ratio"
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A figure before and after, at the frames that are shown.
+
+    Args:
+        frames: frames of the whole clip.
+        step: every how many frames one is shown.
+        frame_time: [s] between frames of the clip.
+        names: (J,) joints; an End Site has an empty name.
+        parents: (J,) -1 for a root.
+        root: the joint that carries the figure's travel.
+        hips: the joint at the top of each leg and its side, "left", "right" or "" where sides mean nothing.
+        soles: (E,) the joint that carries each sole point, in the order of the contacts' effectors.
+        sole_names: (E,) their names, `left_heel`.
+        joints_before, joints_after: (D, J, 3) [m] y up.
+        soles_before, soles_after: (D, E, 3) [m].
+        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of the sole points.
+        floor: [m] height of the floor.
+    """
+
+    frames: int
+    step: int
+    frame_time: float
+    names: tuple[str, ...]
+    parents: tuple[int, ...]
+    root: int
+    hips: tuple[tuple[int, str], ...]
+    soles: tuple[int, ...]
+    sole_names: tuple[str, ...]
+    joints_before: Floats
+    joints_after: Floats
+    soles_before: Floats
+    soles_after: Floats
+    speeds_before: Floats
+    speeds_after: Floats
+    floor: float
+
+    def __post_init__(self) -> None:
+        for key in ("joints", "soles", "speeds"):
+            for when in ("before", "after"):
+                object.__setattr__(self, f"{key}_{when}", frozen(getattr(self, f"{key}_{when}")))
+
+
+def film(before: Clip, after: Clip, rig: Rig, most: int = SHOWN_FRAMES) -> Motion:
+    """The motion of a page, from the clip before and after.
+
+    Args:
+        before, after: the clip as read and as written [m], y up.
+        rig: its legs and sole points.
+        most: frames that the page may hold.
+    """
+    shown = display_frames(len(before), most)
+    skeleton = before.skeleton
+    first = _points(before.frames(shown), rig)
+    second = first if after is before else _points(after.frames(shown), rig)
+    ends = skeleton.end_parents.tolist()
+    return Motion(
+        frames=len(before),
+        step=int(shown[1] - shown[0]) if len(shown) > 1 else 1,
+        frame_time=before.frame_time,
+        names=(*skeleton.names, *("" for _ in ends)),
+        parents=(*skeleton.parents.tolist(), *ends),
+        root=rig.root,
+        hips=tuple((leg.hip, side_of(leg.side)) for leg in rig.legs),
+        soles=tuple(sole.joint for sole in rig.soles),
+        sole_names=tuple(sole.name for sole in rig.soles),
+        joints_before=first[0],
+        joints_after=second[0],
+        soles_before=first[1],
+        soles_after=second[1],
+        speeds_before=_speeds(before, rig, shown),
+        speeds_after=_speeds(after, rig, shown),
+        floor=rig.floor,
+    )
+
+
+def side_of(name: str) -> str:
+    """The side that the name of a leg or an effector speaks of: "left", "right" or ""."""
+    return next((side for side in ("left", "right") if side in name.lower()), "")
+
+
+def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
+    """(D, J, 3) joints and End Sites, and (D, E, 3) sole points, in the world [m]."""
+    pose = forward(clip)
+    skeleton = clip.skeleton
+    count = len(skeleton)
+    # laid out as they are packed, series by series: packing takes half the time
+    joints = np.empty((count + len(skeleton.end_parents), 3, len(clip)))
+    joints[:count] = pose.positions.transpose(1, 2, 0)
+    for k, (parent, offset) in enumerate(zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True)):
+        joints[count + k] = pose.point(parent, offset).T
+    soles = np.empty((len(rig.soles), 3, len(clip)))
+    for k, track in enumerate(rig.tracks(pose)):
+        soles[k] = track.T
+    return joints.transpose(2, 0, 1), soles.transpose(2, 0, 1)
+
+
+def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
+    """(D, E) [m/s] horizontal speed of the sole points, from the frames beside each shown one."""
+    if len(clip) < 2 or not rig.soles:
+        return np.zeros((len(shown), len(rig.soles)))
+    behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)
+    tracks = rig.tracks(rig.pose(clip.frames(np.concatenate([behind, ahead]))))
+    steps = np.stack([each[len(shown) :] - each[: len(shown)] for each in tracks], axis=1)  # (D, E, 3) [m]
+    speeds: Floats = np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]
+    return speeds
+
+
+_JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # what one step of the packed integers means [m, m, m/s]
+
+
+def packed(motion: Motion, lines: Lines) -> dict[str, Any]:
+    """The motion as the page's script reads it (codec.js), as plain JSON values.
+
+    Corrections mostly shift the whole figure and turn a few joints of the legs, so of the figure after
+    only the root's shift is written, and the joints that move otherwise.
+    """
+    before = quantize(motion.joints_before, _JOINT)
+    points, points_after = (quantize(each, _POINT) for each in (motion.soles_before, motion.soles_after))
+    speeds, speeds_after = (quantize(each, _SPEED) for each in (motion.speeds_before, motion.speeds_after))
+    return {
+        "shown": len(before),
+        "frames": motion.frames,
+        "step": motion.step,
+        "frameTime": motion.frame_time,
+        "parents": list(motion.parents),
+        "root": motion.root,
+        "hips": [list(hip) for hip in motion.hips],
+        "soles": list(motion.soles),
+        "floor": motion.floor,
+        "lines": {"height": lines.height, "speed": lines.speed},
+        "quantum": {"joints": _JOINT, "points": _POINT, "speeds": _SPEED},
+        "joints": {"before": pack(before), **_packed_change(motion)},
+        "points": {"before": pack(points), "after": _packed_unless_same(points, points_after)},
+        "speeds": {"before": pack(speeds), "after": _packed_unless_same(speeds, speeds_after)},
+    }
+
+
+def _packed_unless_same(first: NDArray[np.int32], second: NDArray[np.int32]) -> str | None:
+    return None if np.array_equal(first, second) else pack(second)
+
+
+def _packed_change(motion: Motion) -> dict[str, Any]:
+    """What the correction does to the joints: the shift of the root, and who moves besides."""
+    if motion.joints_after is motion.joints_before:
+        return {"shift": None, "moved": [], "own": ""}
+    change = motion.joints_after - motion.joints_before  # (D, J, 3) [m]
+    shift = change[:, motion.root]
+    own = change - shift[:, None]
+    moved = np.flatnonzero(np.abs(own).max(axis=(0, 2), initial=0.0) > _JOINT / 2)
+    if not moved.size and not np.any(np.abs(shift) > _JOINT / 2):
+        return {"shift": None, "moved": [], "own": ""}
+    steps = quantize(shift, _JOINT)
+    return {"shift": pack(steps), "moved": moved.tolist(), "own": pack(quantize(own[:, moved], _JOINT))}

@@ -1,0 +1,143 @@
+"""The report of a clip as one HTML file that opens anywhere and loads nothing."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+import pkgutil
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from string import Template
+from typing import Any
+
+from footfix.report.verdict import Report, entries, judge, number, source_name
+from footfix.report.web import sections
+from footfix.report.web.chart import chart
+from footfix.report.web.markup import embedded_json, name, text
+from footfix.report.web.motion import Lines, Motion, packed
+from footfix.version import __version__
+
+_SCRIPTS = (
+    "codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "stage.js", "orbit.js", "contacts.js",
+    "bars.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "viewer.js",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class PageData:
+    """All that a page shows.
+
+    Args:
+        report: the report document (the contract's report file).
+        contacts: the contacts document (the contract's contacts file); what the page hands back after
+            editing is this document with other contacts.
+        motion: the figure before and after; None where there is none to show (a clip that failed).
+        lines: drawn into the curves of height and speed.
+    """
+
+    report: Report
+    contacts: Mapping[str, Any] = field(default_factory=dict)
+    motion: Motion | None = None
+    lines: Lines = field(default_factory=Lines)
+
+
+@cache
+def asset(file: str) -> str:
+    """A template, style sheet or script that lies beside this module."""
+    data = pkgutil.get_data("footfix.report.web", file)
+    assert data is not None
+    return data.decode("utf-8").replace("\r\n", "\n")
+
+
+@cache
+def script(*files: str) -> str:
+    """A page's script: its parts one after the other, in a scope of their own."""
+    return '(() => {\n"use strict";\n' + "\n".join(asset(file) for file in files) + "})();\n"
+
+
+@cache
+def fingerprint(source: str) -> str:
+    """The hash by which a content security policy lets a script or a style sheet in."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(source.encode()).digest()).decode("ascii")
+
+
+def render(data: PageData) -> str:
+    """The page, as one HTML document."""
+    report, style = data.report, asset("report.css")
+    verdict = judge(report)
+    plants = entries(report, "plants")
+    return Template(asset("page.html")).substitute(
+        style=style,
+        style_hash=fingerprint(style),
+        script_hash=fingerprint(script(*_SCRIPTS)),
+        title=text(source_name(report)),
+        name=name(source_name(report)),
+        badge=sections.badge(verdict.tone, verdict.word),
+        verdict=text(verdict.text),
+        method=text(report.get("method") or "none"),
+        length=_length(data.motion),
+        tiles=sections.tiles(report, verdict),
+        fate=text(sections.fate(report)),
+        released=sections.released_list(report),
+        notes=sections.notes_list(entries(report, "notes")),
+        viewer=_viewer(data),
+        above=asset("above.html") if data.motion else "",
+        plants=sections.plants_table(plants),
+        plants_caption=sections.plants_caption(plants),
+        measures=sections.measures_table(report),
+        details=sections.details_table(report),
+        version=text(__version__),
+        data=_data(data),
+    )
+
+
+def _length(motion: Motion | None) -> str:
+    if motion is None:
+        return ""
+    seconds = motion.frames * motion.frame_time
+    shown = "" if motion.step == 1 else f"; one frame in {motion.step} is shown"
+    return f"{motion.frames} frames, {seconds:.1f} s at {1.0 / motion.frame_time:.4g} fps{shown}"
+
+
+def _viewer(data: PageData) -> str:
+    """The stage, the timeline and the editor; a still picture of the feet where no script runs."""
+    if data.motion is None:
+        return ""
+    file = source_name(data.report).replace("\\", "/").rsplit("/", 1)[-1]
+    stem = file[:-4] if file.lower().endswith(".bvh") else file
+    return Template(asset("viewer.html")).substitute(
+        chart=chart(data.motion, data.contacts),
+        file=text(f"{stem}.contacts.json"),
+        clip=name(file),
+        lines=text(f"{100.0 * data.lines.height:g} cm and {data.lines.speed:g} m/s, {data.lines.meaning}"),
+    )
+
+
+def _data(data: PageData) -> str:
+    """What the script works on, in elements of the page."""
+    if data.motion is None:
+        return ""
+    document = {
+        "contacts": _finite(data.contacts),
+        "motion": packed(data.motion, data.lines),
+        "plants": [_fate(plant) for plant in entries(data.report, "plants")],
+    }
+    values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'
+    return f"{values}\n<script>{script(*_SCRIPTS)}</script>"
+
+
+def _fate(plant: Report) -> list[Any]:
+    """What became of a plant, as the timeline wants to know it."""
+    slides = (number(plant.get(f"slide_{when}_mm")) for when in ("before", "after"))
+    return [str(plant.get("effector", "")), plant.get("start"), *slides, str(plant.get("outcome") or "")]
+
+
+def _finite(value: Any) -> Any:
+    """A document without the numbers that JSON does not know."""
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
