@@ -199,19 +199,30 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
     U, F = x.shape
     out = System(np.arange(U), *_empty(U, F), *_near(problem, x, np.arange(U)))
     cost = out.cost + _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, out)
-    for each in legs:
-        out.gradient[each.rows] += each.gradient
-        out.main[np.ix_(each.rows, each.rows)] += each.main
-        out.next[np.ix_(each.rows, each.rows)] += each.next
+    for k, each in enumerate(legs):
+        parts = (slice(0, ROOT), slice(0, ROOT)), (problem.columns(k), slice(ROOT, ROOT + LEG))
+        for rows, own in parts:
+            out.gradient[rows] += each.gradient[own]
+            for columns, theirs in parts:
+                out.main[rows, columns] += each.main[own, theirs]
+                out.next[rows, columns] += each.next[own, theirs]
         cost += each.cost
     return (System(out.rows, out.gradient + product(out.near, x), out.main, out.next, out.near, cost),)
 
 
-def objective(problem: Problem, x: Floats, eps: float) -> float:
-    """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m]."""
-    rows = np.arange(len(x))
+def objective(problem: Problem, x: Floats, eps: float, *, root: bool = True) -> float:
+    """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
+
+    Args:
+        problem: the clip's.
+        x: (U, F) a state.
+        eps: [m] of slip below which SLIP is a parabola.
+        root: whether what the root costs by itself counts.
+    """
+    rows = np.arange(0 if root else ROOT, len(x))
     cost = _near(problem, x, rows)[1]
-    cost += _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
+    if root:
+        cost += _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
         at = posed(leg, x[:ROOT], own, derive=False)
