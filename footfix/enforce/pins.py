@@ -244,13 +244,14 @@ def faults(
     found = np.zeros(len(ground))
     around = round(_AROUND / frame_time)
     for plant in plants:
-        if keep[plant.id]:
+        wanted = plant.force or plant.asked is not None
+        if keep[plant.id] and not wanted:
             continue
         a, b = core(plant, frame_time, edge)
         track = legs[plant.leg].place(_point(plant))[:, a:b] - ground[a:b].T
         slide = float(np.hypot(*(track - np.median(track, axis=1, keepdims=True))[[0, 2]]).max())
         high = abs(float(np.median(track[1])) - floors.plants[plant.id]) if heights else 0.0
-        fault = np.inf if plant.force or plant.asked else max(slide, high)
+        fault = np.inf if wanted else max(slide, high)
         near = slice(max(plant.start - around, 0), plant.end + around)
         found[near] = np.maximum(found[near], fault)
     return found

@@ -210,13 +210,14 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
     return (System(out.rows, out.gradient + product(out.near, x), out.main, out.next, out.near, cost),)
 
 
-def objective(problem: Problem, x: Floats, eps: float, *, root: bool = True) -> float:
+def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> float:
     """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
 
     Args:
         problem: the clip's.
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
+        static: times as much as sliding what hardly moves is held.
         root: whether what the root costs by itself counts.
     """
     rows = np.arange(0 if root else ROOT, len(x))
@@ -226,7 +227,8 @@ def objective(problem: Problem, x: Floats, eps: float, *, root: bool = True) -> 
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
         at = posed(leg, x[:ROOT], own, derive=False)
-        cost += sum(_pull(problem, pin, p, eps, 1.0).cost for p, pin in zip(at.places, problem.pins[k], strict=True))
+        pulls = (_pull(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True))
+        cost += sum(pull.cost for pull in pulls)
         cost += _bounds(problem, k, own, 0, None)
     return cost
 
@@ -272,9 +274,13 @@ def _pull(problem: Problem, pin: Pins, place: Floats, eps: float, static: float)
     slip = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
     long = np.sqrt(slip[0] ** 2 + (_UPRIGHT * slip[1]) ** 2 + slip[2] ** 2)
     c = problem.costs.slide / size * pin.hold
-    cost = float(np.sum(c * (long - eps * np.log1p(long / eps))))  # what the reweighting descends on
-    slow = 1.0 + (static - 1.0) / (1.0 + (long / (_STATIC * size * problem.frame_time)) ** 4)
-    step = c / (long + eps) * np.stack([slow, np.full(len(slow), _UPRIGHT**2), slow])
+    cost = float(np.sum(c * _smooth(long, eps)))  # what the reweighting descends on
+    step = c / (long + eps) * np.array([[1.0], [_UPRIGHT**2], [1.0]])
+    if static > 1.0:  # over the floor only
+        flat, still = np.hypot(slip[0], slip[2]), _STATIC * size * problem.frame_time
+        more, total = _friction(_smooth(flat, eps) / still)
+        cost += float(np.sum(c * (static - 1.0) * still * total))
+        step += c * (static - 1.0) * more / (flat + eps) * np.array([[1.0], [0.0], [1.0]])
     force[:, 1:] += step * slip
     force[:, :-1] -= step * slip
     stiff[:, 1:] += step
@@ -291,6 +297,22 @@ def _pull(problem: Problem, pin: Pins, place: Floats, eps: float, static: float)
     away = place - pin.place
     cost += 0.5 * float(np.sum(asked * away**2))
     return Pull(cost, force + asked * away, stiff + asked, step)
+
+
+def _smooth(slip: Floats, eps: float) -> Floats:
+    """Round the corner of |slip| at zero, so that its derivative is slip / (slip + eps)."""
+    return np.asarray(slip - eps * np.log1p(slip / eps))
+
+
+def _friction(slip: Floats) -> tuple[Floats, Floats]:
+    """Tell how much more static friction holds than kinetic, and its integral, by slip in units of what it holds.
+
+    1 / (1 + u^4) is nearly 1 for what stands and nearly 0 for what slides.
+    """
+    root, u = np.sqrt(2.0), slip
+    logs = np.log((u * u + root * u + 1.0) / (u * u - root * u + 1.0))
+    turns = 2.0 * (np.arctan(root * u + 1.0) + np.arctan(root * u - 1.0))
+    return 1.0 / (1.0 + u**4), (logs + turns) / (4.0 * root)
 
 
 def _near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
@@ -394,9 +416,13 @@ def _beyond(
     if not len(over):
         return 0.0
     weight = _RATE * problem.frame_time / sigma**2
-    row, beyond = turn.T @ (turned[:, over] / size[over]), size[over] - far[over]
+    along, beyond = turned[:, over] / size[over], size[over] - far[over]
+    row = turn.T @ along
     if out is not None:
         out.gradient[own, over] += weight * beyond * row
+        # across the turn, too: its length is curved, and a step aside would lead out of bounds again
+        aside = beyond / size[over]
         main = out.main[own, own]
-        main[..., over] += weight * np.einsum("if,jf->ijf", row, row)
+        block = (1.0 - aside) * np.einsum("if,jf->ijf", row, row) + aside * (turn.T @ turn)[..., None]
+        main[..., over] += weight * block
     return 0.5 * weight * float(np.sum(beyond**2))
