@@ -50,6 +50,43 @@ def shared(command: Command) -> Command:
 
 
 @dataclass(frozen=True)
+class Given:
+    """Contacts that are given.
+
+    Args:
+        labels: a label file, or a folder of them; None for none.
+        order: effector names of the columns of an array, () for the usual ones.
+    """
+
+    labels: Path | None = None
+    order: tuple[str, ...] = ()
+
+
+def given(purpose: str) -> Callable[[Command], Command]:
+    """The options for contacts that are given, for a purpose in words; they arrive together as `given: Given`."""
+
+    def decorate(command: Command) -> Command:
+        return _gathered(
+            command, Given, "given",
+            click.option("--labels", type=click.Path(exists=True, path_type=Path),
+                         help=f"{purpose}: JSON, CSV, NPZ or NPY, or a folder with a file for each clip."),
+            click.option("--order", default="", metavar="NAMES", callback=_order,
+                         help="Effectors of the columns of an array, left to right; by default "
+                         "left_heel,left_toe,right_heel,right_toe, as HumanML3D and LAFAN1 have them."),
+        )  # fmt: skip
+
+    return decorate
+
+
+def _order(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
+    if not value:
+        return ()
+    from footfix.formats.contacts import order_from
+
+    return order_from(value)
+
+
+@dataclass(frozen=True)
 class Many:
     """Which inputs, and who works on them.
 

@@ -10,6 +10,7 @@ import pytest
 
 from footfix.errors import InputError
 from footfix.formats import contacts as labels
+from footfix.formats import label_arrays
 from footfix.motion.contacts import Contact, Contacts, Effector, runs
 
 SOURCE = {"file": "walk.bvh", "sha256": "0" * 64, "frames": 100, "frame_time": 0.01}
@@ -34,7 +35,7 @@ def spans(contacts: Contacts) -> list[list[tuple[int, int]]]:
     return [[(c.start, c.end) for c in effector.contacts] for effector in contacts.effectors]
 
 
-@pytest.mark.parametrize("encode", [as_json, labels.encode_csv, labels.encode_npz], ids=["json", "csv", "npz"])
+@pytest.mark.parametrize("encode", [as_json, labels.encode_csv, label_arrays.encode_npz], ids=["json", "csv", "npz"])
 def test_out_and_in_again(encode: object) -> None:
     contacts = some()
     fitted, _ = labels.fit(labels.decode(encode(contacts)), blank())  # type: ignore[operator]
