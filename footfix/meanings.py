@@ -10,7 +10,6 @@ import dataclasses
 import inspect
 import re
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 _ENTRY = re.compile(r"( +)(\w+(?:, \w+)*): (.*)")
@@ -33,7 +32,6 @@ class Meaning:
         return f"{self.text} [{self.unit}]" if self.unit else self.text
 
 
-@cache
 def meanings(kind: type[Any]) -> dict[str, Meaning]:
     """The meaning of each field of a dataclass that its docstring names, in the order of the fields.
 

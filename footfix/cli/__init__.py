@@ -27,7 +27,7 @@ COMMANDS = {
     "detect": "Find contacts only, as labels.",
     "check": "Measure clips and hold them against gates; change nothing.",
     "inspect": "Say what is in a file: rig, units, floor, and everything odd about it.",
-    "settings": "Print the settings that hold, each with its origin.",
+    "settings": "Print the settings that hold, each with origin, meaning and unit; list the presets.",
     "report": "Draw the pages of cleaned clips anew, from their report files.",
 }
 

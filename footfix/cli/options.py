@@ -40,7 +40,9 @@ def shared(command: Command) -> Command:
         command, Common, "common",
         click.option("--config", type=click.Path(exists=True, dir_okay=False, path_type=Path),
                      help="Settings file; without it footfix.yaml is looked for from the inputs upward."),
-        click.option("--preset", metavar="NAME", help="Packed settings: mocap, video, ml-generated, ..."),
+        click.option("--preset", metavar="NAME",
+                     help="Packed settings: animals, game-retarget, ml-generated, mocap, video; "
+                     "`footfix settings --presets` explains them."),
         click.option("--set", "sets", multiple=True, metavar="NAME=VALUE",
                      help="One setting, such as detect.method=threshold. May be repeated."),
         click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout."),

@@ -22,7 +22,8 @@ class DoubtParams:
     """When to speak.
 
     Args:
-        quick, slow: how many times longer than usual for their length steps may last, at the least and at most [factor].
+        quick, slow: how many times longer than usual for their length steps may last, at the least and at
+            most [factor].
         shortest, longest: [s] cycles between these are plausible whatever the length of the steps.
         cycles: fewer than this many say nothing [count].
         uneven: nor do cycles that usually differ by more than this, of their length [share].

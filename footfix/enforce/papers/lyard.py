@@ -30,8 +30,8 @@ class LyardRootParams:
         hand_over: way that a hand-over from point to point has to spare; 0 as in the paper [leg lengths].
         calm: time over which what the root's steps gain is averaged; 0 as in the paper [s].
         vertical: one offset and one scale of the root's height, so that planted soles are at their floors.
-        keep_slide: the root stays as it is where no plant slides farther over its contact [leg lengths],
-        keep_height: nor is farther from its floor [leg lengths].
+        keep_slide: the root stays as it is where no plant slides farther over its contact [leg lengths].
+        keep_height: nor is one farther from its floor than this [leg lengths].
         pin_end: whether the path's drift is brought back to zero at the last frame, evenly over the clip.
         targets: where plants stand.
     """

@@ -27,7 +27,7 @@ class SolverParams:
     """How the solver steps.
 
     Args:
-        iterations: at most [count].
+        iterations: of a frame, at most [count].
         tolerance: a frame is solved when no joint turns by more in an iteration [rad].
         damping: what is out of reach is approached no more nervously than this [leg lengths].
         step: turn of a joint in one iteration at most [rad].
