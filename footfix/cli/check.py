@@ -24,7 +24,7 @@ from footfix.errors import ExitCode
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("--max", "most", multiple=True, metavar="NAME=VALUE",
               help="The most a measure may be, such as slide_mm=21. May be repeated.")  # fmt: skip
 @given("Contacts to measure against")

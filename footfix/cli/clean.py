@@ -54,7 +54,7 @@ class Whole:
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
               help="Folder for the outputs; with one clip also the name of the corrected file, ending in .bvh.")
 @click.option("--in-place", is_flag=True, help="Put the corrected file in the input's place.")

@@ -13,18 +13,21 @@ def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: st
     """One line on what was written, the clip or the folder first, ending in the page to open; "" if nothing was.
 
     Args:
-        results: of all clips.
+        results: of all clips; those that an earlier run had done are counted.
         extra: files of the whole run; a page among them is the one to open.
         hint: said at the end, where there is no such page.
         every: name every file, a line each.
     """
     whole = [str(path) for path in extra]
-    files = [*(path for result in results for path in result.written), *whole]
+    anew = [result for result in results if not result.skipped]
+    files = [*(path for result in anew for path in result.written), *whole]
+    before = len(results) - len(anew)
+    done = f"{before} {'clip was' if before == 1 else 'clips were'} done before" if before else ""
     if not files:
-        return ""
+        return done
     pages = [path for path in whole if path.endswith(".html")]
     if len(results) == 1 and not pages:
-        pages = [path for path in files if path.endswith(PAGE)]
+        pages = [path for path in results[0].written if path.endswith(PAGE)]
     if every:
         said = "\n".join(f"wrote {printable(path)}" for path in files)
     elif len(results) == 1 and not whole:
@@ -33,6 +36,7 @@ def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: st
     else:
         said = f"wrote {len(files)} files to {printable(_common(files))}"
     last = f"open {printable(pages[0])}" if pages else hint
+    said = f"{done}; {said}" if done else said
     return said + ("\n" if every and last else "; " if last else "") + last
 
 

@@ -33,7 +33,7 @@ from footfix.errors import ExitCode
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
               help="Folder for the outputs; with one clip also the name of the label file, ending in its format.")
 @click.option("--format", "kind", type=click.Choice(["json", "csv", "frames", "npz", "npy"]),

@@ -29,7 +29,7 @@ from footfix.errors import ExitCode, UsageError
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("--repair", is_flag=True, help="Write what a strict reader wants, and say what was changed.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
               help="Folder for repaired files; with one file also a name for it.")  # fmt: skip

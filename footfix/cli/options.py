@@ -34,13 +34,20 @@ class Common:
     verbose: bool
 
 
+def _presets(context: click.Context, option: click.Parameter, begun: str) -> list[str]:
+    """The presets whose names begin so, for the completion of a shell."""
+    from footfix.config import presets
+
+    return [name for name in presets() if name.startswith(begun)]
+
+
 def shared(command: Command) -> Command:
     """The options that every command on clips takes; they arrive together as `common: Common`."""
     return _gathered(
         command, Common, "common",
         click.option("--config", type=click.Path(exists=True, dir_okay=False, path_type=Path),
                      help="Settings file; without it footfix.yaml is looked for from the inputs upward."),
-        click.option("--preset", metavar="NAME",
+        click.option("--preset", metavar="NAME", shell_complete=_presets,
                      help="Packed settings: animals, game-retarget, ml-generated, mocap, video; "
                      "`footfix settings --presets` explains them."),
         click.option("--set", "sets", multiple=True, metavar="NAME=VALUE",

@@ -14,7 +14,7 @@ from footfix.config import presets as packed
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("--presets", is_flag=True, help="List the presets instead: what each is for, what it changes and why.")
 @shared
 def settings(src: tuple[str, ...], presets: bool, common: Common) -> int:
