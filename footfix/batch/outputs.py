@@ -11,7 +11,7 @@ from pathlib import Path
 from footfix.batch.files import STDIN
 from footfix.batch.inputs import Source
 from footfix.errors import UsageError
-from footfix.formats.suffixes import cleaned_name, is_motion
+from footfix.formats.suffixes import OTHERS, cleaned_name, is_motion
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,8 @@ def names_file(output: Path | None, found: Sequence[Source], *, folder: bool, en
         return False
     is_file = output.name.lower().endswith(tuple(ends)) if ends else is_motion(output.name)
     if not is_file:
+        if output.suffix.lower() in OTHERS and not output.is_dir():
+            raise UsageError(f"-o {output}: {output.suffix} is not written; name a folder, or for one clip a .bvh file")
         if output.is_file():
             raise UsageError(f"-o {output}: this is a file, not a folder; name a folder, or for one clip a new file")
         return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -216,10 +217,17 @@ def _entry(task: Task, result: FileResult, whole: Whole) -> Entry:
     written: dict[str, str] = {}
     for path in map(Path, result.written):
         kind = next((kinds[suffix] for suffix in kinds if path.name.endswith(suffix)), "bvh")
-        written[kind] = (path.relative_to(base) if base is not None else path).as_posix()
+        written[kind] = path.as_posix() if base is None else _from(base, path)
     order: tuple[str, ...] = ("bvh", "contacts", "report", "page", "picture")
     outputs_of = {kind: written[kind] for kind in order if kind in written}
     return Entry(task.job.name, result.status, result.error, result.line, result.report, outputs_of)
+
+
+def _from(base: Path, path: Path) -> str:
+    """A file's path from a folder; what --in-place has replaced lies where its links lead."""
+    if path.is_relative_to(base):
+        return path.relative_to(base).as_posix()
+    return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(base))).as_posix()
 
 
 def _write_whole_run(

@@ -72,6 +72,7 @@ REFUSED = {
     "the input itself": (("clean", "walk.bvh", "-o", "walk.bvh"), "itself an input"),
     "one name for a folder": (("clean", "takes", "-o", "all.bvh"), "name a folder"),
     "one name for two clips": (("clean", "walk.bvh", "takes/a.bvh", "-o", "all.bvh"), "2 clips were named"),
+    "another format": (("clean", "walk.bvh", "-o", "walk.fbx"), ".fbx is not written"),
     "no command": (("walk.bvh",), "footfix clean walk.bvh"),
     "no command, a folder": (("takes", "-o", "out"), "footfix clean takes -o out"),
     "a slip": (("clen", "walk.bvh"), "did you mean footfix clean"),
@@ -106,6 +107,15 @@ def test_a_folder_without_an_output_gets_summary_and_index(run: Any, takes: Path
     assert {name: (takes / name).read_bytes() for name in names(takes)} == was
     # a folder in which clips were cleaned is still a folder of clips to those above it
     assert len(inputs.sources(["."])) == 3
+
+
+def test_a_folder_is_cleaned_in_place(run: Any, takes: Path, walk: bytes) -> None:
+    assert run("clean", "takes", "--in-place", "-j1")[0] == 0
+    files = {
+        each["source"]: each["outputs"] for each in json.loads((takes / "summary.json").read_text("utf-8"))["files"]
+    }
+    assert {name: outputs["bvh"] for name, outputs in files.items()} == {"a.bvh": "a.bvh", "deep/b.bvh": "deep/b.bvh"}
+    assert (takes / "a.bvh").read_bytes() != walk
 
 
 def test_resuming_one_clip_needs_no_folder(run: Any, clip: Path) -> None:
