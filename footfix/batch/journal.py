@@ -34,7 +34,7 @@ class Past:
     offenders: Mapping[str, list[dict[str, Any]]] = field(default_factory=dict)
 
 
-def journal_in(folder: Path, tag: str, *, own: bool) -> Path:
+def journal_in(folder: Path, tag: str, *, own: bool, ending: str = "clean") -> Path:
     """Where the journal of a run lies.
 
     Args:
@@ -42,16 +42,17 @@ def journal_in(folder: Path, tag: str, *, own: bool) -> Path:
         tag: of the run.
         own: whether the folder holds outputs alone. The mark of such a folder keeps its clips from being taken for
             inputs; where outputs lie beside their inputs, the journal is a hidden file and marks nothing.
+        ending: of the outputs' names beside their inputs, where several commands may write.
     """
-    return folder / MARK / f"{tag}.jsonl" if own else folder / f".footfix-{tag}.jsonl"
+    return folder / MARK / f"{tag}.jsonl" if own else folder / f".footfix-{ending}-{tag}.jsonl"
 
 
-def recall(folder: Path) -> Past:
+def recall(folder: Path, ending: str = "clean") -> Past:
     """What the journals in a folder of outputs say, those of all its shards."""
     begun: set[str] = set()
     hashes: dict[str, Mapping[str, str]] = {}
     offenders: dict[str, list[dict[str, Any]]] = {}
-    for path in sorted([*(folder / MARK).glob("*.jsonl"), *folder.glob(".footfix-*.jsonl")]):
+    for path in sorted([*(folder / MARK).glob("*.jsonl"), *folder.glob(f".footfix-{ending}-*.jsonl")]):
         for _, entry in _entries(path):
             clip = entry["clip"]
             begun.add(clip)

@@ -76,7 +76,7 @@ def names_file(output: Path | None, found: Sequence[Source], *, folder: bool, en
 def plan(
     found: Sequence[Source], *, output: Path | None, in_place: bool, suffixes: Callable[[Source], Sequence[str]],
     force: bool, ours: Callable[[Job], bool] = lambda job: False, extra: Iterable[Path] = (), extra_ours: bool = False,
-    dry_run: bool = False, one_file: bool = False,
+    dry_run: bool = False, one_file: bool = False, ending: str = "clean",
 ) -> tuple[Job, ...]:  # fmt: skip
     """The jobs of a run, checked before any work.
 
@@ -91,12 +91,13 @@ def plan(
         extra_ours: whether those are, too.
         dry_run: nothing will be written.
         one_file: `output` is the name of the one clip's output, not of a folder.
+        ending: of the names of outputs beside their input: "loop" for walk.loop.bvh, walk.loop.report.json.
 
     Raises:
         UsageError: two inputs would write one output, an output is there already, is an input, would lie
             outside the output folder, or can't be written.
     """
-    jobs = tuple(_job(source, output, in_place, one_file) for source in found)
+    jobs = tuple(_job(source, output, in_place, one_file, ending) for source in found)
     named = {os.path.realpath(source.path): source.path for source in found if source.path != STDIN}
     owners: dict[str, str] = {}
     for source, job in zip(found, jobs, strict=True):
@@ -150,7 +151,7 @@ def plan_labels(
     return tuple(jobs)
 
 
-def _job(source: Source, output: Path | None, in_place: bool, one_file: bool) -> Job:
+def _job(source: Source, output: Path | None, in_place: bool, one_file: bool, ending: str = "clean") -> Job:
     name = source.below.as_posix()
     if output is not None and one_file:
         return Job(source.path, output, output.with_suffix(""), name, output.parent)
@@ -162,7 +163,9 @@ def _job(source: Source, output: Path | None, in_place: bool, one_file: bool) ->
     path = Path(source.path)
     if in_place:  # behind a link it is the file itself that is replaced
         return Job(source.path, Path(os.path.realpath(path)), path.with_suffix(""), name)
-    return Job(source.path, path.with_name(cleaned_name(path.name)), path.with_suffix(""), name)
+    target = path.with_name(cleaned_name(path.name, ending))
+    # what is cleaned keeps the names of its labels and reports; another clip has its own
+    return Job(source.path, target, (path if ending == "clean" else target).with_suffix(""), name)
 
 
 def _outputs(job: Job, suffixes: Sequence[str]) -> Iterator[Path]:

@@ -101,20 +101,31 @@ def clean(
 def cleaned(
     src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], given: Given,
     dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many, common: Common,
+    work: Callable[[Task], FileResult] = clean_one, ending: str = "clean",
 ) -> int:  # fmt: skip
-    """Settle inputs and outputs, run, and sum up."""
+    """Settle inputs and outputs, run, and sum up; the same for every command that makes a clip of each clip.
+
+    Args:
+        src: what was named.
+        output, in_place, dry_run, force, resume, junit, style: as the options of `clean` say.
+        options: settings that options of the command stand for.
+        given: contacts that were given.
+        many, common: which inputs, on what, and how much is told.
+        work: what makes the outputs of a task.
+        ending: of the names of outputs beside their input, and of the command in JUnit.
+    """
     if output is not None and in_place:
         raise UsageError("-o and --in-place exclude each other")
     found = found_inputs(src, many, leave_out=output)
     one_file = outputs.names_file(output, found, folder=bool(many.from_file) or _a_folder(src))
     config = config_for(src, many, common, options)
-    whole = whole_run(src, found, None if one_file else output, many, config.settings().report.kind)
-    past = recall(whole.folder) if whole.folder is not None and resume else Past()
+    whole = whole_run(src, found, None if one_file else output, many, config.settings().report.kind, ending)
+    past = recall(whole.folder, ending) if whole.folder is not None and resume else Past()
     jobs = outputs.plan(
         found, output=output, in_place=in_place, force=force, dry_run=dry_run, one_file=one_file,
         suffixes=lambda source: beside(config.settings(Path(source.path))),
         ours=lambda job: resume and (job.name in past.begun or _reported(job)),
-        extra=whole.files.values(), extra_ours=resume and (whole.own or bool(past.begun)),
+        extra=whole.files.values(), extra_ours=resume and (whole.own or bool(past.begun)), ending=ending,
     )  # fmt: skip
     if common.as_json and any(job.target is None for job in jobs):
         raise UsageError("--json and a clip on standard output exclude each other; say where the clip goes with -o")
@@ -125,20 +136,23 @@ def cleaned(
         for task in tasks_for(jobs, found, config, given)
     ]  # fmt: skip
     writes = whole.folder is not None and not dry_run and (whole.files or resume)
-    journal = Journal(journal_in(whole.folder, many.tag, own=whole.own) if writes and whole.folder else None)
+    path = journal_in(whole.folder, many.tag, own=whole.own, ending=ending) if writes and whole.folder else None
+    journal = Journal(path)
     try:
-        outcome = run_tasks(clean_one, tasks, many, common, style, journal, _told_cleaned(common, few))
+        outcome = run_tasks(work, tasks, many, common, style, journal, _told_cleaned(common, few))
         if not outcome.interrupted:
             journal.finish()
     finally:
         journal.close()
-    return _close_clean(outcome, tasks, replace(whole, files={}) if dry_run else whole, past, junit, style, common)
+    whole = replace(whole, files={}) if dry_run else whole
+    return _close_clean(outcome, tasks, whole, past, junit, style, common, ending)
 
 
 def _close_clean(
     outcome: Outcome, tasks: Sequence[Task], whole: Whole, past: Past, junit: Path | None, style: str, common: Common,
+    ending: str,
 ) -> int:  # fmt: skip
-    """What is told and written at the end of a run of `clean`."""
+    """What is told and written at the end of a run."""
     from footfix.report.summary import table
 
     if common.as_json:
@@ -149,7 +163,7 @@ def _close_clean(
     if whole.files:
         _write_whole_run(entries, outcome.results, tasks, whole.files, past)
     if junit is not None:
-        _write_junit("footfix clean", junit, entries, outcome.results)
+        _write_junit(f"footfix {ending}", junit, entries, outcome.results)
     if common.quiet or common.as_json:
         return code(outcome)
     if len(tasks) > 1 and style == "text":
@@ -165,7 +179,10 @@ def _a_folder(src: Sequence[str]) -> bool:
     return any(Path(each).is_dir() for each in src)
 
 
-def whole_run(src: Sequence[str], found: Sequence[Source], output: Path | None, many: Many, kind: str) -> Whole:
+def whole_run(
+    src: Sequence[str], found: Sequence[Source], output: Path | None, many: Many, kind: str,
+    ending: str = "clean",
+) -> Whole:  # fmt: skip
     """Where the summary and the index of a run go: into -o's folder, or into the one folder that was named.
 
     Args:
@@ -174,15 +191,18 @@ def whole_run(src: Sequence[str], found: Sequence[Source], output: Path | None, 
         output: the folder of -o.
         many: the shard, in the names.
         kind: of the reports; an index stands beside pages only.
+        ending: of the command's outputs; but for "clean" it is in the names, too, where several commands may write
+            into one folder.
     """
     folder = output
     if folder is None and len(src) == 1 and not many.from_file and _a_folder(src):
         folder = Path(src[0])
     if folder is None or not (len(found) > 1 or _a_folder(src)):
         return Whole(folder, output is not None)
-    files = {"summary": folder / many.named("summary", ".json")}
+    before = "" if ending == "clean" or output is not None else f"{ending}."
+    files = {"summary": folder / many.named(f"{before}summary", ".json")}
     if kind == "html":
-        files["index"] = folder / many.named("index", ".html")
+        files["index"] = folder / many.named(f"{before}index", ".html")
     return Whole(folder, output is not None, files)
 
 
