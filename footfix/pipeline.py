@@ -207,4 +207,3 @@ def measure_as_it_is(
         ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, settings.enforce.ground))
         found.append(measure(clip, rig, motion.contacts_back(within), belt=ground))
     return tuple(found)
-
