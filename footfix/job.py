@@ -224,19 +224,25 @@ def _too_short(
 
 def measure_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None
-) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]]]:
+) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]], list[dict[str, Any]]]:
     """Measure one clip as it is; nothing is corrected.
 
     Returns:
-        The source entry, the measures and the notes.
+        The source entry, the measures, the notes, and each plant with its slide.
 
     Raises:
         InputError: the clip can't be used; says why.
     """
     document, source, prepared, contacts = _planted(data, name, settings, labels, "measure")
     found = measure_as_it_is(document.clip, prepared, contacts, settings)
-    measures = report_format.worst([report_format.measures(each) for each in found])
-    return source, measures, _doubts(document, prepared, contacts)
+    measures = report_format.worst([report_format.measures(each) for each, _ in found])
+    plants = [
+        {"effector": each.effector, "start": each.start, "end": each.end,
+         "slide_mm": report_format.rounded(each.slide_mm)}
+        for _, of_figure in found
+        for each in of_figure
+    ]  # fmt: skip
+    return source, measures, _doubts(document, prepared, contacts), plants
 
 
 def detect_file(

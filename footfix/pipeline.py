@@ -190,8 +190,10 @@ def measure_figures(before: Clip, after: Clip, figures: Sequence[Figure]) -> tup
     return tuple(results)
 
 
-def measure_as_it_is(clip: Clip, prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple[Measures, ...]:
-    """Measure every figure of a clip to which nothing is done.
+def measure_as_it_is(
+    clip: Clip, prepared: Prepared, contacts: Contacts, settings: Settings
+) -> tuple[tuple[Measures, tuple[PlantMeasure, ...]], ...]:
+    """Measure every figure of a clip to which nothing is done, and each of its plants.
 
     Args:
         clip: the clip that came in.
@@ -203,6 +205,5 @@ def measure_as_it_is(clip: Clip, prepared: Prepared, contacts: Contacts, setting
     for rig, motion in zip(prepared.rigs, prepared.crops, strict=True):
         within = motion.contacts(contacts.only(sole.name for sole in rig.soles))
         ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, settings.enforce.ground))
-        found.append(measure(clip, rig, motion.contacts_back(within), belt=ground)[0])
+        found.append(measure(clip, rig, motion.contacts_back(within), belt=ground))
     return tuple(found)
-

@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,7 +61,12 @@ def check_one(task: Task) -> FileResult:
 
 
 def _guarded(task: Task, work: Any) -> FileResult:
-    """The result of some work, whatever happens: one clip's failure is never that of others."""
+    """The result of some work and the time it took, whatever happens: one clip's failure is never that of others."""
+    begun = time.perf_counter()
+    return replace(_ended(task, work), seconds=time.perf_counter() - begun)
+
+
+def _ended(task: Task, work: Any) -> FileResult:
     source = task.job.source
     try:
         result: FileResult = work(task)
@@ -200,7 +207,7 @@ def digest(report: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _detect(task: Task) -> FileResult:
-    from footfix.formats.contacts import encode_csv, encode_npz
+    from footfix.formats.contacts import ENCODERS
     from footfix.job import contacts_json, detect_file
 
     job, kind = task.job, task.extra["kind"]
@@ -208,8 +215,13 @@ def _detect(task: Task) -> FileResult:
     if kind == "json":
         encoded = contacts_json(contacts, entry, rig, task.settings)
     else:
-        encoded = encode_csv(contacts) if kind == "csv" else encode_npz(contacts)
-    report = {"contacts": sum(len(effector.contacts) for effector in contacts.effectors), "notes": notes}
+        encoded = ENCODERS[kind][1](contacts)
+    report = {
+        "contacts": sum(len(effector.contacts) for effector in contacts.effectors),
+        "effectors": {effector.name: len(effector.contacts) for effector in contacts.effectors},
+        "coverage": float(contacts.mask().mean()) if contacts.effectors else 0.0,
+        "notes": notes,
+    }
     if job.target is None or task.dry_run:
         return FileResult(job.source, "done", report=report, data=encoded)
     _write(task, {job.target: encoded})

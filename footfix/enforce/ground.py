@@ -25,14 +25,23 @@ _OUTLIERS = 2  # and no more than so many one after the other may not
 
 @dataclass(frozen=True, kw_only=True)
 class GroundParams:
-    """What makes a ground. Speeds in leg lengths a second."""
+    """What makes a ground.
 
-    belt: float = 0.15  # [leg lengths/s] planted feet that all move so fast, in a figure that stays, are on a belt
-    belt_spread: float = 0.3  # share of the belt's speed by which they may differ from it
-    belt_plants: int = 8  # plants in a row that make a belt, where the figure is not on it all the time,
-    belt_walk: float = 0.5  # [leg lengths/s] and that they move at least as fast
-    lift: float = 0.0055  # [leg lengths] all plants are off the floor, for the whole figure to be raised or lowered
-    agree: float = 0.8  # share of plants that must agree, within half of that
+    Args:
+        belt: planted feet that all move so fast, in a figure that stays, are on a belt [leg lengths/s].
+        belt_spread: by how much of the belt's speed they may differ from it [share].
+        belt_plants: plants in a row that make a belt, where the figure is not on it all the time [count].
+        belt_walk: these move at least as fast [leg lengths/s].
+        lift: all plants are off the floor by this, for the whole figure to be raised or lowered [leg lengths].
+        agree: how many of the plants must agree, within half of that [share].
+    """
+
+    belt: float = 0.15
+    belt_spread: float = 0.3
+    belt_plants: int = 8
+    belt_walk: float = 0.5
+    lift: float = 0.0055
+    agree: float = 0.8
 
 
 @dataclass(frozen=True)

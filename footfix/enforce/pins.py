@@ -32,17 +32,30 @@ _RESTING = 0.3  # of its frames in which a plant rests whose other frames are le
 
 @dataclass(frozen=True, kw_only=True)
 class PinParams:
-    """When a plant is corrected, and what of it is held. Lengths in leg lengths."""
+    """When a plant is corrected, and what of it is held.
 
-    keep_slide: float = 0.0022  # [leg lengths] a plant that slides no farther (2 mm of a grown-up), and
-    keep_height: float = 0.0055  # [leg lengths] that is no farther than this from its floor, stays as it is
-    edge: float = 0.015  # [s] at both ends of a detected contact in which the foot may still land or leave
-    edge_weight: float = 0.05  # of a pin's weight at the outermost frame of these
-    ankle: float = 0.4  # weight of the ankle against that of the toe joint, while heel and toe stand
-    tip: float = 0.3  # weight of the toes' tip against that of the toe joint
-    near: float = 0.067  # [leg lengths] a plant nearer than this to the floor stands on it, else on a step of its own
-    sink: float = 0.0033  # [leg lengths] how deep a point may be in the floor, if it was not captured deeper
-    asked: float = 0.12  # [leg lengths] a place that labels ask for farther away is not taken, unless forced
+    Args:
+        keep_slide: a plant that slides no farther (2 mm of a grown-up) and is as near to its floor as below stays as
+            it is [leg lengths].
+        keep_height: distance from its floor up to which it may stay as it is [leg lengths].
+        edge: time at both ends of a detected contact in which the foot may still land or leave [s].
+        edge_weight: weight of a pin at the outermost frame of these, of its own [share].
+        ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
+        tip: weight of the toes' tip against that of the toe joint [share].
+        near: a plant nearer than this to the floor stands on it, else on a step of its own [leg lengths].
+        sink: how deep a point may be in the floor, if it was not captured deeper [leg lengths].
+        asked: a place that labels ask for farther away is not taken, unless forced [leg lengths].
+    """
+
+    keep_slide: float = 0.0022
+    keep_height: float = 0.0055
+    edge: float = 0.015
+    edge_weight: float = 0.05
+    ankle: float = 0.4
+    tip: float = 0.3
+    near: float = 0.067
+    sink: float = 0.0033
+    asked: float = 0.12
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,28 +36,51 @@ _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults ar
 
 @dataclass(frozen=True, kw_only=True)
 class CostParams:
-    """What each departure from the capture costs: standard deviations, each of which costs as much as another."""
+    """What each departure from the capture costs: standard deviations, each of which costs as much as another.
 
-    slide: float = 11000.0  # cost of a leg length of slide; more holds more, at the price of the joints' speed
-    root: float = 0.09  # [leg lengths] of the root over the floor
-    root_height: float = 0.055  # [leg lengths] of the root up and down
-    root_acceleration: float = 1.1  # [leg lengths/s^2]
-    root_farthest: float = 0.06  # [leg lengths] beyond this the root hardly goes
-    line: float = 5.0  # [degrees] of the line from hip to ankle
-    knee: float = 3.0  # [degrees] of the knee's flexion
-    foot: float = 4.5  # [degrees] of the foot in the world
-    toes: float = 10.0  # [degrees] of the toes' bend
-    line_acceleration: float = 200.0  # [degrees/s^2]
-    knee_acceleration: float = 200.0  # [degrees/s^2]
-    foot_acceleration: float = 300.0  # [degrees/s^2]
-    toes_acceleration: float = 500.0  # [degrees/s^2]
-    line_farthest: float = 12.0  # [degrees] beyond this the line from hip to ankle hardly turns
-    ankle_farthest: float = 25.0  # [degrees] beyond this the foot hardly turns against the shank, and the knee
-    toes_farthest: float = 40.0  # [degrees] beyond this the toes hardly bend
-    noticed: float = 0.023  # [leg lengths] a fault that viewers notice: 21 mm (Prazak & O'Sullivan 2011)
-    unnoticed_turn: float = 2.0  # [degrees] a joint hardly turns farther for a smaller one, and in proportion for more
-    speed: float = 130.0  # [degrees/s] by which a joint may turn faster than captured
-    level: float = 0.0045  # [leg lengths] of a plant from its floor, in a tenth of a second
+    Args:
+        slide: cost of slide; more holds more, at the price of the joints' speed [1/leg length].
+        root: of the root over the floor [leg lengths].
+        root_height: of the root up and down [leg lengths].
+        root_acceleration: of the root's acceleration [leg lengths/s^2].
+        root_farthest: beyond this the root hardly goes [leg lengths].
+        line: of the line from hip to ankle [degrees].
+        knee: of the knee's flexion [degrees].
+        foot: of the foot in the world [degrees].
+        toes: of the toes' bend [degrees].
+        line_acceleration: of that line's acceleration [degrees/s^2].
+        knee_acceleration: of that of the knee's flexion [degrees/s^2].
+        foot_acceleration: of that of the foot [degrees/s^2].
+        toes_acceleration: of that of the toes' bend [degrees/s^2].
+        line_farthest: beyond this the line from hip to ankle hardly turns [degrees].
+        ankle_farthest: beyond this the foot hardly turns against the shank, and the knee hardly bends [degrees].
+        toes_farthest: beyond this the toes hardly bend [degrees].
+        noticed: a fault that viewers notice: 21 mm of a grown-up (Prazak & O'Sullivan 2011) [leg lengths].
+        unnoticed_turn: farther than this a joint hardly turns for a smaller fault; for more, in proportion [degrees].
+        speed: by which a joint may turn faster than captured [degrees/s].
+        level: of a plant from its floor, in a tenth of a second [leg lengths].
+    """
+
+    slide: float = 11000.0
+    root: float = 0.09
+    root_height: float = 0.055
+    root_acceleration: float = 1.1
+    root_farthest: float = 0.06
+    line: float = 5.0
+    knee: float = 3.0
+    foot: float = 4.5
+    toes: float = 10.0
+    line_acceleration: float = 200.0
+    knee_acceleration: float = 200.0
+    foot_acceleration: float = 300.0
+    toes_acceleration: float = 500.0
+    line_farthest: float = 12.0
+    ankle_farthest: float = 25.0
+    toes_farthest: float = 40.0
+    noticed: float = 0.023
+    unnoticed_turn: float = 2.0
+    speed: float = 130.0
+    level: float = 0.0045
 
 
 # Bounds, as standard deviations of what is beyond them.

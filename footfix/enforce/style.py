@@ -19,11 +19,15 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 @dataclass(frozen=True, kw_only=True)
 class StyleParams:
-    """How planted feet stand otherwise than captured."""
+    """How planted feet stand otherwise than captured.
 
-    toe_out: Mapping[str, float] = field(default_factory=dict)  # leg name -> [degrees] outwards, about the heel
+    Args:
+        toe_out: leg name -> how far the foot turns outwards, about the heel [degrees].
+        offset: sole point name -> outwards, up and forwards, as the foot stands [leg lengths].
+    """
+
+    toe_out: Mapping[str, float] = field(default_factory=dict)
     offset: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    # sole point name -> outwards, up, forwards, as the foot stands [leg lengths]
 
 
 def styled(

@@ -26,24 +26,27 @@ class Measures:
     literature know no ground that moves; on a belt they are None.
 
     Args:
-        plants: contacts counted.
-        plants_over_21mm: how many of them slide farther than viewers notice (Prazak 2011).
-        share_over_21mm: the same as a share of the plants.
-        tip_over_21mm: share of the toe plants whose tip slides farther than that, None where no foot has a tip.
-        slide_mm: the worst plant's slide.
-        slide_median_mm: the median plant's.
-        yaw_deg: the worst plant's turn about the vertical.
-        coverage: share of effector-frames in contact.
-        skate_cm_s: mean horizontal speed of planted feet: of the plants' means, by their lengths.
-        skate_worst_cm_s: highest horizontal speed of a planted foot.
-        penetration_mm: deepest of all planted points below their floor.
-        float_mm: highest of all planted points above their floor.
-        skating_ratio: GMD / OmniControl's foot skating ratio of the toe joints, over all frames.
-        weighted_skate_cm_s: mean of v (2 - 2^(h / H)) over sole points and frames, H = 3.3 cm.
-        phys_penetrate_mm, phys_float_mm, phys_skate_mm: PhysDiff's three, over the sole points.
+        plants: contacts counted [count].
+        plants_over_21mm: how many of them slide farther than viewers notice (Prazak 2011) [count].
+        share_over_21mm: the same, of all plants [share].
+        tip_over_21mm: toe plants whose tip slides farther than that, of all toe plants; None where no foot has a tip
+            [share].
+        slide_mm: the worst plant's slide: farthest horizontal distance of what is seen from its median place [mm].
+        slide_median_mm: the median plant's [mm].
+        yaw_deg: the worst plant's turn about the vertical [deg].
+        coverage: effector-frames in contact, of all [share].
+        skate_cm_s: mean horizontal speed of planted feet: of the plants' means, by their lengths [cm/s].
+        skate_worst_cm_s: highest horizontal speed of a planted foot [cm/s].
+        penetration_mm: deepest of all planted points below their floor [mm].
+        float_mm: highest of all planted points above their floor [mm].
+        skating_ratio: GMD / OmniControl's foot skating ratio of the toe joints, over all frames [share].
+        weighted_skate_cm_s: mean of v (2 - 2^(h / H)) over sole points and frames, H = 3.3 cm [cm/s].
+        phys_penetrate_mm: PhysDiff's mean depth of the lowest sole point below the floor, over all frames [mm].
+        phys_float_mm: PhysDiff's mean height of the lowest sole point above the floor, over all frames [mm].
+        phys_skate_mm: PhysDiff's mean step from frame to frame of sole points that are on the floor [mm].
         jitter_100m_s3: mean third difference of joint positions [10^2 m/s^3].
-        peak_acceleration_m_s2: 99.9th percentile of knee and ankle acceleration relative to the pelvis.
-        peak_knee_speed_deg_s: 99.9th percentile of the knees' angular speed.
+        peak_acceleration_m_s2: 99.9th percentile of knee and ankle acceleration relative to the pelvis [m/s^2].
+        peak_knee_speed_deg_s: 99.9th percentile of the knees' angular speed [deg/s].
     """
 
     plants: int

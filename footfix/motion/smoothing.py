@@ -22,7 +22,7 @@ class SmoothParams:
 
     Args:
         seconds: [s] window of the filter (K §5.1: 12 frames at 120 fps).
-        degree: of the polynomial (K §5.1).
+        degree: of the polynomial (K §5.1) [count].
         channels: smooth what is written, too; off, only what detection looks at is smoothed.
     """
 

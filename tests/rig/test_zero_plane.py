@@ -167,7 +167,7 @@ def test_settings_take_a_height_or_zero() -> None:
     assert load_config(sets=["rig.floor=-0.02"]).settings().rig.floor == -0.02
     assert load_config(sets=["rig.floor=null"], preset="ml-generated").settings().rig.floor is None
     assert load_config(preset="ml-generated").settings().rig.floor == "zero"
-    assert load_config(preset="mocap").settings().rig.floor is None
+    assert load_config(preset="video").settings().rig.floor is None
     with pytest.raises(UsageError, match=r"rig\.floor must be a number or 'zero', not 'ground'"):
         load_config(sets=["rig.floor=ground"])
 

@@ -37,9 +37,15 @@ from footfix.rig.rig import Rig
 
 @dataclass(frozen=True, kw_only=True)
 class GlardonParams:
-    """How Glardon's method holds plants."""
+    """How Glardon's method holds plants.
 
-    ease: float = 0.3  # [s] how long before a contact its correction begins, and after it ends (sigma)
+    Args:
+        ease: how long before a contact its correction begins, and after it ends (sigma) [s].
+        targets: where plants stand.
+        solver: how it steps.
+    """
+
+    ease: float = 0.3
     targets: TargetParams = field(default_factory=TargetParams)
     solver: SolverParams = field(default_factory=SolverParams)
 

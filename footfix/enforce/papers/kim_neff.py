@@ -39,9 +39,14 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 @dataclass(frozen=True, kw_only=True)
 class KimNeffParams:
-    """How Kim and Neff's method holds plants."""
+    """How Kim and Neff's method holds plants.
 
-    longest: float = 0.1  # [s] that the way between the free motion and a plant takes at most
+    Args:
+        longest: time that the way between the free motion and a plant takes at most [s].
+        targets: where plants stand.
+    """
+
+    longest: float = 0.1
     targets: TargetParams = field(default_factory=TargetParams)
 
 

@@ -23,15 +23,26 @@ from footfix.rig.rig import Rig
 
 @dataclass(frozen=True, kw_only=True)
 class LyardRootParams:
-    """How the root alone holds plants."""
+    """How the root alone holds plants.
 
-    speed_window: float = 0.1  # [s] over which the speeds of points are averaged before they are compared
-    hand_over: float = 0.01  # [leg lengths] of way that a hand-over from point to point has to spare; 0 as in the paper
-    calm: float = 0.03  # [s] over which what the root's steps gain is averaged; 0 as in the paper
-    vertical: bool = True  # one offset and one scale of the root's height, so that planted soles are at their floors
-    keep_slide: float = 0.004  # [leg lengths] where no plant slides farther over its contact, nor
-    keep_height: float = 0.012  # [leg lengths] is farther from its floor, the root stays as it is
-    pin_end: bool = False  # whether the path's drift is brought back to zero at the last frame, evenly over the clip
+    Args:
+        speed_window: time over which the speeds of points are averaged before they are compared [s].
+        hand_over: way that a hand-over from point to point has to spare; 0 as in the paper [leg lengths].
+        calm: time over which what the root's steps gain is averaged; 0 as in the paper [s].
+        vertical: one offset and one scale of the root's height, so that planted soles are at their floors.
+        keep_slide: the root stays as it is where no plant slides farther over its contact [leg lengths].
+        keep_height: nor is one farther from its floor than this [leg lengths].
+        pin_end: whether the path's drift is brought back to zero at the last frame, evenly over the clip.
+        targets: where plants stand.
+    """
+
+    speed_window: float = 0.1
+    hand_over: float = 0.01
+    calm: float = 0.03
+    vertical: bool = True
+    keep_slide: float = 0.004
+    keep_height: float = 0.012
+    pin_end: bool = False
     targets: TargetParams = field(default_factory=TargetParams)
 
 

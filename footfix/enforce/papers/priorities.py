@@ -24,13 +24,21 @@ _BENDS = 0.05  # [sine] a joint whose bones' angle changes by more than this ove
 
 @dataclass(frozen=True, kw_only=True)
 class SolverParams:
-    """How the solver steps."""
+    """How the solver steps.
 
-    iterations: int = 60  # at most
-    tolerance: float = 1e-9  # [rad] a frame is solved when no joint turns by more in an iteration
-    damping: float = 0.02  # [leg lengths] what is out of reach is approached no more nervously than this
-    step: float = 0.3  # [rad] that a joint turns in one iteration at most
-    approach: float = 0.05  # [leg lengths] that a goal is approached in one iteration at most: less than a foot's lever
+    Args:
+        iterations: of a frame, at most [count].
+        tolerance: a frame is solved when no joint turns by more in an iteration [rad].
+        damping: what is out of reach is approached no more nervously than this [leg lengths].
+        step: turn of a joint in one iteration at most [rad].
+        approach: way to a goal in one iteration at most, less than a foot's lever [leg lengths].
+    """
+
+    iterations: int = 60
+    tolerance: float = 1e-9
+    damping: float = 0.02
+    step: float = 0.3
+    approach: float = 0.05
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,9 +18,13 @@ _FLAT = np.array([1.0, 0.0, 1.0])
 
 @dataclass(frozen=True, kw_only=True)
 class TargetParams:
-    """Where plants stand."""
+    """Where plants stand.
 
-    near: float = 0.067  # [leg lengths] a plant nearer than this to the rig's floor stands on it, else on its own level
+    Args:
+        near: a plant nearer than this to the rig's floor stands on it, else on its own level [leg lengths].
+    """
+
+    near: float = 0.067
 
 
 def near_floor(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[bool]:

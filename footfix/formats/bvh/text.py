@@ -105,13 +105,21 @@ def place(text: bytes, offset: int) -> tuple[int, int]:
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What is too much. A file beyond them is refused before memory is spent on it."""
+    """What is too much. A file beyond them is refused before memory is spent on it.
 
-    bytes: int = 4 << 30  # [bytes] of a file: an hour of 200 joints at 120 frames per second
-    header: int = 64 << 20  # [bytes] in which the MOTION part must have begun
-    frames: int = 20_000_000  # 46 hours at 120 frames per second
-    joints: int = 5_000  # a body with face and hands has 200
-    nesting: int = 5_000  # joints below joints
+    Args:
+        bytes: of a file; the default holds an hour of 200 joints at 120 frames per second [bytes].
+        header: in which the MOTION part must have begun [bytes].
+        frames: of a clip; the default is 46 hours at 120 frames per second [count].
+        joints: of a skeleton; a body with face and hands has 200 [count].
+        nesting: joints below joints [count].
+    """
+
+    bytes: int = 4 << 30
+    header: int = 64 << 20
+    frames: int = 20_000_000
+    joints: int = 5_000
+    nesting: int = 5_000
 
 
 @dataclass
