@@ -19,7 +19,7 @@ FLOORS = [
     {"detect", "enforce", "measure"},
     {"formats"},
     {"settings", "configs"},
-    {"pipeline", "config"},
+    {"pipeline", "config", "arguments"},
     {"report"},
     {"job"},
     {"inspection"},

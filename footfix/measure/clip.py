@@ -215,11 +215,18 @@ def jitter(clip: Clip, block: int = 4096) -> float:
     """
     total, count = 0.0, 0
     for start in range(0, len(clip) - 3, block):
-        place = places(clip.frames(slice(start, start + block + 3)))
-        jerk = place[3:] - place[:-3] + 3.0 * (place[1:-2] - place[2:-1])
-        total += float(np.sum(np.sqrt(jerk[..., 0] ** 2 + jerk[..., 1] ** 2 + jerk[..., 2] ** 2)))
-        count += jerk.shape[0] * jerk.shape[1]
+        more = jerks(places(clip.frames(slice(start, start + block + 3))))
+        total, count = total + more[0], count + more[1]
     return total / count / clip.frame_time**3 / 100.0 if count else 0.0
+
+
+def jerks(place: Floats) -> tuple[float, int]:
+    """Add up the lengths of third differences of places (F, J, 3) [m], and count them."""
+    if len(place) < 4:
+        return 0.0, 0
+    jerk = place[3:] - place[:-3] + 3.0 * (place[1:-2] - place[2:-1])
+    total = float(np.sum(np.sqrt(jerk[..., 0] ** 2 + jerk[..., 1] ** 2 + jerk[..., 2] ** 2)))
+    return total, jerk.shape[0] * jerk.shape[1]
 
 
 def peak_acceleration(rig: Rig, pose: Pose, frame_time: float) -> float:

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from footfix.errors import ArgumentError
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Bools = NDArray[np.bool_]
@@ -28,6 +30,10 @@ def frozen(array: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
 @dataclass(frozen=True, eq=False)
 class Skeleton:
     """Joints, their tree and their rest offsets.
+
+    >>> leg = Skeleton(("hip", "knee", "ankle"), [-1, 0, 1], [[0, 0, 0], [0, -0.45, 0], [0, -0.42, 0]])
+    >>> leg.children
+    ((1,), (2,), ())
 
     Args:
         names: joint names as in the file; they may repeat, the index is the identity.
@@ -51,7 +57,9 @@ class Skeleton:
         n = len(self.names)
         parents = frozen(self.parents, np.intp)
         if parents.shape != (n,) or np.any(parents >= np.arange(n)) or np.any(parents < -1):
-            raise ValueError("parents must be (J,), each before its children, -1 for a root")
+            raise ArgumentError(f"parents must be ({n},), one a name, each before its children, -1 for a root")
+        if np.size(self.offsets) != 3 * n:
+            raise ArgumentError(f"offsets must be ({n}, 3), one a joint, not {np.shape(self.offsets)}")
         freeze = object.__setattr__
         freeze(self, "names", tuple(self.names))
         freeze(self, "parents", parents)
@@ -94,12 +102,21 @@ class Skeleton:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion: for each frame the local place and rotation of each joint.
+    """A motion: for each frame the place and rotation of each joint in the frame of its parent, y up.
+
+    Positions are parent-local, as BVH channels are, and not where joints are in the world: that is
+    `footfix.global_positions(clip)`. Who has only world positions cleans them with `footfix.clean_positions`.
+
+    >>> leg = Skeleton(("hip", "knee"), [-1, 0], [[0, 0, 0], [0, -0.45, 0]])
+    >>> at_rest = np.tile([0.0, 0.0, 0.0, 1.0], (60, 2, 1))
+    >>> clip = Clip(leg, np.tile(leg.offsets, (60, 1, 1)), at_rest, frame_time=1 / 60)
+    >>> len(clip), clip.positions.shape
+    (60, (60, 2, 3))
 
     Args:
         skeleton: the joints.
-        positions: (F, J, 3) [m] place of each joint in its parent's frame (the rest offset, or what
-            position channels put in its stead).
+        positions: (F, J, 3) [m] place of each joint in its parent's frame: its rest offset (of a root: where it is
+            in the world), or what position channels put in its stead.
         rotations: (F, J, 4) unit quaternions xyzw, each joint's frame in its parent's.
         frame_time: [s] between frames.
     """
@@ -113,11 +130,11 @@ class Clip:
         positions, rotations = frozen(self.positions), frozen(self.rotations)
         joints = len(self.skeleton)
         if positions.ndim != 3 or positions.shape[1:] != (joints, 3):
-            raise ValueError(f"positions must be (F, {joints}, 3), not {positions.shape}")
+            raise ArgumentError(f"positions must be (F, {joints}, 3), one a joint, not {positions.shape}")
         if rotations.shape != (*positions.shape[:2], 4):
-            raise ValueError(f"rotations must be {(*positions.shape[:2], 4)}, not {rotations.shape}")
+            raise ArgumentError(f"rotations must be xyzw {(*positions.shape[:2], 4)}, not {rotations.shape}")
         if not self.frame_time > 0.0:
-            raise ValueError(f"frame_time must be positive, not {self.frame_time}")
+            raise ArgumentError(f"frame_time must be positive, the seconds from frame to frame, not {self.frame_time}")
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "rotations", rotations)
 

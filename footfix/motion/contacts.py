@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from footfix.errors import ArgumentError
 from footfix.motion.clip import Bools, Floats
 from footfix.notes import Note
 
@@ -97,10 +99,21 @@ class Contacts:
         return replace(self, effectors=tuple(each for each in self.effectors if each.name in wanted))
 
     def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
-        """The same effectors with the contacts of a mask (F, E).
+        """Replace the contacts of all effectors by those of a mask.
 
-        `confidence` (F, E), if given, is averaged over each contact.
+        Args:
+            mask: (F, E) True where an effector is planted, in the order of `names`.
+            confidence: (F, E) 0 to 1; averaged over each contact. 1 by default.
+
+        Raises:
+            ArgumentError: the mask is of other frames or effectors, or holds more than yes and no.
         """
+        mask = self._fitting("the mask", mask)
+        if mask.dtype != np.bool_ and not np.isin(mask, (0, 1)).all():
+            raise ArgumentError("the mask must hold True and False (or 1 and 0); of likelihoods give `mask > 0.5`")
+        mask = mask.astype(np.bool_)
+        if confidence is not None:
+            confidence = self._fitting("confidence", confidence)
         effectors = tuple(
             replace(
                 effector,
@@ -112,6 +125,14 @@ class Contacts:
             for e, effector in enumerate(self.effectors)
         )
         return replace(self, effectors=effectors)
+
+    def _fitting(self, what: str, array: NDArray[Any]) -> NDArray[Any]:
+        """The array (F, E), which must have the frames and effectors of these contacts."""
+        array, wanted = np.asarray(array), (self.frames, len(self.effectors))
+        if array.shape != wanted:
+            names = ", ".join(self.names)
+            raise ArgumentError(f"{what} must be {wanted}: {wanted[0]} frames of {names}; it is {array.shape}")
+        return array
 
 
 def joined(parts: Sequence[Contacts]) -> Contacts:
