@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike
 from footfix.api.clips import clean, find_rig
 from footfix.arguments import check_frame_time, check_settings
 from footfix.errors import ArgumentError
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Clip, Floats
 from footfix.motion.fit import fit_rotations
 from footfix.motion.kinematics import places
 from footfix.pipeline import Result
+from footfix.rig.figure import figures
 from footfix.rig.rig import Rig
-from footfix.rig.survey import vector
+from footfix.rig.sample import sample
+from footfix.rig.survey import scores, vector
 from footfix.settings import Settings
 
 # The 22 joints of HumanML3D and SMPL: each one's parent, and its name.
@@ -27,6 +29,7 @@ HUMANML3D_NAMES = (
     "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
 )  # fmt: skip
 
+_PLAINLY = 0.5  # evidence by which another axis must lead: of captured clips with y up, none leads by more than 0.24
 _UNMOVED = 1e-9  # [m] forward kinematics gives positions back no worse than that
 
 
@@ -48,7 +51,7 @@ class CleanedPositions:
 
 def clean_positions(
     positions: ArrayLike, parents: Sequence[int], frame_time: float, *, names: Sequence[str] | None = None,
-    rest: ArrayLike | None = None, contacts: ArrayLike | None = None, unit_m: float = 1.0, up: str = "y",
+    rest: ArrayLike | None = None, contacts: ArrayLike | None = None, unit_m: float = 1.0, up: str | None = None,
     settings: Settings | None = None, rig: Rig | None = None,
 ) -> CleanedPositions:  # fmt: skip
     """Take the foot skate out of joint positions in the world.
@@ -65,7 +68,8 @@ def clean_positions(
             tallest.
         contacts: (F, 4) True where left heel, left toe, right heel, right toe are planted; detected by default.
         unit_m: [m] one unit of the positions; 0.01 for centimetres.
-        up: the upward axis of the positions: "y", "z", "x", "-y", "-z" or "-x".
+        up: the upward axis of the positions: "y", "z", "x", "-y", "-z" or "-x"; by default y, and refused where the
+            motion plainly says otherwise.
         settings: the parameters of all steps.
         rig: legs and soles; found where it is not given.
 
@@ -84,10 +88,12 @@ def clean_positions(
     if names is not None and len(names) != given.shape[1]:
         raise ArgumentError(f"{given.shape[1]} joints need {given.shape[1]} names, not {len(names)}")
     check_frame_time(frame_time)
-    settings, axes = check_settings(settings), _y_up(up)
+    settings, axes = check_settings(settings), _y_up(up or "y")
     world = unit_m * given.astype(np.float64) @ axes.T  # [m] y up
     pose = None if rest is None else unit_m * np.asarray(rest, dtype=np.float64) @ axes.T
     clip = fit_rotations(world, parents, float(frame_time), names=names, rest=pose)
+    if up is None:
+        _check_up(clip, settings)
     rig = find_rig(clip, settings) if rig is None else rig
     labels = None if contacts is None else rig.no_contacts(clip).with_mask(np.asarray(contacts))
     result = clean(clip, settings, rig=rig, contacts=labels)
@@ -96,6 +102,16 @@ def clean_positions(
     kind = given.dtype if given.dtype.kind == "f" else np.dtype(np.float64)
     back = np.where(moved, cleaned @ axes / unit_m, given).astype(kind)
     return CleanedPositions(back, result.contacts.mask(), result)
+
+
+def _check_up(clip: Clip, settings: Settings) -> None:
+    """Refuse motion that stands along another axis than y."""
+    seen = sample(clip)
+    evidence = scores(seen, figures(seen, settings.rig, y_up=False)[0])
+    by_axis = {axis: sum(each.values()) for axis, each in evidence.items()}
+    best = max(by_axis, key=lambda axis: by_axis[axis])
+    if by_axis[best] - by_axis["y"] > _PLAINLY:
+        raise ArgumentError(f'{best} seems to be up here: hand in up="{best}", or up="y" if y is up after all')
 
 
 def _y_up(up: str) -> Floats:

@@ -109,6 +109,9 @@ def test_positions_that_are_none_are_refused() -> None:
     ):
         with pytest.raises(footfix.ArgumentError, match=says):
             footfix.clean_positions(given, parents, 1 / 60)
+    lying = captured()[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
+    with pytest.raises(footfix.ArgumentError, match='up="z"'):
+        footfix.clean_positions(lying, parents, 1 / 60)
     with pytest.raises(footfix.ArgumentError, match="rate"):
         footfix.clean_positions(captured(), parents, 60)
 
