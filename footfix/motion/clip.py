@@ -21,7 +21,7 @@ Bools = NDArray[np.bool_]
 
 
 def frozen(array: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
-    """A read-only view of an array (a copy only where the type differs)."""
+    """Make a read-only view of an array (a copy only where the type differs)."""
     view = np.asarray(array, dtype=dtype).view()
     view.flags.writeable = False
     return view
@@ -84,7 +84,7 @@ class Skeleton:
         return tuple(tuple(each) for each in lists)
 
     def with_ancestors(self, joints: Iterable[int]) -> tuple[int, ...]:
-        """Some joints and all above them, in the order of the file, each once."""
+        """List some joints and all above them, in the order of the file, each once."""
         wanted = set(joints)
         for joint in range(max(wanted, default=-1), -1, -1):  # parents stand before children
             if joint in wanted:
@@ -92,7 +92,7 @@ class Skeleton:
         return tuple(sorted(wanted - {-1}))
 
     def ancestors(self, joint: int) -> tuple[int, ...]:
-        """The joint, its parent, and so on up to its root."""
+        """List the joint, its parent, and so on up to its root."""
         path = []
         while joint >= 0:
             path.append(joint)
@@ -142,7 +142,7 @@ class Clip:
     def of_tracks(
         cls, skeleton: Skeleton, places: Floats | Sequence[Floats], turns: Floats | Sequence[Floats], frame_time: float
     ) -> Clip:
-        """A clip of tracks that may be another clip's, so that clips that differ in a few joints share the others.
+        """Make a clip of tracks that may be another clip's, so that clips that differ in a few joints share the others.
 
         Most joints of most clips never leave their rest offset, and an hour of 200 joints takes 5 GB as whole arrays.
 
@@ -169,17 +169,17 @@ class Clip:
         return whole
 
     def place(self, joint: int) -> Floats:
-        """(F, 3) [m] the track of one joint in its parent's frame."""
+        """Get (F, 3) [m] the track of one joint in its parent's frame."""
         tracks = self.__dict__.get("_places")
         return self.positions[:, joint] if tracks is None else tracks[joint]
 
     def turn(self, joint: int) -> Floats:
-        """(F, 4) the rotations of one joint in its parent's frame."""
+        """Get (F, 4) the rotations of one joint in its parent's frame."""
         tracks = self.__dict__.get("_turns")
         return self.rotations[:, joint] if tracks is None else tracks[joint]
 
     def with_joints(self, places: Mapping[int, Floats], turns: Mapping[int, Floats]) -> Clip:
-        """The clip with other tracks of some joints; those of the others are shared, not copied.
+        """Replace the tracks of some joints; those of the others are shared, not copied.
 
         Args:
             places: joint -> (F, 3) [m].
@@ -202,7 +202,7 @@ class Clip:
         return 1.0 / self.frame_time
 
     def frames(self, which: slice | Ints) -> Clip:
-        """The clip of some frames only; the frame time stays as it is."""
+        """Cut out some frames; the frame time stays as it is."""
         joints = range(len(self.skeleton))
         return Clip.of_tracks(
             self.skeleton,
@@ -213,25 +213,25 @@ class Clip:
 
 
 def held(value: ArrayLike, frames: int) -> Floats:
-    """A track (F, n) that is the same in every frame, in the memory of one."""
+    """Make a track (F, n) that is the same in every frame, in the memory of one."""
     return np.broadcast_to(np.asarray(value, dtype=np.float64), (frames, np.size(value)))
 
 
 def same_track(one: Floats, other: Floats) -> bool:
-    """Whether two tracks (F, n) lie in the same memory, so that their numbers need not be looked at."""
+    """Tell whether two tracks (F, n) lie in the same memory, so that their numbers need not be compared."""
     where = [(each.__array_interface__["data"], each.strides, each.shape) for each in (one, other)]
     return where[0] == where[1]
 
 
 def in_every_frame(function: Callable[[Floats], Floats], track: Floats) -> Floats:
-    """A function of the frames of a track (F, n), called for one where all are the same."""
+    """Apply a function to the frames of a track (F, n), once where all are the same."""
     if len(track) and track.strides[0] == 0:
         return np.broadcast_to(function(track[:1]), track.shape)
     return function(track)
 
 
 def some(track: Floats, frames: slice | Ints) -> Floats:
-    """Some frames of a track; they stay side by side in memory, for kinematics is twice as slow where they do not."""
+    """Take some frames of a track; they stay side by side in memory, or kinematics would be twice as slow."""
     if isinstance(frames, slice):
         return track[frames]
     if len(track) and track.strides[0] == 0:

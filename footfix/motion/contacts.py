@@ -85,7 +85,7 @@ class Contacts:
         raise KeyError(name)
 
     def mask(self) -> Bools:
-        """(F, E) True where an effector is planted; forbidden stretches are not contacts."""
+        """Lay contacts out as (F, E), True where an effector is planted; forbidden stretches are not contacts."""
         mask = np.zeros((self.frames, len(self.effectors)), dtype=np.bool_)
         for e, effector in enumerate(self.effectors):
             for contact in effector.contacts:
@@ -94,7 +94,7 @@ class Contacts:
         return mask
 
     def only(self, names: Iterable[str]) -> Contacts:
-        """The contacts of some effectors."""
+        """Take the contacts of some effectors."""
         wanted = frozenset(names)
         return replace(self, effectors=tuple(each for each in self.effectors if each.name in wanted))
 
@@ -127,7 +127,7 @@ class Contacts:
         return replace(self, effectors=effectors)
 
     def _fitting(self, what: str, array: NDArray[Any]) -> NDArray[Any]:
-        """The array (F, E), which must have the frames and effectors of these contacts."""
+        """Check that an array has the frames and effectors of these contacts, (F, E)."""
         array, wanted = np.asarray(array), (self.frames, len(self.effectors))
         if array.shape != wanted:
             names = ", ".join(self.names)
@@ -136,7 +136,7 @@ class Contacts:
 
 
 def joined(parts: Sequence[Contacts]) -> Contacts:
-    """The effectors of several in one."""
+    """Join the effectors of several."""
     return replace(
         parts[0],
         effectors=tuple(effector for part in parts for effector in part.effectors),
@@ -145,6 +145,6 @@ def joined(parts: Sequence[Contacts]) -> Contacts:
 
 
 def runs(mask: Bools) -> list[tuple[int, int]]:
-    """The stretches `[start, end)` in which a mask (F,) is True."""
+    """List the stretches `[start, end)` in which a mask (F,) is True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

@@ -68,13 +68,13 @@ def fit_rotations(
 
 
 def _tallest(positions: Floats) -> int:
-    """The frame in which the joints are highest, on the whole, over the lowest of them."""
+    """Find the frame in which the joints are highest, on the whole, over the lowest of them."""
     heights = positions[..., 1]
     return int(np.argmax(heights.mean(axis=1) - heights.min(axis=1)))
 
 
 def _turned(before: Floats, offsets: Floats, bones: Floats) -> Floats:
-    """(F, 4) the turn of a joint in the world.
+    """Compute (F, 4) the turn of a joint in the world.
 
     Args:
         before: (F, 4) that of its parent.
@@ -94,7 +94,7 @@ def _turned(before: Floats, offsets: Floats, bones: Floats) -> Floats:
 
 
 def _together(offsets: Floats, bones: Floats) -> Floats:
-    """(F, 4) the turns that bring several bones nearest to where they are, by least squares.
+    """Compute (F, 4) the turns that bring several bones nearest to where they are, by least squares.
 
     Source: W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Cryst. A32 (1976).
     """
