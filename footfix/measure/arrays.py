@@ -115,7 +115,7 @@ def slides(track: ArrayLike, contact: ArrayLike) -> Floats:
 
 
 def _points(what: str, given: ArrayLike, frame_time: float) -> Floats:
-    """Tracks (F, n, 3); refuses other shapes, numbers that are none, and a frame time that is a rate."""
+    """Take tracks (F, n, 3); refuse other shapes, numbers that are none, and a frame time that is a rate."""
     array = np.asarray(given, dtype=np.float64)
     if array.ndim == 2:
         array = array[:, None]
