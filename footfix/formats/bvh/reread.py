@@ -17,7 +17,7 @@ Column = Callable[[int], Floats]
 
 
 def said_again(document: Document, said: Mapping[int, Floats]) -> Clip | None:
-    """The motion that a document would have if it were written with other numbers and read again.
+    """Find the motion that a document would have if it were written with other numbers and read again.
 
     Args:
         document: the file as it was.
@@ -52,7 +52,7 @@ def said_again(document: Document, said: Mapping[int, Floats]) -> Clip | None:
 
 
 def _alone(document: Document, joints: Sequence[int], column: Column) -> Clip:
-    """Some joints, each by itself, in the units and axes of the file."""
+    """Take some joints, each by itself, in the units and axes of the file."""
     own = {joint: k for k, joint in enumerate(joints)}
     mine = [k for k, channel in enumerate(document.channels) if channel.joint in own]
     channels = [document.channels[k]._replace(joint=own[document.channels[k].joint]) for k in mine]

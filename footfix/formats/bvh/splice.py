@@ -25,7 +25,7 @@ Columns = dict[int, Floats]  # column -> (F,) its numbers
 
 
 def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, Columns]:
-    """The text with some of its numbers replaced.
+    """Replace some of the numbers of a text.
 
     Args:
         text: the file.
@@ -58,7 +58,7 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, C
 
 
 def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
-    """A row that lacks numbers can't be mended number by number: all of it anew."""
+    """Write a row that lacks numbers anew, all of it: it can't be mended number by number."""
     values = rows.values[frame].copy()
     for change in changed:
         values[change.column] = change.values[frame]
@@ -67,7 +67,7 @@ def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
 
 
 def row_blocks(rows: Rows) -> Iterator[RowBlock]:
-    """The places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
+    """List the places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
     columns = rows.values.shape[1]
     if not rows.values.size:
         return
@@ -123,7 +123,7 @@ def _splice_block(
 
 
 def _one_by_one(text: bytes, comma: bool, starts: Ints, ends: Ints, new: Bytes, done: int) -> tuple[bytes, int]:
-    """The same, number by number: for what does not fit into tables of letters."""
+    """Replace number by number what does not fit into tables of letters."""
     pieces = list[bytes]()
     for start, end, letters in zip(starts.tolist(), ends.tolist(), new, strict=True):
         word = letters.tobytes().translate(None, b"\0")
@@ -140,7 +140,7 @@ def _tell(said: Columns, columns: Ints, frames: Ints, mask: Bools, new: Floats) 
 
 
 def _words(text: bytes, starts: Ints, ends: Ints) -> Bytes:
-    """(N, longest) the letters of words, NUL behind them."""
+    """Make (N, longest) the letters of words, NUL behind them."""
     sizes = ends - starts
     low, longest = int(starts[0]), int(sizes.max())
     raw = np.frombuffer(text, np.uint8, min(len(text), int(starts[-1]) + longest) - low, low)
@@ -151,7 +151,7 @@ def _words(text: bytes, starts: Ints, ends: Ints) -> Bytes:
 
 
 def _run_text(text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, formatted: Bytes) -> list[bytes]:
-    """The text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
+    """Write the text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
     count, n = starts.shape
     raw = np.frombuffer(text, np.uint8)
     if comma:
