@@ -98,13 +98,13 @@ def _velocity(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, param
 
 
 def _usual_step(rides: Sequence[_Ride], along: Bools) -> Floats:
-    """(3,) [m/s] what most steps of the plants that go along go by: of a cleaned clip, the very speed of its belt."""
+    """Find (3,) [m/s] the step that most plants on the belt make: of a cleaned clip, the very speed of its belt."""
     steps = np.concatenate([ride.steps for ride, goes in zip(rides, along.tolist(), strict=True) if goes])
     return np.asarray(np.median(steps, axis=0) * [1.0, 0.0, 1.0])
 
 
 def _without_gaps(mask: Bools, longest: int) -> Bools:
-    """(N,) the mask, True in its inner gaps that are no longer than that, too."""
+    """Fill the inner gaps of a mask (N,) that are no longer than that."""
     out = mask.copy()
     for start, end in runs(~mask):
         if start > 0 and end < len(mask) and end - start <= longest:
@@ -131,7 +131,7 @@ def _centre(rides: Sequence[_Ride]) -> Floats:
 
 
 def _go_along(rides: Sequence[_Ride], travel: Floats, least: float, params: GroundParams) -> Bools | None:
-    """(N,) which of these plants go along with what is their common velocity, `least` [m/s] or more.
+    """Tell (N,) which of these plants go along with what is their common velocity, `least` [m/s] or more.
 
     None where not most of them do, or the hips, which go on by `travel` (3,) [m/s], don't stay.
     """

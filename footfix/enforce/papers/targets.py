@@ -80,7 +80,7 @@ def usual_place(places: Floats) -> Floats:
 
 
 def _a_foot_apart(tracks: Sequence[Floats], plants: Sequence[Footplant], places: Sequence[Floats]) -> list[Floats]:
-    """The places (3,) [m] of the plants, those of one foot that overlap at the distance that its effectors have."""
+    """Move the places (3,) [m] of plants of one foot that overlap to the distance that its effectors have."""
     placed: dict[int, Floats] = {}
     order = sorted(range(len(plants)), key=lambda k: (plants[k].asked is None, plants[k].start, plants[k].part))
     for k in order:
