@@ -14,7 +14,7 @@ import numpy as np
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import Pose
-from footfix.motion.segments import centres, segments
+from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm
 from footfix.notes import Note
 from footfix.rig.rig import Rig
@@ -127,7 +127,7 @@ def _rides(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list[
 
 def _centre(rides: Sequence[_Ride]) -> Floats:
     points, weights = np.array([ride.velocity for ride in rides]), np.array([ride.seconds for ride in rides])
-    return np.asarray(centres(points, segments([(0, len(points))]), weights)[0])
+    return np.asarray(geometric_medians(points, segments([(0, len(points))]), weights)[0])
 
 
 def _go_along(rides: Sequence[_Ride], travel: Floats, least: float, params: GroundParams) -> Bools | None:

@@ -139,7 +139,7 @@ class Clip:
         object.__setattr__(self, "rotations", rotations)
 
     @classmethod
-    def of_tracks(
+    def from_tracks(
         cls, skeleton: Skeleton, places: Floats | Sequence[Floats], turns: Floats | Sequence[Floats], frame_time: float
     ) -> Clip:
         """Make a clip of tracks that may be another clip's, so that clips that differ in a few joints share the others.
@@ -186,7 +186,7 @@ class Clip:
             turns: joint -> (F, 4).
         """
         joints = range(len(self.skeleton))
-        return Clip.of_tracks(
+        return Clip.from_tracks(
             self.skeleton,
             [places[joint] if joint in places else self.place(joint) for joint in joints],
             [turns[joint] if joint in turns else self.turn(joint) for joint in joints],
@@ -204,15 +204,15 @@ class Clip:
     def frames(self, which: slice | Ints) -> Clip:
         """Cut out some frames; the frame time stays as it is."""
         joints = range(len(self.skeleton))
-        return Clip.of_tracks(
+        return Clip.from_tracks(
             self.skeleton,
-            [some(self.place(joint), which) for joint in joints],
-            [some(self.turn(joint), which) for joint in joints],
+            [take_frames(self.place(joint), which) for joint in joints],
+            [take_frames(self.turn(joint), which) for joint in joints],
             self.frame_time,
         )
 
 
-def held(value: ArrayLike, frames: int) -> Floats:
+def constant_track(value: ArrayLike, frames: int) -> Floats:
     """Make a track (F, n) that is the same in every frame, in the memory of one."""
     return np.broadcast_to(np.asarray(value, dtype=np.float64), (frames, np.size(value)))
 
@@ -223,14 +223,14 @@ def same_track(one: Floats, other: Floats) -> bool:
     return where[0] == where[1]
 
 
-def in_every_frame(function: Callable[[Floats], Floats], track: Floats) -> Floats:
+def per_frame(function: Callable[[Floats], Floats], track: Floats) -> Floats:
     """Apply a function to the frames of a track (F, n), once where all are the same."""
     if len(track) and track.strides[0] == 0:
         return np.broadcast_to(function(track[:1]), track.shape)
     return function(track)
 
 
-def some(track: Floats, frames: slice | Ints) -> Floats:
+def take_frames(track: Floats, frames: slice | Ints) -> Floats:
     """Take some frames of a track; they stay side by side in memory, or kinematics would be twice as slow."""
     if isinstance(frames, slice):
         return track[frames]

@@ -91,7 +91,7 @@ class Segments:
         return self.starts + self.lengths // 2
 
 
-def centres(points: Floats, parts: Segments, weights: Floats | None = None) -> Floats:
+def geometric_medians(points: Floats, parts: Segments, weights: Floats | None = None) -> Floats:
     """Find places (S, D) with the least sum of distances to the points (N, D) of each stretch: medians without axes.
 
     A few steps of Weiszfeld's way from the mean, with distances never counted as less than a hundredth of the usual.
@@ -109,13 +109,7 @@ def centres(points: Floats, parts: Segments, weights: Floats | None = None) -> F
     return place
 
 
-def middle(values: Floats) -> float:
-    """Compute the median of a few values (N,); a tenth of what `np.median` takes for that."""
-    ordered = np.sort(values)
-    return float(0.5 * (ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]))
-
-
-def distinct(ascending: Ints) -> Ints:
+def without_repeats(ascending: Ints) -> Ints:
     """Remove repetitions from an ascending array (N,); `np.unique` loads numpy's masked arrays for that, for 10 ms."""
     return np.asarray(ascending[np.diff(ascending, prepend=ascending[:1] - 1) > 0])
 

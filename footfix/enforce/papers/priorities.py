@@ -15,7 +15,7 @@ import numpy as np
 
 from footfix.enforce.papers.leg import CapturedLeg
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats, Ints, some
+from footfix.motion.clip import Clip, Floats, Ints, take_frames
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import cross, dot, norm
 
@@ -104,9 +104,9 @@ def leg_chain(clip: Clip, pose: Pose, leg: CapturedLeg, effectors: Sequence[Floa
     return Chain(
         base=leg.hip[which],
         base_turn=base_turn,
-        bones=tuple(some(clip.place(joint), which) for joint in joints[1:]),
+        bones=tuple(take_frames(clip.place(joint), which) for joint in joints[1:]),
         effectors=tuple(leg.in_foot(point)[which] for point in effectors),
-        locals_=np.stack([some(clip.turn(joint), which) for joint in joints], axis=1),
+        locals_=np.stack([take_frames(clip.turn(joint), which) for joint in joints], axis=1),
         axes=np.concatenate([*axes, free]),
         owner=np.array([*owner, last, last, last], dtype=np.intp),
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.motion.clip import Floats
-from footfix.motion.segments import centres, segments
+from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm, unit
 from footfix.rig.rig import Rig
 
@@ -75,7 +75,7 @@ def targets(
 
 def usual_place(places: Floats) -> Floats:
     """Find the median (3,) [m] of places (N, 3) [m]: over the floor that of the plane, whichever way its axes lie."""
-    x, z = centres(places[:, [0, 2]], segments([(0, len(places))]))[0]
+    x, z = geometric_medians(places[:, [0, 2]], segments([(0, len(places))]))[0]
     return np.array([x, np.median(places[:, 1]), z])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.formats.bvh.tree import Channel
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats, Skeleton, held, in_every_frame, same_track
+from footfix.motion.clip import Bools, Clip, Floats, Skeleton, constant_track, per_frame, same_track
 
 _BLOCK = 1 << 14  # rotations worked on together: their arrays stay in the cache of a core
 
@@ -69,7 +69,7 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, bas
     """
     joints, frames = len(skeleton), len(values)
     moves = [(column, c.joint, c.axis) for column, c in enumerate(channels) if c.kind == "P"]
-    places = [held(offset, frames) for offset in skeleton.offsets]
+    places = [constant_track(offset, frames) for offset in skeleton.offsets]
     for moved in {joint for _, joint, _ in moves}:
         places[moved] = np.array(places[moved], order="F")
     rotations = np.empty((joints, 4, frames))
@@ -89,7 +89,7 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, bas
             else:
                 which = np.array([[column for column, _ in turns[joint]] for joint in group])
                 _euler(np.deg2rad(block[which.T]), order, rotations, group, span)
-    return Clip.of_tracks(skeleton, places, rotations.transpose(2, 0, 1), frame_time)
+    return Clip.from_tracks(skeleton, places, rotations.transpose(2, 0, 1), frame_time)
 
 
 def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int], span: slice) -> None:
@@ -125,17 +125,17 @@ def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
     skeleton, roots = clip.skeleton, np.flatnonzero(clip.skeleton.parents < 0)
     places, rotations, offsets = [clip.place(j) for j in range(len(skeleton))], clip.rotations, skeleton.offsets
     if unit_m != 1.0:
-        places = [in_every_frame(lambda place: place * unit_m, each) for each in places]
+        places = [per_frame(lambda place: place * unit_m, each) for each in places]
         offsets = offsets * unit_m
     if not np.array_equal(axes, AXES["y"]):
         turn = rotation.from_matrix(axes)
         rotations, offsets = rotations.copy(order="K"), offsets.copy()
         for root in roots.tolist():
-            places[root] = in_every_frame(lambda place: _permute(place, axes), places[root])
+            places[root] = per_frame(lambda place: _permute(place, axes), places[root])
             offsets[root] = _permute(offsets[root], axes)
             rotations[:, root] = rotation.multiply(turn, rotations[:, root])
     skeleton = replace(skeleton, offsets=offsets, end_offsets=skeleton.end_offsets * unit_m)
-    return Clip.of_tracks(skeleton, places, rotations, clip.frame_time)
+    return Clip.from_tracks(skeleton, places, rotations, clip.frame_time)
 
 
 def _permute(vectors: Floats, axes: Floats) -> Floats:
