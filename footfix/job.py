@@ -28,7 +28,7 @@ from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
 from footfix.rig.rig import joined
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def placed(
     document: Document, params: RigParams, proper: slice | None = None
 ) -> tuple[Document, tuple[Note, ...]]:
     """The document with its unit and up axis as found, and what was doubtful about them."""
-    found = survey(document.clip, params, proper)
+    found = infer_units(document.clip, params, proper)
     return document.placed(unit_m=found.unit_m, up=found.up), found.notes
 
 

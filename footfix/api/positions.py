@@ -18,7 +18,7 @@ from footfix.pipeline import Result
 from footfix.rig.figure import figures
 from footfix.rig.rig import Rig
 from footfix.rig.sample import sample
-from footfix.rig.survey import scores, vector
+from footfix.rig.units import scores, vector
 from footfix.settings import Settings
 
 # The 22 joints of HumanML3D and SMPL: each one's parent, and its name.

@@ -33,7 +33,7 @@ _CLEAR = 0.25  # evidence by which one up axis must lead
 
 
 @dataclass(frozen=True)
-class Survey:
+class FileUnits:
     """What a clip in file units and axes says about its scale and its up axis.
 
     Args:
@@ -49,7 +49,7 @@ class Survey:
     origins: Mapping[str, str] = field(default_factory=dict)
 
 
-def survey(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> Survey:
+def infer_units(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> FileUnits:
     """Find metres per unit and the up axis of a clip.
 
     Args:
@@ -67,7 +67,7 @@ def survey(clip: Clip, params: RigParams | None = None, proper: slice | None = N
     figure = figures(seen, params, y_up=False)[0]
     unit, unit_notes, unit_origin = _unit(figure.length)
     up, up_notes = _up(seen, figure)
-    return Survey(
+    return FileUnits(
         unit_m=params.unit_m or unit,
         up=params.up or up,
         notes=(() if params.unit_m else unit_notes) + (() if params.up else up_notes),
