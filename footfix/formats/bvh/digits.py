@@ -90,11 +90,11 @@ def meant(values: Floats, places: int) -> Floats:
     # a twentieth of the time that reading takes.
     with np.errstate(over="ignore", invalid="ignore"):
         whole, hard = _scaled(values, places)
-    said = whole / 10.0**places
-    np.negative(said, out=said, where=(values < 0.0) & (whole > 0.0))
+    read = whole / 10.0**places
+    np.negative(read, out=read, where=(values < 0.0) & (whole > 0.0))
     if hard.any():
-        said[hard] = _read(_one_by_one(values[hard], places))
-    return said
+        read[hard] = _read(_one_by_one(values[hard], places))
+    return read
 
 
 def _read(letters: Bytes) -> Floats:

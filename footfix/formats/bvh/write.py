@@ -7,7 +7,7 @@ import numpy as np
 from footfix.formats.bvh.channels import changes
 from footfix.formats.bvh.document import Document
 from footfix.formats.bvh.read import decode
-from footfix.formats.bvh.reread import said_again
+from footfix.formats.bvh.reread import reread_motion
 from footfix.formats.bvh.splice import Columns, splice
 from footfix.formats.bvh.text import Limits
 from footfix.motion.clip import Clip
@@ -41,12 +41,12 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
     Returns:
         The file, and the motion in it [m], y up; `document.clip` itself where nothing changed.
     """
-    text, said = _spliced(document, clip)
+    text, numbers = _spliced(document, clip)
     written = _encoded(document, text)
     if text == document.text:
         return written, document.clip
     with np.errstate(invalid="ignore"):
-        again = said_again(document, said)
+        again = reread_motion(document, numbers)
     if again is None:
         read = decode(written, name=document.name, limits=limits)
         again = read.placed(unit_m=document.unit_m, up=document.up).clip
