@@ -36,6 +36,11 @@ __all__ = [
 def load(path: str | os.PathLike[str], settings: Settings | None = None) -> Document:
     """Read a file of motion.
 
+    Examples:
+        >>> walk = load("sample_data/walk_skate.bvh")
+        >>> walk.clip.positions.shape, round(walk.clip.fps), walk.unit_m, walk.up
+        ((301, 21, 3), 60, 0.01, 'y')
+
     Args:
         path: the file.
         settings: how its unit and up axis are found, and how large it may be.
@@ -76,8 +81,9 @@ def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = No
 def make_settings(preset: str | None = None, values: Mapping[str, Any] | None = None) -> Settings:
     """Make settings from a preset and from values, as a config file and `--set` do.
 
-    >>> make_settings("video", {"detect.method": "threshold"}).detect.method
-    'threshold'
+    Examples:
+        >>> make_settings("video", {"detect.method": "threshold"}).detect.method
+        'threshold'
 
     Args:
         preset: one of `presets()`.
@@ -93,6 +99,11 @@ def make_settings(preset: str | None = None, values: Mapping[str, Any] | None = 
 
 def find_rig(clip: Clip, settings: Settings | None = None) -> Rig:
     """Find legs, sole points, leg length and floor of a clip's figure; of the first one where there are several.
+
+    Examples:
+        >>> rig = find_rig(load("sample_data/walk_skate.bvh").clip)
+        >>> [sole.name for sole in rig.soles], round(rig.leg_length, 2)
+        (['left_heel', 'left_toe', 'right_heel', 'right_toe'], 0.88)
 
     Args:
         clip: in metres, y up; positions parent-local.
@@ -123,6 +134,14 @@ def find_rigs(clip: Clip, settings: Settings | None = None) -> tuple[Rig, ...]:
 def detect(clip: Clip, rig: Rig | None = None, settings: Settings | None = None) -> Contacts:
     """Find when heel and toe of each foot are planted; frames that lead in and out of the motion are left out.
 
+    Examples:
+        >>> contacts = detect(load("sample_data/walk_skate.bvh").clip)
+        >>> contacts.mask().shape, contacts.names[:2]
+        ((301, 4), ('left_heel', 'left_toe'))
+        >>> first = contacts["left_toe"].contacts[0]
+        >>> first.start
+        0
+
     Args:
         clip: in metres, y up; positions parent-local.
         rig: its legs and sole points; found where it is not given.
@@ -144,6 +163,14 @@ def clean(
     clip: Clip, settings: Settings | None = None, *, rig: Rig | None = None, contacts: Contacts | None = None
 ) -> Result:
     """Find the footplants of a clip and take the foot skate out.
+
+    Examples:
+        >>> walk = load("sample_data/walk_skate.bvh")
+        >>> result = clean(walk.clip)
+        >>> result.before.slide_mm > 40.0, result.after.slide_mm < 1.0
+        (True, True)
+        >>> "pinned" in {plant.outcome for plant in result.plants}
+        True
 
     Args:
         clip: the motion, metres, y up; positions parent-local.
@@ -196,6 +223,11 @@ def clean_figures(
 
 def measure(clip: Clip, rig: Rig | None = None, contacts: Contacts | None = None) -> Measures:
     """Measure what the feet of a clip do; the names of the measures carry their units.
+
+    Examples:
+        >>> found = measure(load("sample_data/walk_skate.bvh").clip)
+        >>> found.slide_mm > 40.0, found.coverage > 0.5
+        (True, True)
 
     Args:
         clip: the motion, metres, y up; positions parent-local.

@@ -59,6 +59,14 @@ def clean_positions(
     Rotations are fitted to the bones, the clip is cleaned as any other, and its positions are given back. Legs are
     found by their shape; names help to tell left from right.
 
+    Examples:
+        >>> import footfix
+        >>> clip = footfix.load("sample_data/walk_skate.bvh").clip
+        >>> positions = footfix.global_positions(clip)  # as a network gives them: (F, J, 3)
+        >>> cleaned = clean_positions(positions, clip.skeleton.parents, clip.frame_time, names=clip.skeleton.names)
+        >>> cleaned.positions.shape, cleaned.contacts.shape, cleaned.result.after.slide_mm < 1.0
+        ((301, 21, 3), (301, 4), True)
+
     Args:
         positions: (F, J, 3) of the joints in the world: not parent-local, not normalised, not relative to the root.
         parents: (J,) each joint's parent, before the joint, -1 for the root; HumanML3D's are `HUMANML3D_PARENTS`.

@@ -34,10 +34,11 @@ def skating_ratio(toes: ArrayLike, frame_time: float, *, rest: ArrayLike = 0.0) 
     now and in the mean of 5 frames; motion is resampled to the 20 fps for which these bounds were fixed. Source:
     Karunratanakul et al. 2023, Xie et al. 2024.
 
-    >>> toe = np.zeros((41, 3))
-    >>> toe[:, 2] = 0.06 * np.arange(41)   # 1.2 m/s along the floor at 20 fps
-    >>> skating_ratio(toe, 1 / 20)
-    1.0
+    Examples:
+        >>> toe = np.zeros((41, 3))
+        >>> toe[:, 2] = 0.06 * np.arange(41)   # 1.2 m/s along the floor at 20 fps
+        >>> skating_ratio(toe, 1 / 20)
+        1.0
 
     Args:
         toes: (F, n, 3) [m] the toe joints, in the world.
@@ -95,10 +96,11 @@ def slides(track: ArrayLike, contact: ArrayLike) -> Floats:
     That is the farthest horizontal distance from its median place. All frames count: leave out those in which a foot
     lands or leaves, if that is what is wanted.
 
-    >>> track = np.zeros((6, 3))
-    >>> track[3, 0] = 0.021
-    >>> slides(track, [1, 1, 1, 1, 1, 0])
-    array([21.])
+    Examples:
+        >>> track = np.zeros((6, 3))
+        >>> track[3, 0] = 0.021
+        >>> slides(track, [1, 1, 1, 1, 1, 0])
+        array([21.])
 
     Args:
         track: (F, 3) [m] in the world.

@@ -31,9 +31,10 @@ def frozen(array: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
 class Skeleton:
     """Joints, their tree and their rest offsets.
 
-    >>> leg = Skeleton(("hip", "knee", "ankle"), [-1, 0, 1], [[0, 0, 0], [0, -0.45, 0], [0, -0.42, 0]])
-    >>> leg.children
-    ((1,), (2,), ())
+    Examples:
+        >>> leg = Skeleton(("hip", "knee", "ankle"), [-1, 0, 1], [[0, 0, 0], [0, -0.45, 0], [0, -0.42, 0]])
+        >>> leg.children
+        ((1,), (2,), ())
 
     Args:
         names: joint names as in the file; they may repeat, the index is the identity.
@@ -107,11 +108,12 @@ class Clip:
     Positions are parent-local, as BVH channels are, and not where joints are in the world: that is
     `footfix.global_positions(clip)`. Who has only world positions cleans them with `footfix.clean_positions`.
 
-    >>> leg = Skeleton(("hip", "knee"), [-1, 0], [[0, 0, 0], [0, -0.45, 0]])
-    >>> at_rest = np.tile([0.0, 0.0, 0.0, 1.0], (60, 2, 1))
-    >>> clip = Clip(leg, np.tile(leg.offsets, (60, 1, 1)), at_rest, frame_time=1 / 60)
-    >>> len(clip), clip.positions.shape
-    (60, (60, 2, 3))
+    Examples:
+        >>> leg = Skeleton(("hip", "knee"), [-1, 0], [[0, 0, 0], [0, -0.45, 0]])
+        >>> at_rest = np.tile([0.0, 0.0, 0.0, 1.0], (60, 2, 1))
+        >>> clip = Clip(leg, np.tile(leg.offsets, (60, 1, 1)), at_rest, frame_time=1 / 60)
+        >>> len(clip), clip.positions.shape
+        (60, (60, 2, 3))
 
     Args:
         skeleton: the joints.

@@ -101,6 +101,11 @@ class Contacts:
     def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
         """Replace the contacts of all effectors by those of a mask.
 
+        Examples:
+            >>> heel = Effector("left_heel", "left", "heel", "LeftFoot")
+            >>> Contacts(4, 1 / 30, (heel,)).with_mask(np.array([[0], [1], [1], [0]]))["left_heel"].contacts
+            (Contact(start=1, end=3, confidence=1.0, position=None, wish=None),)
+
         Args:
             mask: (F, E) True where an effector is planted, in the order of `names`.
             confidence: (F, E) 0 to 1; averaged over each contact. 1 by default.
