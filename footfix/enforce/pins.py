@@ -33,15 +33,15 @@ _RESTING = 0.3  # of its frames in which a plant rests whose other frames are le
 class PinParams:
     """When a plant is corrected, and what of it is held. Lengths in leg lengths."""
 
-    keep_slide: float = 0.0022  # [leg lengths] a plant that slides no farther may stay as it is: 2 mm of a grown-up
-    keep_height: float = 0.0055  # [leg lengths] height off its floor up to which such a plant stays as it is
-    edge: float = 0.015  # [s] time at both ends of a detected contact in which the foot may still land or leave
-    edge_weight: float = 0.05  # share of its weight that a pin has at the outermost frame of a contact
+    keep_slide: float = 0.0022  # [leg lengths] a plant that slides no farther (2 mm of a grown-up), and
+    keep_height: float = 0.0055  # [leg lengths] that is no farther than this from its floor, stays as it is
+    edge: float = 0.015  # [s] at both ends of a detected contact in which the foot may still land or leave
+    edge_weight: float = 0.05  # of a pin's weight at the outermost frame of these
     ankle: float = 0.4  # weight of the ankle against that of the toe joint, while heel and toe stand
     tip: float = 0.3  # weight of the toes' tip against that of the toe joint
-    near: float = 0.067  # [leg lengths] height up to which a plant stands on the floor, and not on a step of its own
-    sink: float = 0.0033  # [leg lengths] depth to which a point may be in the floor, if it was not captured deeper
-    asked: float = 0.12  # [leg lengths] distance up to which a place that labels ask for is taken; any, if forced
+    near: float = 0.067  # [leg lengths] a plant nearer than this to the floor stands on it, else on a step of its own
+    sink: float = 0.0033  # [leg lengths] how deep a point may be in the floor, if it was not captured deeper
+    asked: float = 0.12  # [leg lengths] a place that labels ask for farther away is not taken, unless forced
 
 
 @dataclass(frozen=True, eq=False)

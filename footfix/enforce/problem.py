@@ -38,23 +38,23 @@ _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults ar
 class CostParams:
     """What each departure from the capture costs: standard deviations, each of which costs as much as another."""
 
-    slide: float = 11000.0  # price of a leg length of slide; more holds more, at the price of the joints' speed
-    root: float = 0.09  # [leg lengths] usual shift of the root over the floor; less keeps it nearer to the capture
-    root_height: float = 0.055  # [leg lengths] usual shift of the root up and down
-    root_acceleration: float = 1.1  # [leg lengths/s^2] usual change of the root's acceleration; less is smoother
-    root_farthest: float = 0.06  # [leg lengths] shift beyond which the root hardly goes
-    line: float = 5.0  # [degrees] usual turn of the line from hip to ankle
-    knee: float = 3.0  # [degrees] usual change of the knee's flexion
-    foot: float = 4.5  # [degrees] usual turn of the foot in the world
-    toes: float = 10.0  # [degrees] usual change of the toes' bend
-    line_acceleration: float = 200.0  # [degrees/s^2] usual change of the acceleration of the line from hip to ankle
-    knee_acceleration: float = 200.0  # [degrees/s^2] usual change of the knee's acceleration
-    foot_acceleration: float = 300.0  # [degrees/s^2] usual change of the foot's acceleration
-    toes_acceleration: float = 500.0  # [degrees/s^2] usual change of the toes' acceleration
-    line_farthest: float = 12.0  # [degrees] turn beyond which the line from hip to ankle hardly goes
-    ankle_farthest: float = 25.0  # [degrees] turn against the shank beyond which the foot hardly goes
+    slide: float = 11000.0  # cost of a leg length of slide; more holds more, at the price of the joints' speed
+    root: float = 0.09  # [leg lengths] of the root over the floor
+    root_height: float = 0.055  # [leg lengths] of the root up and down
+    root_acceleration: float = 1.1  # [leg lengths/s^2]
+    root_farthest: float = 0.06  # [leg lengths] beyond this the root hardly goes
+    line: float = 5.0  # [degrees] of the line from hip to ankle
+    knee: float = 3.0  # [degrees] of the knee's flexion
+    foot: float = 4.5  # [degrees] of the foot in the world
+    toes: float = 10.0  # [degrees] of the toes' bend
+    line_acceleration: float = 200.0  # [degrees/s^2]
+    knee_acceleration: float = 200.0  # [degrees/s^2]
+    foot_acceleration: float = 300.0  # [degrees/s^2]
+    toes_acceleration: float = 500.0  # [degrees/s^2]
+    line_farthest: float = 12.0  # [degrees] beyond this the line from hip to ankle hardly turns
+    ankle_farthest: float = 25.0  # [degrees] beyond this the foot hardly turns against the shank
     speed: float = 130.0  # [degrees/s] by which a joint may turn faster than captured
-    level: float = 0.0045  # [leg lengths] usual height of a plant off its floor, over a tenth of a second
+    level: float = 0.0045  # [leg lengths] of a plant from its floor, in a tenth of a second
 
 
 # Bounds, as standard deviations of what is beyond them.
