@@ -26,9 +26,8 @@ class AdaptiveParams:
     """G's one number, and how cycles are found.
 
     Args:
-        delta: height up to which a point stands, between its lowest place in a window (0) and the mean height at the
-            ends of the window (1) (G eq. 8).
-        smooth: [s] window of the smoothing of heights.
+        delta: between the lowest place (0) and the mean of the window's ends (1) (G eq. 8).
+        smooth: [s] window over the heights.
         cycles: what counts as a cycle.
     """
 

@@ -16,11 +16,11 @@ class CycleParams:
     """What counts as a cycle.
 
     Args:
-        smooth: [s] window of the smoothing of the distance between the feet.
-        stride: [leg lengths] least distance by which one foot passes the other, and back, in a cycle.
-        shortest, longest: [s] least and greatest length of a cycle.
-        lopsided: share of a cycle by which the left foot may strike before or after the middle of the cycle.
-        uneven: greatest ratio of the lengths of two cycles that follow each other.
+        smooth: [s] window over the feet's distance.
+        stride: [leg lengths] by which one foot must pass the other, and back.
+        shortest, longest: [s] of a cycle.
+        lopsided: how far from the middle of the cycle, as a share of it, the left foot may strike.
+        uneven: how much longer a cycle may be than the one before it.
     """
 
     smooth: float = 0.15

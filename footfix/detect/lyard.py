@@ -16,13 +16,13 @@ class LyardParams:
     """What L §3.1 leaves open, and where its assumption of a foot on the ground ends.
 
     Args:
-        step: [s] time over which the ways of root and points are compared (L: a frame of "no more than 25 Hz").
-        smooth: [s] window of the speeds by which the static point is chosen (L §3.1.2: 5 frames).
+        step: [s] over which the root's way is compared, L's one frame of motion "no more than 25 Hz".
+        smooth: [s] window of the speeds by which the point is picked (L §3.1.2: 5 frames).
         still: [sqrt(g leg)] below this speed the root goes nowhere and the dot product means nothing; then
             every point slower than this is static.
-        fall: [g] acceleration of the pelvis downwards beyond which a figure is in flight, if no sole point is low.
-        low: [leg lengths] height over the lowest place nearby beyond which a point is not on the floor.
-        nearby: [s] time before and after a frame in which that lowest place is looked for.
+        fall: [g] in flight the pelvis falls faster than this, and no sole point is low.
+        low: [leg lengths] above the lowest place nearby; what is higher is not on the floor.
+        nearby: [s] to both sides.
     """
 
     step: float = 0.04

@@ -17,12 +17,12 @@ class ThresholdParams:
     """What counts as low and slow (K §5.1).
 
     Args:
-        height: share of a sole point's own vertical range up to which it is low (K: 0.1 to 0.2).
-        speed: share of the mean speed of the body below which a sole point is slow (K gives no number).
-        least_speed: [sqrt(g leg)] speed below which a sole point is slow in any case; a body that stands has no speed.
-        smooth: [s] window of the smoothing of heights and speeds (K: 12 frames at 120 fps).
-        degree: degree of the polynomial of that smoothing (K: 4).
-        vote: share of the nearest plant's length that votes on each side of a frame (K: a quarter).
+        height: share of a sole point's own vertical range, above its lowest place (K: 0.1 to 0.2).
+        speed: bound on its speed, as a share of the mean speed of the body (K gives no number).
+        least_speed: [sqrt(g leg)] the bound is never lower than this; a body that stands has no speed.
+        smooth: [s] window of the smoothing (K: 12 frames at 120 fps).
+        degree: of its polynomial (K).
+        vote: N_f as a share of the neighbouring plant's length (K: a quarter).
     """
 
     height: float = 0.15

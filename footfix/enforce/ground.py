@@ -27,12 +27,12 @@ _OUTLIERS = 2  # and no more than so many one after the other may not
 class GroundParams:
     """What makes a ground. Speeds in leg lengths a second."""
 
-    belt: float = 0.15  # [leg lengths/s] least speed of planted feet on a belt, where the figure stays in one place
-    belt_spread: float = 0.3  # share of the belt's speed by which a planted foot's speed may differ from it
-    belt_plants: int = 8  # plants in a row that make a belt, where the figure gets on and off it
-    belt_walk: float = 0.5  # [leg lengths/s] least speed of such a belt
-    lift: float = 0.0055  # [leg lengths] least height of plants off the floor for the figure to be moved
-    agree: float = 0.8  # share of plants that must be off the floor by the same height, within half of `lift`
+    belt: float = 0.15  # [leg lengths/s] planted feet that all move so fast, in a figure that stays, are on a belt
+    belt_spread: float = 0.3  # share of the belt's speed by which they may differ from it
+    belt_plants: int = 8  # plants in a row that make a belt, where the figure is not on it all the time,
+    belt_walk: float = 0.5  # [leg lengths/s] and that they move at least as fast
+    lift: float = 0.0055  # [leg lengths] all plants are off the floor, for the whole figure to be raised or lowered
+    agree: float = 0.8  # share of plants that must agree, within half of that
 
 
 @dataclass(frozen=True)

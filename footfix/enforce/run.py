@@ -48,11 +48,11 @@ _FEWEST = 4  # frames, of which accelerations can be told
 class EnforceParams:
     """How footplants are enforced."""
 
-    method: Literal["ik", "root", "both"] = "ik"  # ik: root and legs; root: root translation alone; both: shared
-    solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"  # one optimisation, or a paper's own way
-    cycle: Literal["find", "yes", "no"] = "find"  # whether the clip is a cycle, whose seam stays closed
-    heights: Literal["floor", "keep"] = "floor"  # floor: plants are drawn to their floor; keep: they keep their height
-    strength: float = 1.0  # share of the correction that is applied, 0 to 1
+    method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
+    solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"  # one least squares, or a paper's own way
+    cycle: Literal["find", "yes", "no"] = "find"  # whether the last frame leads to the first, over a closed seam
+    heights: Literal["floor", "keep"] = "floor"  # plants are drawn to their floor, or keep the height they have
+    strength: float = 1.0  # 0 to 1: how much of the correction is applied
     pins: PinParams = field(default_factory=PinParams)
     costs: CostParams = field(default_factory=CostParams)
     ground: GroundParams = field(default_factory=GroundParams)

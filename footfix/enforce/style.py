@@ -21,9 +21,9 @@ _UP = np.array([0.0, 1.0, 0.0])
 class StyleParams:
     """How planted feet stand otherwise than captured."""
 
-    toe_out: Mapping[str, float] = field(default_factory=dict)  # leg name -> [degrees] outwards that its foot turns
+    toe_out: Mapping[str, float] = field(default_factory=dict)  # leg name -> [degrees] outwards, about the heel
     offset: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    # sole point name -> [leg lengths] outwards, up and forwards that it is moved, seen from the planted foot
+    # sole point name -> outwards, up, forwards, as the foot stands [leg lengths]
 
 
 def styled(

@@ -8,16 +8,16 @@ STDIN_NAME = "stdin.bvh"
 
 
 def is_motion(name: str) -> bool:
-    """Tell whether a file's name says that it holds motion."""
+    """Whether a file's name says that it holds motion."""
     return name.lower().endswith(tuple(MOTION))
 
 
 def is_cleaned(name: str) -> bool:
-    """Tell whether a file's name is one that a cleaned copy has: walk.clean.bvh."""
+    """Whether a file's name is one that a cleaned copy has: walk.clean.bvh."""
     return name.lower().endswith(tuple(f".clean{suffix}" for suffix in MOTION))
 
 
 def cleaned_name(name: str) -> str:
-    """Name a cleaned copy beside its input: walk.clean.bvh of walk.bvh."""
+    """The name of a cleaned copy beside its input: walk.clean.bvh of walk.bvh."""
     stem, dot, suffix = name.rpartition(".")
     return f"{stem}.clean.{suffix.lower()}" if is_motion(name) else f"{stem if dot else name}.clean.bvh"

@@ -22,8 +22,8 @@ class SmoothParams:
 
     Args:
         seconds: [s] window of the filter (K §5.1: 12 frames at 120 fps).
-        degree: degree of the polynomial (K §5.1); a window holds at least one frame more than it has coefficients.
-        channels: whether the motion is smoothed before all else; if not, only detection smooths what it looks at.
+        degree: of the polynomial (K §5.1).
+        channels: smooth what is written, too; off, only what detection looks at is smoothed.
     """
 
     seconds: float = 0.1

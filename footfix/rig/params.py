@@ -46,12 +46,12 @@ class RigParams:
     as it is still the name of one joint only.
 
     Args:
-        unit_m: [m] one unit of the file; null finds it by the length of the legs.
-        up: up axis of the file: "y", "z", "x", "-y", "-z" or "-x"; null finds it by the motion.
-        floor: [m] height of the floor, with y up; "zero" takes the file's zero plane; null finds it.
-        root: joint that carries the figure through the world; null finds it.
-        legs: leg name -> its joints, in place of all legs that would be found; there may be any number.
-        soles: sole point name (`left_heel`) -> its joint and offset; the others are found.
+        unit_m: metres per unit of the file.
+        up: the file's up axis: "y", "z", "x", "-y", "-z" or "-x".
+        floor: height of the floor [m], with y up; "zero" takes the file's zero plane, wherever the feet are.
+        root: the joint that carries the figure through the world.
+        legs: leg name -> its joints. Given legs stand in place of the found ones; there may be any number.
+        soles: sole point name (`left_heel`) -> its place; the others are found.
     """
 
     unit_m: float | None = None  # metres per unit of the file; none: from the length of the legs

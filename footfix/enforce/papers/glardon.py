@@ -39,7 +39,7 @@ from footfix.rig.rig import Rig
 class GlardonParams:
     """How Glardon's method holds plants."""
 
-    ease: float = 0.3  # [s] ease-in before a contact and ease-out after it (sigma)
+    ease: float = 0.3  # [s] how long before a contact its correction begins, and after it ends (sigma)
     targets: TargetParams = field(default_factory=TargetParams)
     solver: SolverParams = field(default_factory=SolverParams)
 

@@ -41,7 +41,7 @@ _UP = np.array([0.0, 1.0, 0.0])
 class KimNeffParams:
     """How Kim and Neff's method holds plants."""
 
-    longest: float = 0.1  # [s] length of a join between free motion and plant, at most
+    longest: float = 0.1  # [s] that the way between the free motion and a plant takes at most
     targets: TargetParams = field(default_factory=TargetParams)
 
 

@@ -26,12 +26,12 @@ class LyardRootParams:
     """How the root alone holds plants."""
 
     speed_window: float = 0.1  # [s] over which the speeds of points are averaged before they are compared
-    hand_over: float = 0.01  # [leg lengths] way to spare where one static point follows another; 0 as in the paper
-    calm: float = 0.03  # [s] window in which the changes of the root's steps are averaged; 0 as in the paper
-    vertical: bool = True  # whether the root's height gets an offset and a scale, so that soles meet the floor
-    keep_slide: float = 0.004  # [leg lengths] the root stays as it is where no plant slides farther
-    keep_height: float = 0.012  # [leg lengths] and none is farther from its floor
-    pin_end: bool = False  # whether the drift of the path is taken back evenly over the clip, to zero at the last frame
+    hand_over: float = 0.01  # [leg lengths] of way that a hand-over from point to point has to spare; 0 as in the paper
+    calm: float = 0.03  # [s] over which what the root's steps gain is averaged; 0 as in the paper
+    vertical: bool = True  # one offset and one scale of the root's height, so that planted soles are at their floors
+    keep_slide: float = 0.004  # [leg lengths] where no plant slides farther over its contact, nor
+    keep_height: float = 0.012  # [leg lengths] is farther from its floor, the root stays as it is
+    pin_end: bool = False  # whether the path's drift is brought back to zero at the last frame, evenly over the clip
     targets: TargetParams = field(default_factory=TargetParams)
 
 

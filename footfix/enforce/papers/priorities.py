@@ -26,11 +26,11 @@ _BENDS = 0.05  # [sine] a joint whose bones' angle changes by more than this ove
 class SolverParams:
     """How the solver steps."""
 
-    iterations: int = 60  # iterations of a frame, at most
-    tolerance: float = 1e-9  # [rad] turn of a joint in an iteration below which a frame is solved
-    damping: float = 0.02  # [leg lengths] damping of the inverse: more is calmer near what is out of reach, and slower
-    step: float = 0.3  # [rad] turn of a joint in one iteration, at most
-    approach: float = 0.05  # [leg lengths] way towards a goal in one iteration, at most: less than a foot's lever
+    iterations: int = 60  # at most
+    tolerance: float = 1e-9  # [rad] a frame is solved when no joint turns by more in an iteration
+    damping: float = 0.02  # [leg lengths] what is out of reach is approached no more nervously than this
+    step: float = 0.3  # [rad] that a joint turns in one iteration at most
+    approach: float = 0.05  # [leg lengths] that a goal is approached in one iteration at most: less than a foot's lever
 
 
 @dataclass(frozen=True, eq=False)

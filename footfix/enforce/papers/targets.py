@@ -20,7 +20,7 @@ _FLAT = np.array([1.0, 0.0, 1.0])
 class TargetParams:
     """Where plants stand."""
 
-    near: float = 0.067  # [leg lengths] height up to which a plant stands on the rig's floor, and not on its own level
+    near: float = 0.067  # [leg lengths] a plant nearer than this to the rig's floor stands on it, else on its own level
 
 
 def near_floor(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[bool]:

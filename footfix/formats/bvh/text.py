@@ -107,11 +107,11 @@ def place(text: bytes, offset: int) -> tuple[int, int]:
 class Limits:
     """What is too much. A file beyond them is refused before memory is spent on it."""
 
-    bytes: int = 4 << 30  # [bytes] size of a file: an hour of 200 joints at 120 frames per second has about as many
-    header: int = 64 << 20  # [bytes] of a file before its MOTION part
-    frames: int = 20_000_000  # frames of a file: 46 hours at 120 frames per second
-    joints: int = 5_000  # joints of a file: a body with face and hands has 200
-    nesting: int = 5_000  # joints of a file that hang one below the other
+    bytes: int = 4 << 30  # [bytes] of a file: an hour of 200 joints at 120 frames per second
+    header: int = 64 << 20  # [bytes] in which the MOTION part must have begun
+    frames: int = 20_000_000  # 46 hours at 120 frames per second
+    joints: int = 5_000  # a body with face and hands has 200
+    nesting: int = 5_000  # joints below joints
 
 
 @dataclass
