@@ -19,11 +19,11 @@ FLOORS = [
     {"detect", "enforce", "measure"},
     {"formats"},
     {"settings", "configs"},
-    {"pipeline", "config", "arguments"},
+    {"pipeline", "config"},
     {"report"},
     {"job"},
     {"inspection"},
-    {"batch", "api"},
+    {"batch", "api", "arguments"},
     {"cli", "__main__", "__init__"},
 ]
 NUMERIC = {"motion", "rig", "detect", "enforce", "measure"}

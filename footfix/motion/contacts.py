@@ -60,6 +60,12 @@ class Effector:
 class Contacts:
     """The contacts of a clip.
 
+    Examples:
+        >>> heel = Effector("left_heel", "left", "heel", "LeftFoot")
+        >>> found = Contacts(4, 1 / 30, (heel,)).with_mask(np.array([[0], [1], [1], [0]]))
+        >>> [(contact.start, contact.end) for contact in found["left_heel"].contacts]
+        [(1, 3)]
+
     Args:
         frames: frames of the clip.
         frame_time: [s].
@@ -99,19 +105,9 @@ class Contacts:
         return replace(self, effectors=tuple(each for each in self.effectors if each.name in wanted))
 
     def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
-        """Replace the contacts of all effectors by those of a mask.
+        """The same effectors with the contacts of a mask (F, E).
 
-        Examples:
-            >>> heel = Effector("left_heel", "left", "heel", "LeftFoot")
-            >>> Contacts(4, 1 / 30, (heel,)).with_mask(np.array([[0], [1], [1], [0]]))["left_heel"].contacts
-            (Contact(start=1, end=3, confidence=1.0, position=None, wish=None),)
-
-        Args:
-            mask: (F, E) True where an effector is planted, in the order of `names`.
-            confidence: (F, E) 0 to 1; averaged over each contact. 1 by default.
-
-        Raises:
-            ArgumentError: the mask is of other frames or effectors, or holds more than yes and no.
+        `confidence` (F, E), if given, is averaged over each contact.
         """
         mask = self._fitting("the mask", mask)
         if mask.dtype != np.bool_ and not np.isin(mask, (0, 1)).all():

@@ -11,7 +11,7 @@ import numpy as np
 
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
-from footfix.motion.segments import without_repeats
+from footfix.motion.segments import distinct
 
 LONGEST = 4  # steps that lead in; a held pose before them may be longer
 _JUMP, _REST_JUMP = 4.0, 1.5  # times the clip's own quickest steps; less does from what is plainly the rest pose
@@ -93,7 +93,7 @@ def _between(clip: Clip, firsts: Ints, seconds: Ints) -> tuple[Floats, Floats]:
 
 def _own(clip: Clip, inner: Ints) -> tuple[float, float]:
     """Measure the quickest steps that the clip makes inside: the 90th percentile, which glitches do not move."""
-    firsts = inner[without_repeats(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
+    firsts = inner[distinct(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
     turns, shifts = _between(clip, firsts, firsts + int(inner[1] - inner[0]))
     return float(np.quantile(turns, 0.9)), float(np.quantile(shifts, 0.9))
 

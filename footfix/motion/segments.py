@@ -109,7 +109,7 @@ def geometric_medians(points: Floats, parts: Segments, weights: Floats | None = 
     return place
 
 
-def without_repeats(ascending: Ints) -> Ints:
+def distinct(ascending: Ints) -> Ints:
     """Remove repetitions from an ascending array (N,); `np.unique` loads numpy's masked arrays for that, for 10 ms."""
     return np.asarray(ascending[np.diff(ascending, prepend=ascending[:1] - 1) > 0])
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.motion.clip import Floats
-from footfix.motion.segments import without_repeats
+from footfix.motion.segments import distinct
 from footfix.report.verdict import Report, entries, number, worst_first
 from footfix.report.web.motion import Motion
 
@@ -66,5 +66,5 @@ def _offender(motion: Motion, plant: Report) -> Offender:
 
 
 def _path(places: Floats) -> Path:
-    pick = without_repeats(np.linspace(0, len(places) - 1, min(_PLACES, len(places))).astype(np.intp))
+    pick = distinct(np.linspace(0, len(places) - 1, min(_PLACES, len(places))).astype(np.intp))
     return tuple((round(float(x), 1) + 0.0, round(float(z), 1) + 0.0) for x, z in places[pick])

@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton
 from footfix.motion.kinematics import forward
-from footfix.motion.segments import without_repeats
+from footfix.motion.segments import distinct
 
 MOST_FRAMES = 240  # pairs of frames looked at; statistics of a rig change little with more
 STEP = 1.0 / 30.0  # [s] between the two frames of a pair, long against the noise of one frame
@@ -120,7 +120,7 @@ def _evenly(clip: Clip, frames: Ints, step: int) -> tuple[Ints, Ints]:
     if not len(frames):
         return frames, frames
     count = max(1, len(frames) - step)
-    at = without_repeats(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))
+    at = distinct(np.linspace(0, count - 1, min(MOST_FRAMES, count)).round().astype(np.intp))
     first, second = frames[at], frames[np.minimum(at + step, len(frames) - 1)]
     sound = _sound(clip, np.concatenate([first, second])).reshape(2, -1).all(axis=0)
     return first[sound], second[sound]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from footfix.motion.clip import Floats
-from footfix.motion.segments import without_repeats
+from footfix.motion.segments import distinct
 from footfix.report.web.markup import text
 from footfix.report.web.motion import Motion, side_of
 
@@ -57,7 +57,7 @@ def _bars(effector: Mapping[str, Any], frames: int, y: float) -> str:
 
 
 def _path(series: Floats, motion: Motion, base: float, scale: float) -> str:
-    pick = without_repeats(np.linspace(0, len(series) - 1, min(_POINTS, len(series))).astype(np.intp))
+    pick = distinct(np.linspace(0, len(series) - 1, min(_POINTS, len(series))).astype(np.intp))
     points = np.stack([_x(pick * motion.step, motion.frames), base - scale * series[pick]], axis=1)
     # all at once: half the time of one by one
     return "M" + " ".join(["%.1f %.1f"] * len(points)) % tuple(points.ravel().tolist())
