@@ -15,7 +15,6 @@ from footfix.errors import ArgumentError
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
-from footfix.settings import Settings
 
 _SLOWEST, _QUICKEST = 0.5, 1.0 / 5000.0  # [s] frame times outside these are another unit
 _LEGS = (0.04, 4.0)  # [m] legs outside these are in another unit: no figure from a doll to a giant has them
@@ -183,24 +182,3 @@ def check_contacts(contacts: Any, clip: Clip, names: Sequence[str]) -> Contacts:
                 )
             last = each.end
     return contacts
-
-
-def check_settings(settings: Any) -> Settings:
-    """Refuse settings that are none.
-
-    Args:
-        settings: what was given; None stands for the defaults.
-
-    Returns:
-        The settings.
-
-    Raises:
-        ArgumentError: it is a mapping, a name or something else.
-    """
-    if settings is None:
-        return Settings()
-    if isinstance(settings, (dict, str)):
-        raise ArgumentError(f"Settings are wanted, not {settings!r}; footfix.make_settings(preset, values) makes them")
-    if not isinstance(settings, Settings):
-        raise ArgumentError(f"Settings are wanted, not {type(settings).__name__}")
-    return settings

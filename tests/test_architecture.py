@@ -15,7 +15,7 @@ PACKAGE = ROOT / "footfix"
 FLOORS = [
     {"errors", "notes", "version"},
     {"motion"},
-    {"rig"},
+    {"rig", "arguments"},
     {"detect", "enforce", "measure"},
     {"formats"},
     {"settings", "configs"},
@@ -23,7 +23,7 @@ FLOORS = [
     {"report"},
     {"job"},
     {"inspection"},
-    {"batch", "api", "arguments"},
+    {"batch", "api"},
     {"cli", "__main__", "__init__"},
 ]
 NUMERIC = {"motion", "rig", "detect", "enforce", "measure"}

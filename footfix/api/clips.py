@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from footfix import job, pipeline
-from footfix.arguments import check_clip, check_contacts, check_rig, check_settings
+from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.config import nested, presets, read_preset
 from footfix.detect import run as detection
 from footfix.enforce.correction import Correction
@@ -95,6 +95,27 @@ def make_settings(preset: str | None = None, values: Mapping[str, Any] | None = 
     layers = [] if preset is None else [Layer(f"preset {preset}", read_preset(preset))]
     layers += [Layer("values", nested(name, value)) for name, value in (values or {}).items()]
     return settings_of(layers)
+
+
+def check_settings(settings: Any) -> Settings:
+    """Refuse settings that are none.
+
+    Args:
+        settings: what was given; None stands for the defaults.
+
+    Returns:
+        The settings.
+
+    Raises:
+        ArgumentError: it is a mapping, a name or something else.
+    """
+    if settings is None:
+        return Settings()
+    if isinstance(settings, (dict, str)):
+        raise ArgumentError(f"Settings are wanted, not {settings!r}; footfix.make_settings(preset, values) makes them")
+    if not isinstance(settings, Settings):
+        raise ArgumentError(f"Settings are wanted, not {type(settings).__name__}")
+    return settings
 
 
 def find_rig(clip: Clip, settings: Settings | None = None) -> Rig:

@@ -6,9 +6,9 @@ import os
 from pathlib import Path
 
 from footfix import job
-from footfix.api.clips import find_rigs
+from footfix.api.clips import check_settings, find_rigs
 from footfix.api.reports import source_of
-from footfix.arguments import check_clip, check_contacts, check_rig, check_settings
+from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.errors import ArgumentError
 from footfix.formats import contacts as labels_format
 from footfix.formats.document import Document

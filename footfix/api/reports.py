@@ -9,7 +9,8 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from footfix import job
-from footfix.arguments import check_clip, check_settings
+from footfix.api.clips import check_settings
+from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
 from footfix.formats.document import Document, rewrite
