@@ -28,7 +28,7 @@ from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
 from footfix.rig.rig import joined
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def placed(
     document: Document, params: RigParams, proper: slice | None = None
 ) -> tuple[Document, tuple[Note, ...]]:
     """The document with its unit and up axis as found, and what was doubtful about them."""
-    found = survey(document.clip, params, proper)
+    found = infer_units(document.clip, params, proper)
     return document.placed(unit_m=found.unit_m, up=found.up), found.notes
 
 
@@ -146,7 +146,10 @@ def clean_file(
         written, again = rewrite(document, corrected, limits=settings.limits)
     results = measure_figures(clip, again, figures)
     status: Status = "unchanged" if written == data else "cleaned"
-    report = _report(document, results, source, settings, status=status, output=output)
+    report = report_of(
+        clip, results, source, settings, unit_m=document.unit_m, up=document.up, notes=document.notes, status=status,
+        output=output,
+    )  # fmt: skip
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
     pages, offenders = draw(clip, again, joined(prepared.rigs), report, contacts_file, settings.report)
     return Outputs(status, written, contacts_file, report, pages, offenders)
@@ -166,17 +169,23 @@ def contacts_json(contacts: Contacts, source: Mapping[str, Any], rig: Mapping[st
     )
 
 
-def _report(
-    document: Document,
-    results: Sequence[Result],
-    source: Mapping[str, Any],
-    settings: Settings,
-    *,
-    status: Status,
-    output: str | None,
-) -> dict[str, Any]:
-    clip = document.clip
-    rigs = [report_format.rig(each.rig, clip, unit_m=document.unit_m, up=document.up) for each in results]
+def report_of(
+    clip: Clip, results: Sequence[Result], source: Mapping[str, Any], settings: Settings, *, unit_m: float, up: str,
+    notes: Sequence[Note], status: Status, output: str | None,
+) -> dict[str, Any]:  # fmt: skip
+    """Make the report document of a cleaned clip.
+
+    Args:
+        clip: the motion that came in.
+        results: what became of each figure.
+        source: what the report says of the file (`source_entry`).
+        settings: the parameters of all steps.
+        unit_m, up: unit [m] and up axis of the file.
+        notes: what reading the file had to tell.
+        status: "cleaned" or "unchanged".
+        output: the name of the corrected file.
+    """
+    rigs = [report_format.rig(each.rig, clip, unit_m=unit_m, up=up) for each in results]
     planted = np.any([each.contacts.mask().any(axis=1) for each in results], axis=0)
     return {
         **report_format.frame(source, version.__version__, status=status, output=output),
@@ -190,7 +199,7 @@ def _report(
             row for each in results for row in report_format.plants(each.plants, each.plants_before, each.plants_after)
         ],
         "correction": report_format.corrections([each.correction for each in results], clip),
-        "notes": report_format.notes((*document.notes, *(note for each in results for note in each.notes))),
+        "notes": report_format.notes((*notes, *(note for each in results for note in each.notes))),
         # Of the motion, not of the machine: a report is the same whoever made it, on however many processes.
         "seconds": {
             "clip": report_format.rounded(len(clip) * clip.frame_time),

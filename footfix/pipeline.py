@@ -26,7 +26,7 @@ from footfix.motion.leadin import motion_proper
 from footfix.motion.smoothing import smooth_clip
 from footfix.notes import Note
 from footfix.rig.crop import Crop, crop
-from footfix.rig.find import find_rig
+from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
@@ -115,13 +115,36 @@ def clean(
     Raises:
         NoLegsError: no legs were found, and no rig was given.
     """
+    rigs = None if rig is None else (rig,)
+    return clean_figures(clip, settings, rigs=rigs, contacts=contacts, most=1)[0]
+
+
+def clean_figures(
+    clip: Clip, settings: Settings | None = None, *, rigs: Sequence[Rig] | None = None,
+    contacts: Contacts | None = None, most: int | None = None,
+) -> tuple[Result, ...]:  # fmt: skip
+    """Clean every figure of a clip: two dancers in one file.
+
+    Args:
+        clip: the motion, metres, y up.
+        settings: the parameters of all steps.
+        rigs: legs and soles of each figure; found where they are not given.
+        contacts: of the sole points of all figures, in the order of the rigs; detected where they are not given.
+        most: figures that are cleaned, the first ones of the file; all by default.
+
+    Returns:
+        One result a figure, each with the whole corrected clip.
+
+    Raises:
+        NoLegsError: no legs were found, and no rig was given.
+    """
     settings = settings or Settings()
     proper = motion_proper(clip)
-    rig = rig or find_rig(clip, settings.rig, proper)
-    prepared = prepare(clip, settings, (rig,), proper)
+    rigs = (find_rigs(clip, settings.rig, proper) if rigs is None else tuple(rigs))[:most]
+    prepared = prepare(clip, settings, rigs, proper)
     contacts = contacts or find_contacts(prepared, settings)
     corrected, figures = correct(prepared, contacts, settings)
-    return measure_figures(clip, corrected, figures)[0]
+    return measure_figures(clip, corrected, figures)
 
 
 def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], proper: slice) -> Prepared:

@@ -15,7 +15,7 @@ PACKAGE = ROOT / "footfix"
 FLOORS = [
     {"errors", "notes", "version", "meanings"},
     {"motion"},
-    {"rig"},
+    {"rig", "arguments"},
     {"detect", "enforce", "measure"},
     {"formats"},
     {"settings", "configs"},

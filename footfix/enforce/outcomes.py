@@ -32,17 +32,17 @@ class CorrectedLeg:
 
     @classmethod
     def of_state(cls, leg: LegTracks, root: Floats, x: Floats) -> CorrectedLeg:
-        """The leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
+        """Make the leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
         places = posed(leg, root, x, derive=False).places
         return cls(leg.hip + root, places[ANKLE], places[HEEL], places[TOE])
 
     @classmethod
     def of_tracks(cls, leg: LegTracks) -> CorrectedLeg:
-        """The leg as it is."""
+        """Make the leg as it is."""
         return cls(leg.hip, leg.ankle, leg.place(HEEL), leg.place(TOE))
 
     def point(self, plant: Footplant) -> Floats:
-        """(3, F) [m] what a plant holds."""
+        """Compute (3, F) [m] what a plant holds."""
         return self.heel if plant.part == "heel" else self.toe
 
 
@@ -129,6 +129,6 @@ def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats
 
 
 def _flexion(distance: Floats, thigh: Floats, shank: Floats) -> Floats:
-    """(n,) [rad] of a knee whose leg is so long from hip to ankle (n,) [m], by the law of cosines."""
+    """Compute (n,) [rad] of a knee whose leg is so long from hip to ankle (n,) [m], by the law of cosines."""
     cosine = (distance**2 - thigh**2 - shank**2) / np.maximum(2.0 * thigh * shank, 1e-12)
     return np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -137,12 +137,12 @@ def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> di
 
 
 def _horizontal_steps(track: Floats) -> Floats:
-    """(F - 1,) [m] how far a track (F, 3) [m] goes over the floor from frame to frame."""
+    """Measure (F - 1,) [m] how far a track (F, 3) [m] goes over the floor from frame to frame."""
     return np.asarray(np.hypot(np.diff(track[:, 0]), np.diff(track[:, 2])))
 
 
 def skating_ratio(toes: Sequence[Floats], rests: Sequence[float], frame_time: float) -> float:
-    """Share of all frames in which a toe skates.
+    """Measure the share of all frames in which a toe skates.
 
     A toe skates where it is less than 5 cm over where it rests, now and in the next frame, and faster than 0.5 m/s
     now and in the mean of 5 frames. Source: GMD (Karunratanakul 2023, `calculate_skating_ratio`) and OmniControl
@@ -168,7 +168,7 @@ def skating_ratio(toes: Sequence[Floats], rests: Sequence[float], frame_time: fl
 
 
 def _at_rate(track: Floats, frame_time: float, fps: float) -> Floats:
-    """A track (F, 3) at another frame rate, by straight lines between its frames."""
+    """Resample a track (F, 3) to another frame rate, by straight lines between its frames."""
     if not len(track):
         return track
     frames = int(np.floor((len(track) - 1) * frame_time * fps + 1e-6)) + 1
@@ -177,7 +177,7 @@ def _at_rate(track: Floats, frame_time: float, fps: float) -> Floats:
 
 
 def weighted_skate(tracks: Sequence[Floats], floor: float, frame_time: float, height: float = 0.033) -> float:
-    """Mean of v (2 - 2^(h / H)) over sole points and frames [cm/s], for 0 <= h < H; below the floor h is 0.
+    """Measure the mean of v (2 - 2^(h / H)) over sole points and frames [cm/s], for 0 <= h < H; below the floor h is 0.
 
     Source: Mode-adaptive neural networks (Zhang 2018), H = 3.3 cm as in later code.
     """
@@ -192,7 +192,7 @@ def weighted_skate(tracks: Sequence[Floats], floor: float, frame_time: float, he
 
 
 def physdiff(tracks: Sequence[Floats], floor: float, tolerance: float = 0.005) -> tuple[float, float, float]:
-    """Penetrate, float and skate [mm] of PhysDiff (Yuan 2023), over the sole points in place of vertices.
+    """Measure penetrate, float and skate [mm] of PhysDiff (Yuan 2023), over the sole points in place of vertices.
 
     Penetrate and float are the mean depth and height of the lowest point beyond the tolerance [m], skate
     the mean horizontal step of points at or below the floor in both of two frames.
@@ -211,22 +211,29 @@ def physdiff(tracks: Sequence[Floats], floor: float, tolerance: float = 0.005) -
 
 
 def jitter(clip: Clip, block: int = 4096) -> float:
-    """Mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
+    """Measure the mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
 
     Source: DNO (Karunratanakul 2024); others divide by 10 in place of 100. Taken in blocks of frames, so that
     an hour of motion needs no more memory than a minute.
     """
     total, count = 0.0, 0
     for start in range(0, len(clip) - 3, block):
-        place = places(clip.frames(slice(start, start + block + 3)))
-        jerk = place[3:] - place[:-3] + 3.0 * (place[1:-2] - place[2:-1])
-        total += float(np.sum(np.sqrt(jerk[..., 0] ** 2 + jerk[..., 1] ** 2 + jerk[..., 2] ** 2)))
-        count += jerk.shape[0] * jerk.shape[1]
+        more = jerks(places(clip.frames(slice(start, start + block + 3))))
+        total, count = total + more[0], count + more[1]
     return total / count / clip.frame_time**3 / 100.0 if count else 0.0
 
 
+def jerks(place: Floats) -> tuple[float, int]:
+    """Add up the lengths of third differences of places (F, J, 3) [m], and count them."""
+    if len(place) < 4:
+        return 0.0, 0
+    jerk = place[3:] - place[:-3] + 3.0 * (place[1:-2] - place[2:-1])
+    total = float(np.sum(np.sqrt(jerk[..., 0] ** 2 + jerk[..., 1] ** 2 + jerk[..., 2] ** 2)))
+    return total, jerk.shape[0] * jerk.shape[1]
+
+
 def peak_acceleration(rig: Rig, pose: Pose, frame_time: float) -> float:
-    """99.9th percentile of the acceleration of knees and ankles relative to the pelvis [m/s^2]."""
+    """Measure the 99.9th percentile of the acceleration of knees and ankles relative to the pelvis [m/s^2]."""
     pelvis = pose.position(rig.pelvis)
     joints = [joint for leg in rig.legs for joint in (leg.knee, leg.ankle)]
     if len(pelvis) < 3 or not joints:
@@ -236,7 +243,7 @@ def peak_acceleration(rig: Rig, pose: Pose, frame_time: float) -> float:
 
 
 def peak_knee_speed(rig: Rig, pose: Pose, frame_time: float) -> float:
-    """99.9th percentile of the angular speed at which the knees bend and stretch [deg/s]."""
+    """Measure the 99.9th percentile of the angular speed at which the knees bend and stretch [deg/s]."""
     speeds = []
     for leg in rig.legs:
         thigh = pose.position(leg.hip) - pose.position(leg.knee)

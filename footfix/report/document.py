@@ -21,19 +21,19 @@ FORMAT, VERSION = "footfix-report", 1
 
 
 def rounded(value: float) -> float:
-    """A number with the digits that mean something: six, and no negative zero."""
+    """Round a number to the digits that mean something: six, and no negative zero."""
     return float(f"{value:.6g}") + 0.0
 
 
 def measures(found: Measures) -> dict[str, float | None]:
-    """Measures as plain numbers, None where there is nothing to measure; each key carries its unit."""
+    """Lay out measures as plain numbers, None where there is nothing to measure; each key carries its unit."""
     return {
         key: rounded(each) if isinstance(each, float) else each for key, each in dataclasses.asdict(found).items()
     }
 
 
 def note(each: Note) -> dict[str, Any]:
-    """A note with what it has to say, and no empty fields."""
+    """Lay out a note with what it has to say, and no empty fields."""
     plain: dict[str, Any] = {"id": each.id, "severity": each.severity, "text": each.text}
     for key in ("line", "column", "start", "end"):
         if getattr(each, key) is not None:
@@ -44,12 +44,12 @@ def note(each: Note) -> dict[str, Any]:
 
 
 def notes(found: Iterable[Note]) -> list[dict[str, Any]]:
-    """Notes in the order in which they arose, each once."""
+    """Lay out notes in the order in which they arose, each once."""
     return [note(each) for each in dict.fromkeys(found)]
 
 
 def rig(found: Rig, clip: Clip, *, unit_m: float, up: str) -> dict[str, Any]:
-    """The rig by joint names, with where each guess came from."""
+    """Describe the rig by joint names, with where each guess came from."""
     names = clip.skeleton.names
     return {
         "unit_m": rounded(unit_m),
@@ -184,7 +184,7 @@ def worst(entries: Sequence[Mapping[str, float | None]]) -> dict[str, float | No
 
 
 def frame(source: Mapping[str, Any], version: str, *, status: str, output: str | None) -> dict[str, Any]:
-    """What every report begins with."""
+    """Make what every report begins with."""
     return {
         "format": FORMAT,
         "version": VERSION,

@@ -17,7 +17,7 @@ _PANEL, _GAP, _HEAD, _FOOT, _COLUMNS = 220, 16, 96, 48, 4  # [pixels]
 
 
 def picture(motion: Motion | None, report: Report, most: int = 8) -> bytes:
-    """A PNG of the verdict and of the worst plants from above, before and after.
+    """Draw a PNG of the verdict and of the worst plants from above, before and after.
 
     Args:
         motion: the figure before and after; None leaves the verdict alone.

@@ -78,7 +78,7 @@ def correct(
 
 
 def _levels(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[float]:
-    """[m] the height of the floor under each plant: the rig's, or its own on stairs."""
+    """Find [m] the height of the floor under each plant: the rig's, or its own on stairs."""
     on_floor = near_floor(rig, soles, plants, params)
     return [
         rig.floor if near else float(np.median(soles[plant.effector][plant.frames, 1]))
@@ -90,7 +90,7 @@ def _stand_well(
     points: Floats, soles: Sequence[Floats], plants: Sequence[Footplant], levels: Sequence[float], leg_length: float,
     params: LyardRootParams,
 ) -> bool:  # fmt: skip
-    """Whether all plants stand as well as the root alone could make them stand."""
+    """Tell whether all plants stand as well as the root alone could make them stand."""
     for plant, level in zip(plants, levels, strict=True):
         places = points[plant.frames, plant.effector]
         slide = float(norm((places - usual_place(places))[:, [0, 2]]).max())
@@ -104,7 +104,7 @@ def _shift(
     root: Floats, points: Floats, soles: Sequence[Floats], plants: Sequence[Footplant], levels: Sequence[float],
     frame_time: float, leg_length: float, params: LyardRootParams,
 ) -> Floats:  # fmt: skip
-    """(F, 3) [m] the shift of the root (F, 3) [m]."""
+    """Compute (F, 3) [m] the shift of the root (F, 3) [m]."""
     planted = np.zeros(points.shape[:2], dtype=np.bool_)
     above = np.stack([sole[:, 1] for sole in soles], axis=1)  # (F, E) [m] over each one's floor
     for plant, level in zip(plants, levels, strict=True):
@@ -121,7 +121,7 @@ def _shift(
 
 
 def _over_floor(root: Floats, points: Floats, static: Ints, frame_time: float, params: LyardRootParams) -> Floats:
-    """(F, 2) [m] the root's shift over the floor, none in the first frame."""
+    """Compute (F, 2) [m] the root's shift over the floor, none in the first frame."""
     frames = len(root)
     steps = np.diff(root, axis=0)[:, [0, 2]]
     # one static point, or two in turn; in flight the root's own velocity stays
@@ -157,7 +157,7 @@ def root_steps(t: Ints, i: Ints, j: Ints, offsets: Floats, speeds: Floats) -> Fl
 
 
 def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
-    """(N, 2) [m] what the steps t (N,) gain, averaged over the planted steps within `half` frames of each.
+    """Average (N, 2) [m] what the steps t (N,) gain over the planted steps within `half` frames of each.
 
     One point at a time is held, and with it its noise, which the whole figure would shake with.
     """
@@ -169,7 +169,7 @@ def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
 
 
 def _speeds(points: Floats, frame_time: float, window: float) -> Floats:
-    """(F, E) [m/s] speeds of points (F, E, 3) [m], averaged over the window [s] (L §3.1.2)."""
+    """Compute (F, E) [m/s] the speeds of points (F, E, 3) [m], averaged over the window [s] (L §3.1.2)."""
     if len(points) < 2:
         return np.zeros(points.shape[:2])
     speed = norm(np.gradient(points, frame_time, axis=0))

@@ -34,7 +34,7 @@ _STRANGERS = (
 
 
 def refuse_strangers(head: bytes) -> None:
-    """Names what is found under the name of a BVH and is none, by its first bytes.
+    """Name what is found under the name of a BVH and is none, by its first bytes.
 
     Raises:
         InputError: it is one of those.
@@ -46,7 +46,7 @@ def refuse_strangers(head: bytes) -> None:
 
 
 def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
-    """The text of a file as bytes that words can be found in, and the encoding to give it back in.
+    """Decode a file as bytes that words can be found in; say in which encoding to give it back.
 
     Args:
         data: the file.
@@ -88,14 +88,14 @@ def _from_wide(data: bytes, encoding: str, notes: Notes) -> bytes:
 
 
 def readable(word: bytes | str, limit: int = 40) -> str:
-    """A word of a file, fit to be shown: printable, and not long."""
+    """Make a word of a file fit to be shown: printable, and not long."""
     shown = word[: limit + 1] if isinstance(word, str) else word[: limit + 1].decode("utf-8", "replace")
     shown = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in shown)
     return shown if len(shown) <= limit else shown[:limit] + "..."
 
 
 def place(text: bytes, offset: int) -> tuple[int, int]:
-    """Line and column of an offset, both from 1; the column counts characters."""
+    """Find line and column of an offset, both from 1; the column counts characters."""
     end = b"\n" if text.find(b"\n", 0, 1 << 20) >= 0 else b"\r"
     line = text.count(end, 0, offset) + 1
     start = text.rfind(end, 0, offset) + 1
@@ -157,7 +157,7 @@ class Cursor:
     start: int = 0
 
     def peek(self) -> bytes:
-        """The next word (a brace is a word of its own), empty at the end; comments are passed over."""
+        """Look at the next word (a brace is a word of its own), empty at the end; comments are passed over."""
         while True:
             found = _WORD.search(self.text, self.pos)
             if found is None:
@@ -173,18 +173,18 @@ class Cursor:
             self.pos = comment.end() if comment else found.end()
 
     def take(self) -> bytes:
-        """The next word, and steps over it."""
+        """Read the next word, and step over it."""
         word = self.peek()
         self.pos = self.start + len(word)
         return word
 
     def line(self, stop: bytes = b"") -> bytes:
-        """The rest of the line, or up to the first of the bytes `stop`; steps over it."""
+        """Read the rest of the line, or up to the first of the bytes `stop`; step over it."""
         found = re.compile(rb"[^\r\n" + re.escape(stop) + rb"]*").match(self.text, self.pos)
         self.pos = found.end() if found else self.pos
         return found[0] if found else b""
 
     def fail(self, what: str, *, at: int | None = None, hint: str = "") -> InputError:
-        """The error that says where the walk stopped making sense."""
+        """Make the error that says where the walk stopped making sense."""
         line, column = place(self.text, self.start if at is None else at)
         return InputError(what, line=line, column=column, hint=hint)
