@@ -77,16 +77,14 @@ def outcomes(
         inner = core(plant, frame_time)
         within = strays[inner[0] - plant.start : inner[1] - plant.start].max()
         kept, turns = keep[plant.id] and plant.asked is None, legs[plant.leg].turns
-        outcome, reason = _outcome(kept, still, far, float(within), rig.leg_length, turns)
+        outcome, reason = _outcome(kept, still, float(within), rig.leg_length, turns)
         if outcome in ("partly", "released") and turns:
             reason += _price(plant, legs[plant.leg], after[plant.leg], track - place, frame_time)
         found.append(replace(plant, target=(x, y, z), outcome=outcome, reason=reason, residual=far, held=held))
     return tuple(found)
 
 
-def _outcome(
-    keep: bool, still: Bools, far: float, within: float, leg_length: float, turns: bool
-) -> tuple[Outcome, str]:
+def _outcome(keep: bool, still: Bools, within: float, leg_length: float, turns: bool) -> tuple[Outcome, str]:
     if keep:
         return "kept", ""
     if within <= _PINNED * leg_length:
@@ -94,10 +92,11 @@ def _outcome(
     if not turns:
         return "released", "the file has no rotation channels for a joint of this leg"
     share = float(still.mean()) if len(still) else 0.0
-    slides = f"it slides by {1000.0 * far:.0f} mm, in {np.count_nonzero(~still)} of {len(still)} frames"
+    # No millimetres here: those of the measures stand beside the reason, and they are of what is seen.
+    held = np.count_nonzero(still)
     if share >= _MOST:
-        return "partly", slides
-    return "released", slides
+        return "partly", f"at rest in {held} of {len(still)} frames"
+    return "released", f"at rest in {f'only {held}' if held else 'none'} of {len(still)} frames"
 
 
 def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats, frame_time: float) -> str:

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from footfix.errors import InputError
+from footfix.formats import contacts as labels_format
 from footfix.formats.document import open_document
 from footfix.motion.clip import Clip
+from footfix.report.again import Again
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
@@ -27,6 +29,7 @@ def draw(
     report: Mapping[str, Any],
     contacts: bytes,
     params: ReportParams,
+    again: Again | None = None,
 ) -> tuple[dict[str, bytes], tuple[Offender, ...]]:
     """The pages that settings ask for, by suffix, and the worst plants as small pictures for an index.
 
@@ -36,15 +39,19 @@ def draw(
         report: the report document.
         contacts: the bytes of the contacts file.
         params: which pages.
+        again: how the clip is cleaned again from edited contacts, where that is known.
     """
     if params.kind != "html" and not params.png:
         return {}, ()
-    motion = film(before, after, rig) if before is not None and after is not None and rig is not None else None
+    motion = None
+    if before is not None and after is not None and rig is not None:
+        planted, _ = labels_format.fit(labels_format.decode(contacts), rig.no_contacts(before))
+        motion = film(before, after, rig, planted)
     pages: dict[str, bytes] = {}
     if params.kind == "html":
         # A file name that is no UTF-8 keeps its bytes in the document.
         document = json.loads(contacts.decode("utf-8", "surrogateescape"))
-        pages[PAGE] = render(PageData(report, document, motion)).encode("utf-8", "replace")
+        pages[PAGE] = render(PageData(report, document, motion, again=again)).encode("utf-8", "replace")
     if params.png:
         from footfix.report.picture import picture
 
@@ -53,8 +60,9 @@ def draw(
 
 
 def redraw(
-    report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams
-) -> dict[str, bytes]:
+    report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
+    again: Again | None = None,
+) -> dict[str, bytes]:  # fmt: skip
     """The pages of a clip that was cleaned before.
 
     Args:
@@ -63,6 +71,7 @@ def redraw(
         source: the bytes of the clip that came in.
         written: the bytes of the corrected one.
         params: which pages.
+        again: how the clip is cleaned again from edited contacts, where that is known.
 
     Raises:
         InputError: the files do not belong together.
@@ -79,9 +88,9 @@ def redraw(
     if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
-        return draw(None, None, None, report, contacts, params)[0]
+        return draw(None, None, None, report, contacts, params, again)[0]
     rigs = joined(find_rigs(before, _told(report)))
-    return draw(before, after, rigs, report, contacts, params)[0]
+    return draw(before, after, rigs, report, contacts, params, again)[0]
 
 
 def _told(report: Mapping[str, Any]) -> RigParams:

@@ -22,6 +22,7 @@ _SEVERITIES = ("error", "warning")
 _FATES = {"released": "let go", "partly": "held only in part"}
 _PLAIN_UNITS = {"10² m/s³": "x 100 m/s^3", "°": "deg", "°/s": "deg/s", "m/s²": "m/s^2"}  # for terminals without Unicode
 _FIGURE = re.compile(r"\d+(?:\.\d+)?")
+_FRAMES = re.compile(r"at frame (\d+-\d+)")
 
 
 def summarize(report: Report, *, verbose: bool = False) -> str:
@@ -37,7 +38,7 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
     verdict = judge(report)
     lines = [f"{printable(source_name(report))}: {verdict.text}"]
     rows = [row for row in measure_rows(report) if row.headline or verbose]
-    if verdict.plants:
+    if max(verdict.worst_before, verdict.worst_after) >= 0.5:
         lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm")
     if verbose:
         width = max((len(row.label) for row in rows), default=0)
@@ -85,7 +86,7 @@ def _ranged(reasons: Sequence[str]) -> str:
     """One sentence for many that differ only in their figures."""
     columns = [sorted(set(column), key=float) for column in zip(*map(_FIGURE.findall, reasons), strict=True)]
     ranges = iter(column[0] if len(column) == 1 else f"{column[0]}-{column[-1]}" for column in columns)
-    return _FIGURE.sub(lambda _: next(ranges), reasons[0])
+    return _FRAMES.sub(r"at frames \1", _FIGURE.sub(lambda _: next(ranges), reasons[0]))
 
 
 def _unit(row: Row) -> str:
