@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from footfix.measure.plants import NOTICED_MM
 from footfix.report.verdict import (
     Report,
     Row,
@@ -19,7 +20,7 @@ from footfix.report.verdict import (
 )
 
 _SEVERITIES = ("error", "warning")
-_FATES = {"released": "let go", "partly": "held only in part"}
+_FATES = {"released": "let go", "partly": "held only in part", "kept": "kept as before"}
 _PLAIN_UNITS = {"10² m/s³": "x 100 m/s^3", "°": "deg", "°/s": "deg/s", "m/s²": "m/s^2"}  # for terminals without Unicode
 _FIGURE = re.compile(r"\d+(?:\.\d+)?")
 _FRAMES = re.compile(r"at frame (\d+-\d+)")
@@ -65,14 +66,15 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
 
 
 def released(report: Report) -> list[str]:
-    """How many plants were let go wholly or in part, for each reason, as lines of text.
+    """How many plants were let go wholly or in part, or kept though they slide, for each reason, as lines of text.
 
     Reasons that differ only in their figures count as one, with the range of the figures.
     """
     groups: dict[tuple[str, str], list[str]] = {}
     for plant in entries(report, "plants"):
         outcome, reason = str(plant.get("outcome")), str(plant.get("reason") or "")
-        if outcome in _FATES:
+        noticed = (number(plant.get("slide_after_mm")) or 0.0) > NOTICED_MM
+        if outcome in _FATES and (noticed or outcome != "kept"):
             groups.setdefault((outcome, _FIGURE.sub("#", reason)), []).append(reason)
     lines = []
     for (outcome, _), reasons in sorted(groups.items(), key=lambda group: -len(group[1])):

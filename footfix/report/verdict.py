@@ -229,7 +229,8 @@ def measure_rows(report: Report) -> list[Row]:
     for measure in MEASURES:
         pair = number(before.get(measure.key)), number(after.get(measure.key))
         if measure.key in before or measure.key in after:
-            digits = 0 if max(value or 0.0 for value in pair) * measure.scale >= 100.0 else measure.digits
+            largest = max(value or 0.0 for value in pair) * measure.scale
+            digits = 0 if largest >= 100.0 else min(measure.digits, 1) if largest >= 10.0 else measure.digits
             first, second = ("–" if value is None else f"{value * measure.scale:.{digits}f}" for value in pair)
             worse = _is_worse(measure, *pair)
             rows.append(Row(measure.key, measure.label, measure.unit, first, second, measure.headline, worse))

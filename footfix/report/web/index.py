@@ -10,13 +10,13 @@ from string import Template
 from urllib.parse import quote
 
 from footfix.measure.plants import NOTICED_MM
+from footfix.report import words
 from footfix.report.offenders import Offender, Path
 from footfix.report.text import released
-from footfix.report import words
 from footfix.report.thumbnail import LAYERS, SIZE, Thumbnail
 from footfix.report.verdict import Report, Verdict, judge, largest_change, measure_rows, number, section
 from footfix.report.web import sections
-from footfix.report.web.markup import name, text
+from footfix.report.web.markup import name, path_name, text
 from footfix.report.web.page import asset, fingerprint, script
 from footfix.version import __version__
 
@@ -121,8 +121,8 @@ def _came_worse(report: Report, verdict: Verdict) -> bool:
 def _link(row: IndexRow, frame: int | None = None) -> str:
     """The name of a clip, as a link to its page, and to a frame of it, where it has one."""
     if not row.page:
-        return name(row.source)
-    return f'<a href="{_address(row.page)}{"" if frame is None else f"#f={frame}"}">{name(row.source)}</a>'
+        return path_name(row.source)
+    return f'<a href="{_address(row.page)}{"" if frame is None else f"#f={frame}"}">{path_name(row.source)}</a>'
 
 
 def _row(row: IndexRow, verdict: Verdict, pictured: bool) -> str:
@@ -138,7 +138,7 @@ def _row(row: IndexRow, verdict: Verdict, pictured: bool) -> str:
         else ("–",) * 5
     )  # fmt: skip
     worse = str(verdict.worse) if verdict.worse else "▲" if _came_worse(row.report, verdict) else ""
-    told = _without_path(row.error, row.source) if row.error else "; ".join(released(row.report))
+    told = _without_path(row.error, row.source) if row.error else "; ".join(sections.shortened(released(row.report), 2))
     bars = sections.bars(verdict.worst_before, verdict.worst_after, 5 * NOTICED_MM) if verdict.plants else ""
     return (
         f'<tr><td class="figure">{picture}</td><th scope="row">{_link(row)}</th>'

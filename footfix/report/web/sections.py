@@ -98,7 +98,7 @@ def _is_zero(figure: str) -> bool:
 
 _FATES = (
     ("pinned", "pinned to their places"),
-    ("kept", "kept as they were, still enough"),
+    ("kept", "kept as they were"),
     ("partly", "held in part"),
     ("released", "let go"),
 )
@@ -111,8 +111,14 @@ def fate(report: Report) -> str:
 
 
 def released_list(report: Report) -> str:
-    """What was let go, and why."""
-    return "".join(f"<li>{text(line)}</li>" for line in released(report))
+    """What was let go, and why: the commonest reasons, since the table of plants has them all."""
+    return "".join(f"<li>{text(line)}</li>" for line in shortened(released(report), 3))
+
+
+def shortened(lines: Sequence[str], most: int) -> list[str]:
+    """The first lines, and how many more there are."""
+    rest = len(lines) - most
+    return [*lines[:most], *([f"and {rest} more {'reason' if rest == 1 else 'reasons'}"] if rest > 0 else [])]
 
 
 def measures_table(report: Report) -> str:
@@ -120,7 +126,7 @@ def measures_table(report: Report) -> str:
     return "\n".join(
         f'<tr><th scope="row">{text(row.label)}</th><td>{row.before}</td>'
         f"<td>{'▲ ' if row.worse else ''}{row.after}</td>"
-        f'<td>{text(row.unit)}</td><td class="word">{text(words.MEASURES.get(row.key, ""))}</td></tr>'
+        f'<td class="unit">{text(row.unit)}</td><td class="word">{text(words.MEASURES.get(row.key, ""))}</td></tr>'
         for row in measure_rows(report)
     )
 
@@ -144,8 +150,8 @@ def _plant_row(plant: Report, longest: float) -> str:
         f'<td data-value="{start}">{start}–{end}</td>'
         f"<td>{_figure(before)}</td><td>{_figure(after)}</td>"
         f'<td class="slide" data-value="{after or 0.0:.3f}">{bars(before, after, longest)}</td>'
-        f"<td>{_figure(number(plant.get('residual_mm')))}</td>"
-        f"<td>{_figure(number(plant.get('penetration_after_mm')))}</td>"
+        f'<td class="target">{_figure(number(plant.get("residual_mm")))}</td>'
+        f'<td class="floor">{_figure(number(plant.get("penetration_after_mm")))}</td>'
         f'<td class="word became" title="{text(meaning)}">{text(words.outcome(outcome))}'
         f"{f'<small>{text(reason)}</small>' if reason else ''}</td></tr>"
     )

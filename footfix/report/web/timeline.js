@@ -43,7 +43,7 @@ class Timeline {
     return {
       near,
       whole: { height: Math.max(high, 0.01), speed: Math.max(fast, 0.1), bottom: Math.min(low, 0) },
-      slide: 3000 * NOTICED, // [mm]; longer ones are cut off, so that those near what is noticed are seen
+      slide: Math.round(3000 * NOTICED), // [mm]; longer ones are cut off, so that those near what is noticed are seen
     };
   }
 
