@@ -61,10 +61,12 @@ def _offender(motion: Motion, tracks: tuple[Floats, Floats], plant: Report) -> O
     start, end = int(plant["start"]), int(plant["end"])
     last = len(motion.soles_before) - 1
     first = min(-(-start // motion.step), last)
-    span = slice(first, max(first + 1, -(-end // motion.step)))
-    before, after = (1000.0 * each[span, sole][:, [0, 2]] for each in tracks)
+    span = np.arange(first, max(first + 1, min(-(-end // motion.step), last + 1)))
+    counting = span[motion.counts[span, sole]]
+    looked_at = counting if len(counting) else span
+    before, after = (1000.0 * each[looked_at, sole][:, [0, 2]] for each in tracks)
     place = np.median(after, axis=0)
-    farthest = first + int(np.argmax(np.linalg.norm(before - np.median(before, axis=0), axis=1)))
+    farthest = int(looked_at[np.argmax(np.linalg.norm(before - np.median(before, axis=0), axis=1))])
     return Offender(
         str(plant["effector"]), start, end,
         number(plant.get("slide_before_mm")) or 0.0, number(plant.get("slide_after_mm")) or 0.0,

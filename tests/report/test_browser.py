@@ -236,9 +236,9 @@ def test_what_is_looked_at_is_what_the_measures_look_at(browser: Browser, tmp_pa
     spans = {"left_heel": [(10, 60), (100, 104), (150, 170)], "left_toe": [(30, 90), (101, 140), (168, 200)],
              "right_heel": [(0, 40)], "right_toe": []}  # fmt: skip
     clip, blank = walker(240), rig().no_contacts(walker(240))
-    planted = dataclasses.replace(blank, effectors=tuple(
-        dataclasses.replace(each, contacts=tuple(Contact(*span) for span in spans[each.name])) for each in blank.effectors
-    ))  # fmt: skip
+    contacts = {name: tuple(Contact(*span) for span in own) for name, own in spans.items()}
+    effectors = tuple(dataclasses.replace(each, contacts=contacts[each.name]) for each in blank.effectors)
+    planted = dataclasses.replace(blank, effectors=effectors)
     document = contacts_document(240)
     for each in document["effectors"]:
         each["contacts"] = [{"start": a, "end": b} for a, b in spans[each["name"]]]
@@ -265,7 +265,8 @@ def test_what_is_looked_at_is_what_the_measures_look_at(browser: Browser, tmp_pa
 
 def test_the_knees_change_by_what_they_were_bent(page: Page) -> None:
     """`corrected` bends the left knee by 0.1 + 0.1 sin t more than straight, and the right one not at all."""
-    (row,) = inside(page, "kneeRows(motion).map(({ name, legs }) => ({ name, legs: legs.map((leg) => [...leg.change]) }))")
+    found = "kneeRows(motion).map(({ name, legs }) => ({ name, legs: legs.map((leg) => [...leg.change]) }))"
+    (row,) = inside(page, found)
     t = np.arange(FRAMES) / 120.0
     left, right = np.array(row["legs"])
     assert row["name"] == "knees"
@@ -275,13 +276,16 @@ def test_the_knees_change_by_what_they_were_bent(page: Page) -> None:
 
 @pytest.mark.parametrize("width", [1440, 1280])
 @pytest.mark.parametrize(("name", "table"), [("clip #1.html", "#plants"), ("index.html", "#clips")])
-def test_no_column_lies_outside_of_the_screen(browser: Browser, folder: Path, name: str, table: str, width: int) -> None:
+def test_no_column_lies_outside_of_the_screen(
+    browser: Browser, folder: Path, name: str, table: str, width: int
+) -> None:
     page = browser.open(folder / name, width=width, height=900)
     page.settle()
     last = page.run(f"document.querySelector('{table} thead th:last-child').getBoundingClientRect().right")
     room = page.run(f"document.querySelector('{table}').closest('.scroll').getBoundingClientRect().right")
     assert last <= room + 1
-    headers = page.run(f"[...document.querySelectorAll('{table} thead th')].filter(h => h.checkVisibility()).map(h => h.innerText)")
+    shown = "filter(header => header.checkVisibility()).map(header => header.innerText)"
+    headers = page.run(f"[...document.querySelectorAll('{table} thead th')].{shown}")
     if table == "#plants":
         assert {"Off target mm", "Outcome and reason"} <= {" ".join(header.split()) for header in headers}
 
@@ -299,7 +303,8 @@ def test_over_a_long_time_the_timeline_shows_ranges_and_slides(browser: Browser,
     page = browser.open(path, width=1280)
     page.settle()
     count = """
-        const c = document.querySelector("#timeline"), d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
+        const c = document.querySelector("#timeline");
+        const d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
         let n = 0;
         for (let i = 0; i < d.length; i += 4) n += d[i] > d[i + 1] + 20 && d[i + 2] > d[i + 1] + 20;
         n"""

@@ -14,15 +14,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from report_sample import HOSTILE, contacts_document, corrected, motion, report_document, rig, walker
+from report_sample import HOSTILE, contacts_document, corrected, labelled, motion, report_document, rig, walker
 
+from footfix.measure.seen import posed, seen_of
 from footfix.motion.kinematics import forward
 from footfix.report import glyphs
 from footfix.report.offenders import worst_plants
 from footfix.report.picture import picture
-from footfix.report.text import summarize
+from footfix.report.text import released, summarize
+from footfix.report.thumbnail import thumbnail
 from footfix.report.verdict import judge, measure_rows
 from footfix.report.web import markup
+from footfix.report.web.bones import bones_of
 from footfix.report.web.index import IndexRow, render_index
 from footfix.report.web.motion import SHOWN_FRAMES, Lines, display_frames, film, packed
 from footfix.report.web.pack import pack, quantize, unpack
@@ -157,6 +160,51 @@ def test_the_first_screen_names_the_largest_joint_change_and_the_details_the_flo
     assert "joint change" not in summarize(report_document(360, correction=nothing))
 
 
+def test_the_details_are_words_not_values_of_a_program() -> None:
+    rig_entry = {
+        "leg_length_m": 0.82,
+        "legs": [{"name": "front_left", "toe": None, "chain": ["a", "b"]}],
+        "soles": [{"name": "front_left_toe", "offset_m": [0.5, 0.0, -1.0]}],
+    }
+    enforce = {"speed_m_s": 2.0, "pins": {"on": True, "off": None}}
+    report = report_document(360, rig=rig_entry, settings={"enforce": enforce})
+    html = render(PageData(report))
+    cells = re.findall(r"<th[^>]*>([^<]*)</th><td>([^<]*)</td>", html[html.index("<details") :])
+    rows = dict(cells)
+    assert rows["legs › front left › chain"] == "a, b"
+    assert rows["soles › front left toe › offset"] == "0.5, 0, -1 m"
+    assert rows["leg length"] == "0.82 m"
+    assert rows["enforce › speed"] == "2 m&#47;s"
+    assert rows["enforce › pins › on"] == "yes"
+    assert "legs › front left › toe" not in rows and "enforce › pins › off" not in rows
+    assert not [value for _, value in cells if re.search(r"[{}\[\]]|None|True|False", value)]
+
+
+def test_nothing_goes_from_zero_to_zero() -> None:
+    plants = [{"slide_before_mm": 0.2, "slide_after_mm": 0.3}]
+    still = {"slide_median_mm": 0.0}
+    report = {"status": "cleaned", "plants": plants, "before": still, "after": still,
+              "correction": {"root_path_drift_m": 0.0}}  # fmt: skip
+    html = render(PageData(report))
+    first = re.sub(r"<[^>]+>", " ", html[html.index("<body>") : html.index("<main>")])
+    assert "Footplants" in first and not re.search(r"\b0(\.0+)?\b", first)
+    assert "0 mm" not in judge(report).text and "longest slide" not in summarize(report)
+
+
+def test_plants_that_stay_though_they_slide_say_why() -> None:
+    rows = [
+        (40.0, "kept", "4 frames are too few to hold"),
+        (3.0, "kept", "3 frames are too few to hold"),
+        (30.0, "partly", "at rest in 8 of 9 frames, at frame 3"),
+        (30.0, "partly", "at rest in 9 of 12 frames, at frame 8"),
+    ]
+    plants = [{"slide_after_mm": slide, "outcome": outcome, "reason": reason} for slide, outcome, reason in rows]
+    assert released({"plants": plants}) == [
+        "2 plants held only in part: at rest in 8-9 of 9-12 frames, at frames 3-8",
+        "1 plant kept as before: 4 frames are too few to hold",
+    ]
+
+
 def test_the_terminal_gets_no_control_characters_and_short_reasons() -> None:
     report = report_document(720, source="walk\x1b[31m\u202e.bvh")
     lines = summarize(report).split("\n")
@@ -263,6 +311,72 @@ def test_the_index_puts_the_worst_first_and_what_failed_on_top() -> None:
     body = html[html.index("<tbody>") :]
     order = re.findall(r"<bdi>([^<]+)</bdi>", body)
     assert order == ["broken.bvh", "45.bvh", "22.bvh", "3.bvh"]
+
+
+def test_what_failed_shows_no_zeros_and_its_error_no_path() -> None:
+    row = IndexRow("b/broken.bvh", report={"status": "failed"}, error="/some/where/b/broken.bvh:3:1: no legs")
+    html = render_index([row, IndexRow("a.bvh", "a.html", _report([(50, 45)]))])
+    broken = next(each for each in re.findall(r"<tr>.*?</tr>", html, re.S) if "broken" in each)
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", broken, re.S)
+    assert not [cell for cell in cells if re.fullmatch(r"0(\.0*)?", cell)]
+    assert "<td>–</td>" in broken and "no legs" in broken and "where" not in broken
+
+
+def test_the_index_names_the_largest_joint_change_and_counts_what_came_worse() -> None:
+    def change(joint: str, degrees: float) -> dict[str, Any]:
+        return {"correction": {"largest_change_joint": joint, "largest_change_deg": degrees, "largest_change_frame": 7}}
+
+    rows = [
+        IndexRow("a.bvh", "a.html", {**_report([(50, 1)]), **change("Knee", 40.0)}),
+        IndexRow("b.bvh", "b.html", {**_report([(5, 15), (50, 1)]), **change("Hip", 12.0)}),
+    ]
+    html = render_index(rows)
+    first = html[html.index("<body>") : html.index("<main")]
+    assert re.search(r"Clips that came worse</dt><dd><b>1</b>", first)
+    assert re.search(r'joint change <small>°</small></dt><dd><b>40</b>.*?a\.html#f=7".*?Knee.*?frame 7', first)
+
+
+# ---- what is drawn of a figure ----------------------------------------------------------------------
+
+
+def test_a_root_that_stays_behind_is_no_pole() -> None:
+    """A root at the origin, a target that hangs on it, and a figure that walks away: only its bones are drawn."""
+    parents = (-1, 0, 1, 1, 2, 0)  # root, hips, two thighs, a shank, a target
+    places = np.zeros((50, 6, 3))
+    places[:, 1:5] = [[0, 1, 0], [0.1, 1, 0], [-0.1, 1, 0], [0.1, 0.5, 0]]
+    places[:, 1:, 2] += np.linspace(0.0, 4.0, 50)[:, None]
+    assert bones_of((-1, 0, 1, 1, 2), 5, places[:, :5]) == ((1, 2), (1, 3), (2, 4))  # hips are all that hangs on it
+    assert bones_of(parents, 6, places) == ((1, 2), (1, 3), (2, 4))  # the lines to hips and target grow
+    still = places.copy()
+    still[..., 2] = 0.0
+    assert bones_of((-1, 0, 1, 1, 2), 5, still[:, :5]) == ((1, 2), (1, 3), (2, 4))  # a pole below hips that stay
+    assert bones_of((-1, 0, 1), 3, places[:, :3]) == ((0, 1), (1, 2))[1:]  # a chain alone keeps what does not grow
+
+
+def test_the_way_of_a_plant_is_that_of_its_joint() -> None:
+    """What the small picture draws is what the measures look at, before and after."""
+    clip, planted = walker(360), labelled(360)
+    after = corrected(clip)
+    report = report_document(360)
+    shown = film(clip, after, rig(), planted)
+    for offender in worst_plants(shown, report, 12):
+        k = shown.sole_names.index(offender.effector)
+        seen = [seen_of(each, rig(), planted, posed(each, rig()), np.zeros((360, 3)))[k] for each in (clip, after)]
+        for track, way in zip(seen, (offender.path_before, offender.path_after), strict=True):
+            ends = track.track[[offender.start + 1, offender.end - 2]][:, [0, 2]]
+            drawn = np.array([way[0], way[-1]])
+            assert drawn[1] - drawn[0] == pytest.approx(1000.0 * (ends[1] - ends[0]), abs=0.2)
+        assert offender.start <= offender.frame < offender.end
+
+
+def test_a_small_figure_fills_its_drawing_and_knows_its_legs() -> None:
+    shown = motion(120)
+    layers = thumbnail(shown, 60)
+    places = [np.array(re.findall(r"(-?\d+) (-?\d+)", layer), dtype=float) for layer in layers]
+    assert [len(each) > 2 for each in places] == [True] * 4
+    every = np.concatenate(places)
+    assert every.min() >= 0 and every.max() <= 100 and np.ptp(every, axis=0).max() >= 85
+    assert np.median(places[2][:, 1]) > np.median(places[1][:, 1])  # legs are below the rest: y points downwards
 
 
 # ---- looks ------------------------------------------------------------------------------------------

@@ -9,8 +9,7 @@ from footfix.report.verdict import Report, floor_taken
 from footfix.report.web.markup import text
 
 _PARTS = {
-    "method": "Method",
-    "output": "Output",
+    "": "Run",
     "rig": "Rig",
     "figures": "Figures",
     "correction": "Correction",
@@ -28,9 +27,10 @@ def details_table(report: Report) -> str:
     """How it was done: rig, correction, settings and times, as table rows under a heading for each part."""
     parts = []
     for key, title in _PARTS.items():
-        rows = list(_leaves((), report.get(key)))
-        if key == "rig" and floor_taken(report):
-            rows.insert(0, (("floor",), floor_taken(report), ""))
+        part = report.get(key) if key else {name: report.get(name) for name in ("method", "output")}
+        rows = list(_leaves((), part))
+        if key == "rig" and floor_taken(report):  # with where it is from, in the place of the bare number
+            rows = [(("floor",), floor_taken(report), ""), *(row for row in rows if row[0] != ("floor",))]
         if key == "seconds":
             rows = [(path, value, unit or "s") for path, value, unit in rows]
         if rows:
@@ -73,7 +73,7 @@ def _words_of(key: str) -> tuple[str, str]:
 
 def _said(value: Any) -> str:
     """A value in words; "" for one that is not said."""
-    if value is None:
+    if value is None or value == "":
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
@@ -81,5 +81,5 @@ def _said(value: Any) -> str:
         return f"{value:.6g}"
     if isinstance(value, list | tuple):
         nested = any(isinstance(item, list | tuple) for item in value)
-        return ("; " if nested else ", ").join(_said(item) for item in value)
+        return ("; " if nested else ", ").join(_said(item) or "none" for item in value)
     return str(value)

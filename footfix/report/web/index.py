@@ -142,7 +142,7 @@ def _row(row: IndexRow, verdict: Verdict, pictured: bool) -> str:
     bars = sections.bars(verdict.worst_before, verdict.worst_after, 5 * NOTICED_MM) if verdict.plants else ""
     return (
         f'<tr><td class="figure">{picture}</td><th scope="row">{_link(row)}</th>'
-        f'<td class="word">{sections.badge(verdict.tone, verdict.word)}</td>'
+        f'<td class="word">{sections.badge(verdict.tone, verdict.word, verdict.text)}</td>'
         f"{''.join(f'<td>{figure}</td>' for figure in figures)}"
         f'<td data-value="{verdict.worst_after:.3f}">{bars}</td><td>{worse}</td>'
         f"<td>{'–' if change is None else f'{change.degrees:.0f}'}</td>"

@@ -59,6 +59,7 @@ class Motion:
         seen: (E,) the joint that measures look at: of a toe the toe joint, of a heel the ankle; -1 where only the
             sole point is there to be looked at.
         by_sole: (D, E) where it is the sole point that they look at all the same: a heel that stands alone.
+        counts: (D, E) the frames of plants that they count.
         joints_before, joints_after: (D, J, 3) [m] y up.
         soles_before, soles_after: (D, E, 3) [m].
         speeds_before, speeds_after: (D, E) [m/s] horizontal speed of what measures look at.
@@ -79,6 +80,7 @@ class Motion:
     sole_names: tuple[str, ...]
     seen: tuple[int, ...]
     by_sole: Bools
+    counts: Bools
     joints_before: Floats
     joints_after: Floats
     soles_before: Floats
@@ -111,7 +113,7 @@ def film(
     ends = skeleton.end_parents.tolist()
     parents = (*skeleton.parents.tolist(), *ends)
     seen = tuple(_seen_joint(rig, k) for k in range(len(rig.soles)))
-    by_sole = _by_sole(rig, seen, len(before), contacts)
+    by_sole, counts = _looked_at(rig, seen, len(before), contacts)
     return Motion(
         frames=len(before),
         step=int(shown[1] - shown[0]) if len(shown) > 1 else 1,
@@ -127,6 +129,7 @@ def film(
         sole_names=tuple(sole.name for sole in rig.soles),
         seen=seen,
         by_sole=by_sole[shown],
+        counts=counts[shown],
         joints_before=first[0],
         joints_after=second[0],
         soles_before=first[1],
@@ -153,24 +156,29 @@ def _seen_joint(rig: Rig, sole: int) -> int:
     return -1 if leg.toe is None else leg.toe
 
 
-def _by_sole(rig: Rig, seen: tuple[int, ...], frames: int, contacts: Contacts | None) -> Bools:
-    """(F, E) where measures look at the sole point itself: heels that stand alone, feet without a toe joint."""
-    found = np.zeros((frames, len(seen)), dtype=np.bool_)
-    found[:, [joint < 0 for joint in seen]] = True
+def _looked_at(
+    rig: Rig, seen: tuple[int, ...], frames: int, contacts: Contacts | None
+) -> tuple[Bools, Bools]:
+    """(F, E) where measures look at the sole point itself, not at a joint, and (F, E) what they count of the plants."""
+    by_sole, counts = (np.zeros((frames, len(seen)), dtype=np.bool_) for _ in range(2))
+    by_sole[:, [joint < 0 for joint in seen]] = True
     spans = [[c for c in each.contacts if c.wish != "forbid"] for each in contacts.effectors] if contacts else []
-    for heel, own in enumerate(spans[: len(seen)]):
-        sole = rig.soles[heel]
+    for k, own in enumerate(spans[: len(seen)]):
+        for contact in own:
+            counts[slice(*counted(contact)), k] = True
+    toes = {sole.leg: k for k, sole in enumerate(rig.soles) if sole.part == "toe"}
+    for k, own in enumerate(spans[: len(seen)]):
+        sole = rig.soles[k]
         if sole.part != "heel":
             continue
-        stands = np.zeros(frames, dtype=np.bool_)
-        for other, theirs in zip(rig.soles, spans, strict=False):
-            if other.leg == sole.leg and other.part == "toe":
-                for contact in theirs:
-                    stands[slice(*counted(contact))] = True
+        stands = counts[:, toes[sole.leg]] if sole.leg in toes else np.zeros(frames, dtype=np.bool_)
         for contact in own:
-            if np.count_nonzero(stands[slice(*counted(contact))]) < FEWEST:
-                found[contact.start : contact.end, heel] = True
-    return found
+            span = slice(*counted(contact))
+            if np.count_nonzero(stands[span]) < FEWEST:
+                by_sole[contact.start : contact.end, k] = True
+            else:
+                counts[span, k] &= stands[span]
+    return by_sole, counts
 
 
 def side_of(name: str) -> str:

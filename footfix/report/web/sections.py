@@ -33,10 +33,11 @@ _MARKS: Mapping[Tone, str] = {
 }
 
 
-def badge(tone: Tone, word: str) -> str:
-    """A mark and a word: how a clip came out."""
+def badge(tone: Tone, word: str, told: str = "") -> str:
+    """A mark and a word: how a clip came out, and the sentence behind it as a tooltip."""
+    title = f' title="{text(told)}"' if told else ""
     return (
-        f'<span class="badge {tone}"><svg viewBox="0 0 16 16" aria-hidden="true">{_MARKS[tone]}</svg>'
+        f'<span class="badge {tone}"{title}><svg viewBox="0 0 16 16" aria-hidden="true">{_MARKS[tone]}</svg>'
         f"{text(word)}</span>"
     )
 
