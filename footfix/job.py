@@ -151,7 +151,8 @@ def clean_file(
     status: Status = "unchanged" if written == data else "cleaned"
     report = _report(document, results, source, settings, status=status, output=output)
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
-    pages, offenders = draw(clip, reread, joined(prepared.rigs), report, contacts_file, settings.report, again)
+    ground = figures[0].ground
+    pages, offenders = draw(clip, reread, joined(prepared.rigs), report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 

@@ -27,7 +27,7 @@ from footfix.report.verdict import judge, measure_rows
 from footfix.report.web import markup
 from footfix.report.web.bones import bones_of
 from footfix.report.web.index import IndexRow, render_index
-from footfix.report.web.motion import SHOWN_FRAMES, Lines, display_frames, film, packed
+from footfix.report.web.motion import SHOWN_FRAMES, Lines, display_frames, film, packed, seen_tracks
 from footfix.report.web.pack import pack, quantize, unpack
 from footfix.report.web.page import PageData, asset, render
 
@@ -96,6 +96,18 @@ def test_speeds_are_those_of_the_whole_clip() -> None:
         track = forward(clip).positions[:, joint]
         speed = np.hypot(*(np.gradient(track[:, k], clip.frame_time) for k in (0, 2)))
         assert np.allclose(shown.speeds_before[:, effector], speed[:: shown.step], atol=1e-9)
+
+
+def test_on_a_belt_ways_and_speeds_are_over_the_belt() -> None:
+    """A figure that is carried along by its ground shows the ways and speeds of one on a floor at rest."""
+    clip, planted = walker(240), labelled(240)
+    ground = np.outer(np.sin(0.02 * np.arange(240)), [0.8, 0.0, -1.5])  # (F, 3) [m]
+    positions = clip.positions.copy()
+    positions[:, 0] += ground
+    carried = dataclasses.replace(clip, positions=positions)
+    still, moving = film(clip, clip, rig(), planted), film(carried, carried, rig(), planted, ground)
+    assert np.allclose(seen_tracks(moving)[1], seen_tracks(still)[1], atol=1e-9)
+    assert np.allclose(moving.speeds_after, still.speeds_after, atol=1e-9)
 
 
 # ---- words and numbers ------------------------------------------------------------------------------

@@ -49,8 +49,8 @@ function drawPrints(stage, when, ghost) {
       if (away > near) continue;
       const alpha = away === 0 ? 1 : 0.55 * (1 - away / near) + 0.1;
       const color = when === "before" ? theme.was : stage.sideColor(k);
-      if (ghost) stage.trace(seen.way("before", k, contact), theme.was, thick, { alpha });
-      const way = seen.way(when, k, contact);
+      if (ghost) stage.trace(seen.way("before", k, contact, player.index), theme.was, thick, { alpha });
+      const way = seen.way(when, k, contact, player.index);
       stage.trace(way, color, thick, { alpha });
       stage.context.globalAlpha = alpha;
       stage.dot(middlePlace(way), thick * 1.7, color, theme.stage);
@@ -64,14 +64,14 @@ function drawChosen(stage, when, ghost) {
   const { selection } = stage.contacts;
   if (!selection || selection.lane >= stage.motion.soles.length) return;
   const { lane, contact } = selection;
-  const way = stage.seen.way(when, lane, contact);
+  const way = stage.seen.way(when, lane, contact, stage.player.index);
   const [x, y, z] = middlePlace(way);
   const ring = Array.from({ length: 49 }, (_, k) => {
     const turn = (k / 48) * 2 * Math.PI;
     return [x + NOTICED * Math.cos(turn), y, z + NOTICED * Math.sin(turn)];
   });
   stage.trace(ring, stage.theme.ink, 1.2, { dash: [3, 3] });
-  if (ghost) stage.trace(stage.seen.way("before", lane, contact), stage.theme.was, 3);
+  if (ghost) stage.trace(stage.seen.way("before", lane, contact, stage.player.index), stage.theme.was, 3);
   stage.trace(way, when === "before" ? stage.theme.was : stage.sideColor(lane), 3);
 }
 

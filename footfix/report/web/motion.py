@@ -60,9 +60,10 @@ class Motion:
             sole point is there to be looked at.
         by_sole: (D, E) where it is the sole point that they look at all the same: a heel that stands alone.
         counts: (D, E) the frames of plants that they count.
+        ground: (D, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
         joints_before, joints_after: (D, J, 3) [m] y up.
         soles_before, soles_after: (D, E, 3) [m].
-        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of what measures look at.
+        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of what measures look at, over the ground.
         floor: [m] height of the floor.
     """
 
@@ -81,6 +82,7 @@ class Motion:
     seen: tuple[int, ...]
     by_sole: Bools
     counts: Bools
+    ground: Floats
     joints_before: Floats
     joints_after: Floats
     soles_before: Floats
@@ -96,14 +98,16 @@ class Motion:
 
 
 def film(
-    before: Clip, after: Clip, rig: Rig, contacts: Contacts | None = None, most: int = SHOWN_FRAMES
-) -> Motion:
+    before: Clip, after: Clip, rig: Rig, contacts: Contacts | None = None, ground: Floats | None = None,
+    most: int = SHOWN_FRAMES,
+) -> Motion:  # fmt: skip
     """The motion of a page, from the clip before and after.
 
     Args:
         before, after: the clip as read and as written [m], y up.
         rig: its legs and sole points.
         contacts: when each sole point is planted, in the order of `rig.soles`; never where it is not said.
+        ground: (F, 3) [m] how far the ground under planted feet has moved, as on a treadmill; at rest by default.
         most: frames that the page may hold.
     """
     shown = display_frames(len(before), most)
@@ -114,38 +118,28 @@ def film(
     parents = (*skeleton.parents.tolist(), *ends)
     seen = tuple(_seen_joint(rig, k) for k in range(len(rig.soles)))
     by_sole, counts = _looked_at(rig, seen, len(before), contacts)
+    moved = np.zeros((len(before), 3)) if ground is None else ground
+    was, now = (_speeds(clip, rig, shown, seen, by_sole[shown], moved) for clip in (before, after))
     return Motion(
-        frames=len(before),
-        step=int(shown[1] - shown[0]) if len(shown) > 1 else 1,
-        frame_time=before.frame_time,
-        names=(*skeleton.names, *("" for _ in ends)),
-        parents=parents,
-        root=rig.root,
+        frames=len(before), step=int(shown[1] - shown[0]) if len(shown) > 1 else 1, frame_time=before.frame_time,
+        names=(*skeleton.names, *("" for _ in ends)), parents=parents, root=rig.root,
         bones=bones_of(parents, len(skeleton), first[0]),
         hips=tuple((leg.hip, side_of(leg.side)) for leg in rig.legs),
         legs=tuple((leg.hip, leg.knee, leg.ankle) for leg in rig.legs),
         leg_names=tuple(leg.name for leg in rig.legs),
-        soles=tuple(sole.joint for sole in rig.soles),
-        sole_names=tuple(sole.name for sole in rig.soles),
-        seen=seen,
-        by_sole=by_sole[shown],
-        counts=counts[shown],
-        joints_before=first[0],
-        joints_after=second[0],
-        soles_before=first[1],
-        soles_after=second[1],
-        speeds_before=_speeds(before, rig, shown, seen, by_sole[shown]),
-        speeds_after=_speeds(after, rig, shown, seen, by_sole[shown]),
-        floor=rig.floor,
-    )
+        soles=tuple(sole.joint for sole in rig.soles), sole_names=tuple(sole.name for sole in rig.soles),
+        seen=seen, by_sole=by_sole[shown], counts=counts[shown], ground=moved[shown],
+        joints_before=first[0], joints_after=second[0], soles_before=first[1], soles_after=second[1],
+        speeds_before=was, speeds_after=now, floor=rig.floor,
+    )  # fmt: skip
 
 
 def seen_tracks(motion: Motion) -> tuple[Floats, Floats]:
-    """(D, E, 3), (D, E, 3) [m] what measures look at, before and after: joints, or sole points where they do."""
+    """(D, E, 3), (D, E, 3) [m] over the ground: what measures look at, before and after, be it joint or sole point."""
     joints = np.maximum(motion.seen, 0)
     pairs = ((motion.joints_before, motion.soles_before), (motion.joints_after, motion.soles_after))
     first, second = (np.where(motion.by_sole[..., None], soles, places[:, joints]) for places, soles in pairs)
-    return first, second
+    return first - motion.ground[:, None], second - motion.ground[:, None]
 
 
 def _seen_joint(rig: Rig, sole: int) -> int:
@@ -202,15 +196,18 @@ def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
     return joints.transpose(2, 0, 1), soles.transpose(2, 0, 1)
 
 
-def _speeds(clip: Clip, rig: Rig, shown: Ints, seen: tuple[int, ...], by_sole: Bools) -> Floats:
-    """(D, E) [m/s] horizontal speed of what measures look at, from the frames beside each shown one."""
+def _speeds(
+    clip: Clip, rig: Rig, shown: Ints, seen: tuple[int, ...], by_sole: Bools, ground: Floats
+) -> Floats:
+    """(D, E) [m/s] horizontal speed over the ground of what measures look at, from the frames beside each shown one."""
     if len(clip) < 2 or not rig.soles:
         return np.zeros((len(shown), len(rig.soles)))
     behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)
     pose = rig.pose(clip.frames(np.concatenate([behind, ahead])))
+    rolled = ground[ahead] - ground[behind]  # (D, 3) [m]
 
     def pace(track: Floats) -> Floats:  # (2 D, 3) [m]
-        step = track[len(shown) :] - track[: len(shown)]
+        step = track[len(shown) :] - track[: len(shown)] - rolled
         return np.asarray(np.hypot(step[:, 0], step[:, 2]) / ((ahead - behind) * clip.frame_time))
 
     soles = np.stack([pace(track) for track in rig.tracks(pose)], axis=1)
@@ -243,6 +240,7 @@ def packed(motion: Motion, lines: Lines) -> dict[str, Any]:
         "soles": list(motion.soles),
         "seen": list(motion.seen),
         "floor": motion.floor,
+        "ground": pack(quantize(motion.ground, _POINT)) if motion.ground.any() else None,
         "lines": {"height": lines.height, "speed": lines.speed},
         "quantum": {"joints": _JOINT, "points": _POINT, "speeds": _SPEED},
         "joints": {"before": pack(before), **_packed_change(motion)},

@@ -30,9 +30,14 @@ class Seen {
     return together >= FEWEST ? { joint, spans } : { joint: -1, spans: [[first, last]] };
   }
 
-  /** The way over the floor of what is looked at, "before" or "after", at the height that the sole has on average. */
-  way(when, lane, contact) {
+  /**
+   * The way of what is looked at, "before" or "after", at the height that the sole has on average. On a belt it is the
+   * way over the belt, drawn where the belt has come to at the shown frame `now`.
+   */
+  way(when, lane, contact, now = 0) {
     const { motion } = this;
+    const { ground } = motion;
+    const rolled = (i, k) => (ground ? ground[now * 3 + k] - ground[i * 3 + k] : 0);
     const { joint, spans } = this.of(lane, contact);
     const indices = spans.flatMap(([a, b]) => {
       const from = Math.min(motion.shown - 1, Math.ceil(a / motion.step));
@@ -44,7 +49,7 @@ class Seen {
     const [places, at] = joint < 0
       ? [motion.points[when], sole]
       : [motion.joints[when], (i) => (i * motion.parents.length + joint) * 3];
-    return indices.map((i) => [places[at(i)], height, places[at(i) + 2]]);
+    return indices.map((i) => [places[at(i)] + rolled(i, 0), height, places[at(i) + 2] + rolled(i, 2)]);
   }
 }
 
