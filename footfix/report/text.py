@@ -20,7 +20,7 @@ from footfix.report.verdict import (
 )
 
 _SEVERITIES = ("error", "warning")
-_FATES = {"released": "let go", "partly": "held only in part", "kept": "kept as before"}
+_FATES = {"released": "let go", "partly": "held only in part", "kept": "left alone", "pinned": "pinned"}
 _PLAIN_UNITS = {"10² m/s³": "x 100 m/s^3", "°": "deg", "°/s": "deg/s", "m/s²": "m/s^2"}  # for terminals without Unicode
 _FIGURE = re.compile(r"\d+(?:\.\d+)?")
 _FRAMES = re.compile(r"at frame (\d+-\d+)")
@@ -74,7 +74,7 @@ def released(report: Report) -> list[str]:
     for plant in entries(report, "plants"):
         outcome, reason = str(plant.get("outcome")), str(plant.get("reason") or "")
         noticed = (number(plant.get("slide_after_mm")) or 0.0) > NOTICED_MM
-        if outcome in _FATES and (noticed or outcome != "kept"):
+        if outcome in _FATES and (noticed or outcome in ("released", "partly")):
             groups.setdefault((outcome, _FIGURE.sub("#", reason)), []).append(reason)
     lines = []
     for (outcome, _), reasons in sorted(groups.items(), key=lambda group: -len(group[1])):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 # Outcome of a plant: how people call it, and what it means.
 OUTCOMES: Mapping[str, tuple[str, str]] = {
     "pinned": ("pinned", "held at one place for as long as it stands"),
-    "kept": ("kept as it was", "it stood still enough, or for too short a time to be held, so it was not touched"),
+    "kept": ("left alone", "it stood still enough, or for too short a time to be held, so it was not touched"),
     "partly": ("held in part", "held at one place in most of its frames; in the others the foot still moves"),
     "released": ("let go", "not held: holding it would have bent the motion too much"),
 }

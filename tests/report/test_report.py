@@ -16,9 +16,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_sample import HOSTILE, contacts_document, corrected, labelled, motion, report_document, rig, walker
 
+from footfix.enforce.footplant import Footplant
+from footfix.measure.plants import PlantMeasure
 from footfix.measure.seen import posed, seen_of
 from footfix.motion.kinematics import forward
 from footfix.report import glyphs
+from footfix.report.document import plants as plant_rows
 from footfix.report.offenders import worst_plants
 from footfix.report.picture import picture
 from footfix.report.text import released, summarize
@@ -213,8 +216,16 @@ def test_plants_that_stay_though_they_slide_say_why() -> None:
     plants = [{"slide_after_mm": slide, "outcome": outcome, "reason": reason} for slide, outcome, reason in rows]
     assert released({"plants": plants}) == [
         "2 plants held only in part: at rest in 8-9 of 9-12 frames, at frames 3-8",
-        "1 plant kept as before: 4 frames are too few to hold",
+        "1 plant left alone: 4 frames are too few to hold",
     ]
+
+
+def test_a_pinned_sole_whose_joint_slides_says_so() -> None:
+    plant = Footplant(0, 0, "left_heel", 0, "heel", 3, 30, outcome="pinned", held=((3, 30),))
+    for slide, reason in ((5.0, ""), (47.0, "the heel of the sole is held, the ankle over it moves")):
+        now = PlantMeasure("left_heel", 3, 30, slide, None, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        (row,) = plant_rows([plant], [now], [now])
+        assert row["reason"] == reason
 
 
 def test_the_terminal_gets_no_control_characters_and_short_reasons() -> None:

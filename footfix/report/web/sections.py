@@ -73,7 +73,9 @@ def tile(label: str, unit: str, before: str, after: str = "", worse: bool = Fals
     if after and _is_zero(before) and _is_zero(after):
         return ""
     figure = f"<b>{text(before)}</b>"
-    if after:
+    if after == before:
+        figure += ' <small>as before</small>'
+    elif after:
         figure = (
             f'<span class="was">{text(before)}</span><span class="to" aria-hidden="true">→</span>'
             f'<span class="unseen"> before, </span><b>{text(after)}</b><span class="unseen"> after</span>'
@@ -99,7 +101,7 @@ def _is_zero(figure: str) -> bool:
 
 _FATES = (
     ("pinned", "pinned to their places"),
-    ("kept", "kept as they were"),
+    ("kept", "left alone"),
     ("partly", "held in part"),
     ("released", "let go"),
 )

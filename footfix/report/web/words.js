@@ -1,6 +1,6 @@
 // What the page says in words.
 
-const OUTCOMES = { kept: "kept as it was", partly: "held in part", released: "let go" };
+const OUTCOMES = { kept: "left alone", partly: "held in part", released: "let go" };
 
 /** The name of an effector as people read it. */
 function named(effector) {
