@@ -67,7 +67,7 @@ def _report(data: bytes, path: Path) -> Mapping[str, Any]:
 
 
 def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again | None:
-    """How the clip is cleaned again, in the folder that the report lies in; settings are those of the report."""
+    """How the clip is cleaned again with the settings of the report."""
     name, output = (report.get("source") or {}).get("file"), report.get("output")
     if not name or not output:
         return None
@@ -75,7 +75,7 @@ def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again 
     clip = source if source is not None and source.is_file() else folder / Path(str(name)).name
     contacts = path.with_name(path.name.removesuffix(REPORT) + CONTACTS)
     settings = compose([Layer("report", report.get("settings") or {})])
-    return clean_again(str(clip), path.with_name(str(output)), contacts, settings)
+    return clean_again(clip, path.with_name(str(output)), contacts, settings)
 
 
 def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int) -> bytes:

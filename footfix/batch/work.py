@@ -103,7 +103,8 @@ def _clean(task: Task) -> FileResult:
     output = None if job.target is None else job.target.name
     again = None
     if job.target is not None and job.source != STDIN:
-        again = clean_again(job.source, job.target, job.beside(CONTACTS), task.settings)
+        here = Path(task.folder)
+        again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
     outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output, again=again)
     report = {**outputs.report, "fingerprint": key}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)

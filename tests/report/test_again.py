@@ -54,6 +54,7 @@ def test_the_printed_command_works(folder: Path, monkeypatch: pytest.MonkeyPatch
     edited["effectors"][0]["contacts"] = [{"start": 3, "end": 12, "confidence": 1}]
     contacts.write_text(json.dumps(edited), encoding="utf-8")
     first = json.loads((folder / f"{stem}.report.json").read_bytes())
+    monkeypatch.chdir(contacts.parent)
     assert run(monkeypatch, *shlex.split(html.unescape(printed))[1:], "-q") == 0
     again = json.loads((folder / f"{stem}.report.json").read_bytes())
     heel = edited["effectors"][0]["name"]
@@ -63,11 +64,13 @@ def test_the_printed_command_works(folder: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_settings_that_differ_are_repeated_and_nothing_else() -> None:
     settings = compose([Layer("--set", {"enforce": {"method": "root"}, "report": {"png": True}})])
-    again = clean_again("walk.bvh", Path("out/walk.bvh"), Path("out/walk.contacts.json"), settings)
+    again = clean_again(Path("walk.bvh"), Path("out/walk.bvh"), Path("out/walk.contacts.json"), settings)
     assert shlex.split(again.command) == [
-        "footfix", "clean", "walk.bvh", "-o", "out", "--set", 'enforce.method="root"',
-        "--labels", "out/walk.contacts.json", "--force",
+        "footfix", "clean", "../walk.bvh", "-o", ".", "--set", 'enforce.method="root"',
+        "--labels", "walk.contacts.json", "--force",
     ]  # fmt: skip
-    assert "--set" not in clean_again("a.bvh", Path("b/a.bvh"), Path("b/a.contacts.json"), Settings()).command
-    in_place = clean_again("a.bvh", Path("a.bvh"), Path("a.contacts.json"), Settings()).command
+    assert "--set" not in clean_again(Path("a.bvh"), Path("b/a.bvh"), Path("b/a.contacts.json"), Settings()).command
+    named = clean_again(Path("in/a.bvh"), Path("b/c.bvh"), Path("b/c.contacts.json"), Settings()).command
+    assert named == "footfix clean ../in/a.bvh -o c.bvh --labels c.contacts.json --force"
+    in_place = clean_again(Path("a.bvh"), Path("a.bvh"), Path("a.contacts.json"), Settings()).command
     assert in_place == "footfix clean a.bvh --in-place --labels a.contacts.json --force"
