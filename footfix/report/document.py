@@ -124,11 +124,13 @@ def _plant(plant: Footplant, was: PlantMeasure, now: PlantMeasure) -> dict[str, 
 
 
 def _doubt(plant: Footplant, now: PlantMeasure) -> str:
-    """Say why a plant that is pinned slides all the same: what holds is the sole, what is seen is a joint over it."""
-    if plant.outcome != "pinned" or now.slide_mm <= NOTICED_MM:
+    """Say why a plant that is pinned shows a large number all the same."""
+    if plant.outcome != "pinned":
         return ""
-    seen = "ankle" if plant.part == "heel" else "toe joint"
-    return f"the {plant.part} of the sole is held, the {seen} over it moves"
+    if now.slide_mm > NOTICED_MM:  # what holds is the sole, what is seen is a joint over it
+        seen = "ankle" if plant.part == "heel" else "toe joint"
+        return f"the {plant.part} of the sole is held, the {seen} over it moves"
+    return "off its place only while it lands or leaves" if 1000.0 * plant.residual > NOTICED_MM else ""
 
 
 NO_CORRECTION: Mapping[str, Any] = {

@@ -226,6 +226,9 @@ def test_a_pinned_sole_whose_joint_slides_says_so() -> None:
         now = PlantMeasure("left_heel", 3, 30, slide, None, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         (row,) = plant_rows([plant], [now], [now])
         assert row["reason"] == reason
+    late = dataclasses.replace(plant, residual=0.04)  # [m] in frames that no measure counts
+    (row,) = plant_rows([late], [now], [dataclasses.replace(now, slide_mm=1.0)])
+    assert row["residual_mm"] == 40.0 and row["reason"] == "off its place only while it lands or leaves"
 
 
 def test_the_terminal_gets_no_control_characters_and_short_reasons() -> None:
