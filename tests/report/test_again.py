@@ -19,6 +19,8 @@ from footfix import cli
 from footfix.report.again import clean_again
 from footfix.settings import Layer, Settings, compose
 
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="quoted for another shell there")
+
 
 def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     monkeypatch.setattr(sys, "argv", ["footfix", *words])

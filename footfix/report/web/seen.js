@@ -13,6 +13,8 @@ class Seen {
   constructor(motion, contacts) {
     Object.assign(this, { motion, contacts });
     this.toeOf = new Map(feetOf(motion, contacts.effectors).map((foot) => [foot.heel, foot.toe]));
+    this.ways = new Map(); // contact -> {before, after}, as they are found; a contact that changes may change others
+    contacts.listeners.add(() => this.ways.clear());
   }
 
   /** The joint that is looked at in a contact (-1: the sole point), and the stretches of frames that count. */
@@ -35,9 +37,18 @@ class Seen {
    * way over the belt, drawn where the belt has come to at the shown frame `now`.
    */
   way(when, lane, contact, now = 0) {
+    const known = this.ways.get(contact) || {};
+    this.ways.set(contact, known);
+    known[when] ||= this.wayOver(when, lane, contact);
+    const { ground } = this.motion;
+    return ground ? known[when].map(([x, y, z]) => [x + ground[now * 3], y, z + ground[now * 3 + 2]]) : known[when];
+  }
+
+  /** The same over a belt that is back where it began. */
+  wayOver(when, lane, contact) {
     const { motion } = this;
     const { ground } = motion;
-    const rolled = (i, k) => (ground ? ground[now * 3 + k] - ground[i * 3 + k] : 0);
+    const rolled = (i, k) => (ground ? -ground[i * 3 + k] : 0);
     const { joint, spans } = this.of(lane, contact);
     const indices = spans.flatMap(([a, b]) => {
       const from = Math.min(motion.shown - 1, Math.ceil(a / motion.step));
