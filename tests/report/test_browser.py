@@ -176,6 +176,8 @@ def test_an_address_names_a_frame(page: Page) -> None:
     page.run(f"location.href = {json.dumps(link)}")
     page.settle()
     assert frame(page) == 345
+    page.click(".tiles .where a")  # the largest change of a joint
+    assert frame(page) == 75
     page.call("Page.navigate", {"url": link.replace("#f=345", "?again#f=290")})
     page.wait("location.search === '?again' && document.readyState === 'complete'")
     page.settle()

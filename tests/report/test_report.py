@@ -169,7 +169,8 @@ def test_the_first_screen_names_the_largest_joint_change_and_the_details_the_flo
     assert "  floor at 0.012 m: the file's zero plane" in lines
     html = render(PageData(report))
     first, details = html[: html.index("<main>")], html[html.index("<details") :]
-    assert re.search(r"Largest joint change <small>°</small></dt><dd><b>31</b>.*?<bdi>RightLeg</bdi>, frame 75", first)
+    tile = r"Largest joint change <small>°</small></dt><dd><b>31</b>.*?<bdi>RightLeg</bdi>, .*#f=75.*frame 75"
+    assert re.search(tile, first)
     assert re.search(r">floor</th><td>0\.012 m: the file&#39;s zero plane<", details)
     nothing = dict.fromkeys(change)
     assert "joint change" not in summarize(report_document(360, correction=nothing))
@@ -301,7 +302,7 @@ def test_nothing_of_a_stranger_becomes_markup_or_an_address(make: Any) -> None:
     assert outline.tags.count("script") <= 2
     assert all(not key.startswith("on") and key not in ("style", "src") for key, _ in outline.attributes)
     addresses = [value or "" for key, value in outline.attributes if key in ("href", "action", "data")]
-    assert all(value == "data:," or re.fullmatch(r"\./[^:]*", value) for value in addresses)
+    assert all(value == "data:," or re.fullmatch(r"\./[^:]*|#f=\d+", value) for value in addresses)
     assert not re.search(r"(https?|ftp|wss?)://|//evil", html)
     html.encode("utf-8")
 

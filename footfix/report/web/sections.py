@@ -54,7 +54,7 @@ def tiles(report: Report, verdict: Verdict) -> str:
     change = largest_change(report)
     if change:
         parts.append(placed_tile("Largest joint change", "°", f"{change.degrees:.0f}",
-                                 f"{name(change.joint)}, frame {change.frame}", words.CHANGE))  # fmt: skip
+                                 f"{name(change.joint)}, {_at(change.frame)}", words.CHANGE))  # fmt: skip
     if verdict.worse:
         parts.append(tile("Plants that came worse", "", str(verdict.worse), meaning=words.WORSE))
     parts += [
@@ -88,6 +88,11 @@ def tile(label: str, unit: str, before: str, after: str = "", worse: bool = Fals
 def placed_tile(label: str, unit: str, figure: str, where: str, meaning: str) -> str:
     """One number and where it is from; `where` is HTML."""
     return f'{_label(label, unit, meaning)}<dd><b>{text(figure)}</b> <small class="where">{where}</small></dd></div>'
+
+
+def _at(frame: int) -> str:
+    """A frame, as a link that shows it."""
+    return f'<a href="#f={max(frame, 0)}">frame {frame}</a>'
 
 
 def _label(label: str, unit: str, meaning: str) -> str:
@@ -198,7 +203,8 @@ def notes_list(notes: Sequence[Report]) -> str:
 def _where(note: Report) -> str:
     parts = []
     if note.get("start") is not None:
-        parts.append(f"frames {text(note['start'])}–{text(note.get('end', ''))}")
+        start, span = number(note["start"]), f"{text(note['start'])}–{text(note.get('end', ''))}"
+        parts.append(f"frames {span}" if start is None else f'<a href="#f={max(int(start), 0)}">frames {span}</a>')
     if note.get("line") is not None:
         parts.append(f"line {text(note['line'])}")
     joints = note.get("joints")
