@@ -32,6 +32,7 @@ from footfix.rig.units import infer_units
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
+    from footfix.report.again import Again
     from footfix.report.offenders import Offender
 
 # Fewer frames than this hold no motion: there is no speed to look at.
@@ -119,8 +120,9 @@ def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None)
 
 
 def clean_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None
-) -> Outputs:
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
+    again: Again | None = None,
+) -> Outputs:  # fmt: skip
     """Clean one clip.
 
     Args:
@@ -129,6 +131,7 @@ def clean_file(
         settings: the parameters of all steps.
         labels: contacts given by hand.
         output: the name of the corrected file, for the report.
+        again: how the clip is cleaned again from edited contacts, for its page.
 
     Raises:
         InputError: the clip can't be used; says why.
@@ -143,15 +146,16 @@ def clean_file(
         contacts = find_contacts(prepared, settings, labels)
         corrected, figures = correct(prepared, contacts, settings)
         # the file, and what it says when it is read again
-        written, again = rewrite(document, corrected, limits=settings.limits)
-    results = measure_figures(clip, again, figures)
+        written, reread = rewrite(document, corrected, limits=settings.limits)
+    results = measure_figures(clip, reread, figures)
     status: Status = "unchanged" if written == data else "cleaned"
     report = report_of(
         clip, results, source, settings, unit_m=document.unit_m, up=document.up, notes=document.notes, status=status,
         output=output,
     )  # fmt: skip
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
-    pages, offenders = draw(clip, again, joined(prepared.rigs), report, contacts_file, settings.report)
+    ground = figures[0].ground
+    pages, offenders = draw(clip, reread, joined(prepared.rigs), report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 

@@ -99,6 +99,7 @@ def _read(task: Task) -> bytes:
 
 def _clean(task: Task) -> FileResult:
     from footfix.job import clean_file
+    from footfix.report.again import clean_again
 
     job = task.job
     data = _read(task)
@@ -107,7 +108,11 @@ def _clean(task: Task) -> FileResult:
     if done is not None:
         return done
     output = None if job.target is None else job.target.name
-    outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output)
+    again = None
+    if job.target is not None and job.source != STDIN:
+        here = Path(task.folder)
+        again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
+    outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output, again=again)
     report = {**outputs.report, "fingerprint": key}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
     _write(task, files)

@@ -22,7 +22,7 @@ from footfix.rig.rig import Rig
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
 _RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
-_FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
+FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
 _KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
 _RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
 _LASTS = 0.06  # [s] that it rests at a time
@@ -221,7 +221,7 @@ def kept(
         heights: whether heights count.
         params: the tolerances.
     """
-    found = [not plant.force and plant.end - plant.start < _FEWEST for plant in plants]
+    found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
         point = _point(own[0])

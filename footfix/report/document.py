@@ -11,7 +11,7 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.measure.clip import Measures
-from footfix.measure.plants import PlantMeasure
+from footfix.measure.plants import NOTICED_MM, PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.notes import Note
@@ -119,8 +119,18 @@ def _plant(plant: Footplant, was: PlantMeasure, now: PlantMeasure) -> dict[str, 
         "residual_mm": rounded(1000.0 * plant.residual),
         "target_m": [rounded(x) for x in plant.target],
         "outcome": plant.outcome,
-        "reason": plant.reason,
+        "reason": plant.reason or _doubt(plant, now),
     }
+
+
+def _doubt(plant: Footplant, now: PlantMeasure) -> str:
+    """Say why a plant that is pinned shows a large number all the same."""
+    if plant.outcome != "pinned":
+        return ""
+    if now.slide_mm > NOTICED_MM:  # what holds is the sole, what is seen is a joint over it
+        seen = "ankle" if plant.part == "heel" else "toe joint"
+        return f"the {plant.part} of the sole is held, the {seen} over it moves"
+    return "off its place only while it lands or leaves" if 1000.0 * plant.residual > NOTICED_MM else ""
 
 
 NO_CORRECTION: Mapping[str, Any] = {
