@@ -55,7 +55,7 @@ def draw(
 def redraw(
     report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams
 ) -> dict[str, bytes]:
-    """The pages of a clip that was cleaned before.
+    """The pages of a clip whose report is there already.
 
     Args:
         report: its report document.
