@@ -27,8 +27,7 @@ _KEPT = 0.04  # how much the place of a plant that is kept counts, against one t
 _RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
 _LASTS = 0.06  # [s] that it rests at a time
 _AROUND = 0.35  # [s] before and after a plant in which the figure is led to it
-_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too, unless it
-_STRAYS = 0.0114  # [leg lengths] strays farther than this: it rests, and was taken away before its contact ends
+_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,7 +209,7 @@ def kept(
     """Tell for each plant whether it stands well enough as it is.
 
     It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in most of its
-    frames as only what a program has put to rest does, and is not far away in the others.
+    frames as only what a program has put to rest does.
 
     Args:
         plants: of the clip.
@@ -230,7 +229,6 @@ def kept(
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         still = _still(cores, track, level, leg_length, heights, params)
         rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
-        rests &= _still(cores, track, level, leg_length, False, replace(params, keep_slide=_STRAYS))
         for plant, keep in zip(own, (still | rests).tolist(), strict=True):
             found[plant.id] |= keep
     return tuple(found)
@@ -294,29 +292,13 @@ def _still(
 
 def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
     """(S,) whether a track (F, 3) [m] rests in each span as only what a program has put to rest does."""
-    return _where_it_rests(spans, track, frame_time, leg_length)[0]
-
-
-def _where_it_rests(
-    spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float
-) -> tuple[Bools, Bools]:
-    """(S,) whether a track (F, 3) [m] rests in each span, and (N,) in which of the spans' frames it does."""
     parts = segments(spans)
     step = np.full(len(parts.frames), np.inf)
     step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
     step[parts.starts] = np.inf
     rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
     count = parts.mean(rest.astype(np.float64)) * parts.lengths
-    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1)), rest
-
-
-def _put_to_rest(plant: Footplant, track: Floats, frame_time: float, leg_length: float) -> Floats | None:
-    """(3,) [m] where a program put a plant to rest that strays from there before or after; None of any other."""
-    rests, frames = _where_it_rests([(plant.start, plant.end)], track, frame_time, leg_length)
-    places = track[plant.frames]
-    if not rests[0] or np.hypot(*(places - np.median(places, axis=0))[:, [0, 2]].T).max() <= _STRAYS * leg_length:
-        return None
-    return np.asarray(np.median(places[frames], axis=0))
+    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1))
 
 
 def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
@@ -409,9 +391,6 @@ def _pins(
                 place[:, a:b], placed[a:b] = track[:, a:b], _KEPT
         elif point != TIP:
             level[a:b] = floors.plants[plant.id]
-            there = _put_to_rest(plant, track.T - ground, frame_time, rig.leg_length)
-            if there is not None:
-                place[:, a:b], placed[a:b], level[a:b] = there[:, None] + ground[a:b].T, _KEPT, there[1]
         if plant.asked is not None and point != TIP:
             up = floors.plants[plant.id] - rig.floor - step[plant.start]
             place[:, a:b] = np.array(plant.asked)[:, None] + np.array([0.0, up, 0.0])[:, None]
