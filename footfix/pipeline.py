@@ -181,13 +181,16 @@ def find_contacts(prepared: Prepared, settings: Settings) -> Contacts:
     return joined(found)
 
 
-def correct(prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple[Clip, tuple[Figure, ...]]:
+def correct(
+    prepared: Prepared, contacts: Contacts, settings: Settings, *, leave: bool = False
+) -> tuple[Clip, tuple[Figure, ...]]:  # fmt: skip
     """Take the foot skate out of every figure: one after the other, since each has legs and a root of its own.
 
     Args:
         prepared: the clip and its figures.
         contacts: of all figures.
         settings: how contacts are enforced.
+        leave: whether every plant stays as it is.
 
     Returns:
         The clip with all figures corrected, and what became of each.
@@ -196,7 +199,8 @@ def correct(prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple
     for rig, motion in zip(prepared.rigs, prepared.crops, strict=True):
         own = contacts.only(sole.name for sole in rig.soles)
         within = motion.contacts(own)
-        found = put_back(enforce(motion.clip(clip), rig, within, settings.enforce, cut=motion.cut), clip, motion)
+        done = enforce(motion.clip(clip), rig, within, settings.enforce, cut=motion.cut, leave=leave)
+        found = put_back(done, clip, motion)
         notes = (*rig.notes, *prepared.notes, *own.notes, *found.notes)
         planted = motion.contacts_back(within)
         figures.append(Figure(rig, own, planted, found.plants, found.correction, found.ground, notes))

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from footfix.batch.cleanings import contacts_of, its_own
 from footfix.batch.files import STDIN, read_whole, sync_folder, write_whole
 from footfix.batch.outputs import is_within
 from footfix.batch.task import CONTACTS, REPORT, FileResult, Task, beside
@@ -112,8 +113,12 @@ def _clean(task: Task) -> FileResult:
     if job.target is not None and job.source != STDIN:
         here = Path(task.folder)
         again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
-    outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output, again=again)
-    report = {**outputs.report, "fingerprint": key}
+    labels, leave, own = task.labels, "", its_own(task, data)
+    if own is not None:
+        labels = contacts_of(own)
+        leave = f"this file is what footfix wrote, as {own['file']} says, so it stays as it is; --anew cleans it again"
+    outputs = clean_file(data, job.source, task.settings, labels=labels, output=output, again=again, leave=leave)
+    report = {**outputs.report, "fingerprint": key, "output_sha256": hashlib.sha256(outputs.motion).hexdigest()}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
     _write(task, files)
     return FileResult(

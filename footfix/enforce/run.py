@@ -126,8 +126,9 @@ class Task:
 
 
 def enforce(
-    clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, *, cut: tuple[bool, bool] = (False, False)
-) -> Enforcement:
+    clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, *, cut: tuple[bool, bool] = (False, False),
+    leave: bool = False,
+) -> Enforcement:  # fmt: skip
     """Hold the plants of a clip where they are planted.
 
     Args:
@@ -136,15 +137,21 @@ def enforce(
         contacts: when each sole point is planted; the effectors in the order of `rig.soles`.
         params: method and measures.
         cut: whether frames of a T-pose were cut off before the first frame, and after the last.
+        leave: whether every plant stays as it is: the clip is what enforcement made of another.
 
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
     """
+    if leave:
+        params = replace(params, method="ik", solver="whole_clip", heights="keep", style=StyleParams())
     by_paper = params.method == "root" or params.solver != "whole_clip"
     rounds = None if by_paper or any(cut) else rounds_of(clip, rig, params.cycle)
     if rounds:
-        return _as_cycle(rounds, rig, contacts, params)
+        return _as_cycle(rounds, rig, contacts, params, leave)
     task = _task(clip, rig, contacts, params)
+    if leave:
+        stays = tuple(replace(plant, asked=None, force=False) for plant in task.plants)
+        task = replace(task, plants=stays, keep=(True,) * len(stays))
     done, after = (_by_paper if by_paper else _by_least_squares)(clip, rig, task, params, cut)
     plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
@@ -243,9 +250,9 @@ def _by_least_squares(
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
 
 
-def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
+def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams, leave: bool) -> Enforcement:
     """The enforcement of a cycle, on rounds of it laid end to end."""
-    found = enforce(rounds.clip, rig, rounds.contacts(contacts), replace(params, cycle="no"))
+    found = enforce(rounds.clip, rig, rounds.contacts(contacts), replace(params, cycle="no"), leave=leave)
     return Enforcement(
         plants_back(found.plants, rounds, contacts, rig),
         correction_back(found.correction, rounds),
