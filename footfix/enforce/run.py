@@ -37,6 +37,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
+from footfix.rig.followers import Follower, find_followers
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 
@@ -153,8 +154,19 @@ def enforce(
         stays = tuple(replace(plant, asked=None, force=False) for plant in task.plants)
         task = replace(task, plants=stays, keep=(True,) * len(stays))
     done, after = (_by_paper if by_paper else _by_least_squares)(clip, rig, task, params, cut)
+    followers = find_followers(clip, rig)
+    done = replace(done, followers=followers)
+    task = replace(task, notes=(*task.notes, *_followers_note(followers, clip)))
     plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
+
+
+def _followers_note(followers: Sequence[Follower], clip: Clip) -> tuple[Note, ...]:
+    names = tuple(clip.skeleton.names[each.joint] for each in followers)
+    if not names:
+        return ()
+    be = "a joint outside the legs is" if len(names) == 1 else f"{len(names)} joints outside the legs are"
+    return (Note("followers", f"{be} where the feet are, and will go along: {', '.join(names)}", joints=names),)
 
 
 def pose_of(clip: Clip, rig: Rig) -> Pose:
