@@ -1,0 +1,67 @@
+"""Clips that are cycles already: nothing is to be cut out of them, nor closed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from footfix.enforce.cycle import find_cycle
+from footfix.enforce.run import pose_of
+from footfix.locomotion.travel import Travel, root_in_world, with_root
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.rig.rig import Rig
+
+_TURNED = 1e-4  # [rad] what three decimals of a degree leave, and their sum over a few axes
+_MOVED = 2e-4  # [leg lengths]
+_STILL = 1e-3  # [rad] a step less than this at the seam is a pose that is held
+
+
+def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
+    """How a closed cycle travels in one round; None where the last frame is not the first one again.
+
+    Args:
+        clip: F frames.
+        rig: its root and size.
+    """
+    if len(clip) < 8:
+        return None
+    ends = np.array([0, 1, len(clip) - 1])
+    few = clip.frames(ends)
+    place, turn = root_in_world(few, rig)
+    travel = travel_between((place[0], turn[0]), (place[2], turn[2]))
+    again, turned = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
+    below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(rig.root)]
+    turns = np.stack([few.turn(joint) for joint in below], axis=1)
+    off = rotation.angle(rotation.multiply(turns[2], rotation.inverse(turns[0]))).max(initial=0.0)
+    off = max(off, float(rotation.angle(rotation.multiply(turn[2], rotation.inverse(turned)))))
+    far = max((float(np.abs(few.place(j)[2] - few.place(j)[0]).max()) for j in below), default=0.0)
+    far = max(far, float(np.abs(place[2] - again).max()))
+    goes = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0]))).max(initial=0.0) > _STILL
+    return travel if goes and off <= _TURNED and far <= _MOVED * rig.leg_length else None
+
+
+def completed(clip: Clip, rig: Rig) -> Clip | None:
+    """A cycle whose last frame is a step before its first one, with the frame that it lacks; None where it is no cycle.
+
+    How far the root goes in that step is what it goes in the one before it.
+    """
+    found = find_cycle(clip, rig, pose_of(clip, rig))
+    if found is None or found.frames != len(clip):
+        return None
+    frames = np.append(np.arange(len(clip)), 0)
+    place, turn = root_in_world(clip, rig)
+    step = travel_between((place[-2], turn[-2]), (place[-1], turn[-1]))
+    after = step.places(place[-1]), rotation.multiply(step.turn, turn[-1])
+    travel = travel_between((place[0], turn[0]), after)
+    place, turn = np.array(place[frames]), np.array(turn[frames])
+    place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
+    return with_root(clip.frames(frames), rig, place, turn)
+
+
+def travel_between(first: tuple[Floats, Floats], last: tuple[Floats, Floats]) -> Travel:
+    """The travel that takes a root's place (3,) [m] and heading (4,) to others."""
+    q = rotation.multiply(last[1], rotation.inverse(first[1]))
+    yaw = 2.0 * np.arctan2(q[1], q[3])
+    turn = Travel(float(yaw - 2.0 * np.pi * np.round(yaw / (2.0 * np.pi))))
+    x, _, z = last[0] - turn.places(first[0])
+    return Travel(turn.yaw, float(x), float(z))

@@ -1,0 +1,40 @@
+"""What can be asked of a loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopParams:
+    """How a loop is cut out of a walk, and closed.
+
+    Args:
+        method: "offset" lets the gap at the seam decay from both ends; "kim-neff" blends across the seam, as K 5.2.
+        strides: of one round; None for as few as the style of the walk needs.
+        most_strides: the most that are tried where `strides` is None.
+        start, end: frames of the clip that become the first and the last one; None for the best. The last frame has
+            the pose of the first.
+        in_place: travel and turn are taken out.
+        open: the last frame, which repeats the first, is left out.
+        straighten: the mean turn of a round is taken out.
+        blend: [s] at either end, over which the gap decays.
+        window: [s] before and after a frame, of which the poses are compared.
+        farthest: [leg lengths] root mean square over the joints: poses that differ by more are no cycle.
+        style: [leg lengths] root mean square over the joints: strides that differ by less from those of the loop are
+            told well enough by it.
+    """
+
+    method: Literal["offset", "kim-neff"] = "offset"
+    strides: int | None = None
+    most_strides: int = 4
+    start: int | None = None
+    end: int | None = None
+    in_place: bool = False
+    open: bool = False
+    straighten: bool = False
+    blend: float = 0.3
+    window: float = 0.1
+    farthest: float = 0.15
+    style: float = 0.07
