@@ -10,7 +10,7 @@ from footfix.errors import InputError
 from footfix.locomotion.cloud import fit
 from footfix.locomotion.cuts import Cut
 from footfix.locomotion.params import LoopParams
-from footfix.locomotion.travel import Travel, root_in_world, with_root
+from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.rig.rig import Rig
@@ -47,74 +47,82 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
     Raises:
         InputError: the method finds no room for its blend.
     """
-    travel = fit(clip, cut.start, cut.end, params.window)
+    root, travel = carrier(clip, rig), fit(clip, rig, cut.start, cut.end, params.window)
     if params.method == "kim-neff":
-        return _blended(clip, rig, cut, travel)
+        return _blended(clip, root, cut, travel)
     tau = min(params.blend, 0.5 * (cut.end - cut.start) * clip.frame_time)
-    return Closed(_offset(clip, rig, cut, travel, tau), cut.start, travel)
+    return Closed(_offset(clip, root, cut, travel, tau), cut.start, travel)
 
 
-def decay(gap: Floats, speed: Floats, tau: float, time: Floats) -> Floats:
-    """A cubic that begins with a value and a slope, and ends at rest at zero after `tau`.
+@dataclass(frozen=True, eq=False)
+class Decay:
+    """How a gap of value and slope decays over the frames of a cycle, from both of its ends.
+
+    The cubic that begins with a value and a slope, and ends at rest at zero after `tau`.
 
     Args:
-        gap: (..., 3) the value at first.
-        speed: (..., 3) [1/s] the slope at first.
-        tau: [s].
-        time: (N,) [s].
-
-    Returns:
-        (N, ..., 3).
+        value_ahead, slope_ahead: (F,) what is left of them after the start, the slope [s].
+        value_behind, slope_behind: (F,) before the end.
     """
-    u = np.clip(time / tau, 0.0, 1.0)
-    value, slope = (1.0 - u) ** 2 * (1.0 + 2.0 * u), (1.0 - u) ** 2 * u * tau
-    return np.multiply.outer(value, gap) + np.multiply.outer(slope, speed)
+
+    value_ahead: Floats
+    slope_ahead: Floats
+    value_behind: Floats
+    slope_behind: Floats
+
+    def ahead(self, gap: Floats, speed: Floats) -> Floats:
+        """(F, 3) the start's share of a gap (3,) and of its change (3,) [1/s]."""
+        return _RATIO * (np.multiply.outer(self.value_ahead, gap) + np.multiply.outer(self.slope_ahead, speed))
+
+    def behind(self, gap: Floats, speed: Floats) -> Floats:
+        """(F, 3) the end's share, which takes away what the start adds."""
+        rest = 1.0 - _RATIO
+        return rest * (np.multiply.outer(self.slope_behind, speed) - np.multiply.outer(self.value_behind, gap))
 
 
-def _offset(clip: Clip, rig: Rig, cut: Cut, travel: Travel, tau: float) -> Clip:
+def decay(frames: int, frame_time: float, tau: float) -> Decay:
+    """The decay of a gap over `tau` [s] at either end of some frames."""
+    time: Floats = np.asarray(np.arange(frames) * frame_time, dtype=np.float64)
+    parts = []
+    for since in (time, time[-1] - time):
+        u = np.clip(since / tau, 0.0, 1.0)
+        parts += [(1.0 - u) ** 2 * (1.0 + 2.0 * u), (1.0 - u) ** 2 * u * tau]
+    return Decay(*parts)
+
+
+def _offset(clip: Clip, root: int, cut: Cut, travel: Travel, tau: float) -> Clip:
     """The gap of position, rotation and velocity is shared by both ends, and decays from either.
 
     A joint is so moved by half of what a blend on one side moves it. Rotations are offset by a rotation vector on
-    the left, the root in the frame of the travel.
+    the left, what carries the figure in the frame of the travel.
 
     Source: D. Holden, Creating looping animations from motion capture, theorangeduck.com 2022.
     """
-    whole = slice(cut.start, cut.end + 1)
+    whole, dt = slice(cut.start, cut.end + 1), clip.frame_time
     out = clip.frames(whole)
-    time = np.arange(len(out)) * clip.frame_time
-    first, last = time < tau, time[-1] - time < tau
+    fade = decay(len(out), dt, tau)
+    some = (fade.value_ahead > 0.0) | (fade.value_behind > 0.0)
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in range(len(clip.skeleton)):
-        if joint in clip.skeleton.ancestors(rig.root):
+        if joint in clip.skeleton.ancestors(root):
             continue
-        place, turn = clip.place(joint), clip.turn(joint)
-        x, v = _place_gap(place, cut, clip.frame_time)
-        if np.any(x) or np.any(v):
-            places[joint] = _shifted(place[whole], x, v, tau, time, first, last)
-        x, v = _turn_gap(turn, cut, clip.frame_time)
-        if np.any(x) or np.any(v):
-            places_at = (x, v, tau, time, first, last)
-            turns[joint] = _turned(turn[whole], *places_at)
-    out = out.with_joints(places, turns)
-    return _root_offset(clip, out, rig, cut, travel, tau)
-
-
-def _root_offset(clip: Clip, out: Clip, rig: Rig, cut: Cut, travel: Travel, tau: float) -> Clip:
-    held = _held_above(clip, rig, cut)
-    place, turn = root_in_world(held, rig)
-    whole = slice(cut.start, cut.end + 1)
-    time = np.arange(cut.end - cut.start + 1) * clip.frame_time
-    back = time[-1] - time
-    x, v = _place_gap(place, cut, clip.frame_time, travel)
-    q = travel.turn
-    moved = place[whole] + decay(_RATIO * x, _RATIO * v, tau, time)
-    moved += rotation.rotate(q, decay((_RATIO - 1.0) * x, (1.0 - _RATIO) * v, tau, back))
-    x, v = _turn_gap(turn, cut, clip.frame_time, travel)
-    ahead = rotation.from_rotation_vector(decay(_RATIO * x, _RATIO * v, tau, time))
-    behind = decay((_RATIO - 1.0) * x, (1.0 - _RATIO) * v, tau, back)
-    behind = rotation.from_rotation_vector(rotation.rotate(q, behind))
-    turned = rotation.multiply(ahead, rotation.multiply(behind, turn[whole]))
-    return _exactly(with_root(_with_above(out, held.frames(whole), rig), rig, moved, turned), rig, travel)
+        gap = _place_gap(clip.place(joint), cut, dt)
+        if np.any(gap):
+            places[joint] = np.array(out.place(joint), order="F")
+            places[joint][some] += (fade.ahead(*gap) + fade.behind(*gap))[some]
+        gap = _turn_gap(clip.turn(joint), cut, dt)
+        if np.any(gap):
+            off = rotation.from_rotation_vector((fade.ahead(*gap) + fade.behind(*gap))[some])
+            turns[joint] = np.array(out.turn(joint), order="F")
+            turns[joint][some] = rotation.multiply(off, turns[joint][some])
+    place, turn = root_in_world(clip, root)
+    gap = _place_gap(place, cut, dt, travel)
+    place_out = place[whole] + fade.ahead(*gap) + rotation.rotate(travel.turn, fade.behind(*gap))
+    gap = _turn_gap(turn, cut, dt, travel)
+    behind = rotation.from_rotation_vector(rotation.rotate(travel.turn, fade.behind(*gap)))
+    off = rotation.multiply(rotation.from_rotation_vector(fade.ahead(*gap)), behind)
+    turn_out = np.where(some[:, None], rotation.multiply(off, turn[whole]), turn[whole])
+    return _exactly(with_root(out.with_joints(places, turns), root, place_out, turn_out), root, travel)
 
 
 def _place_gap(place: Floats, cut: Cut, dt: float, travel: Travel | None = None) -> tuple[Floats, Floats]:
@@ -151,50 +159,9 @@ def _spin(turn: Floats, frame: int, dt: float) -> Floats:
     return np.asarray(rotation.to_rotation_vector(step) / ((high - low) * dt))
 
 
-def _shifted(
-    place: Floats, x: Floats, v: Floats, tau: float, time: Floats, first: Floats, last: Floats
-) -> Floats:  # fmt: skip
-    out = np.array(place, order="F")
-    out[first] += decay(_RATIO * x, _RATIO * v, tau, time[first])
-    out[last] += decay((_RATIO - 1.0) * x, (1.0 - _RATIO) * v, tau, time[-1] - time[last])
-    return out
-
-
-def _turned(
-    turn: Floats, x: Floats, v: Floats, tau: float, time: Floats, first: Floats, last: Floats
-) -> Floats:  # fmt: skip
-    out = np.array(turn, order="F")
-    ahead = decay(_RATIO * x, _RATIO * v, tau, time[first])
-    out[first] = rotation.multiply(rotation.from_rotation_vector(ahead), out[first])
-    behind = decay((_RATIO - 1.0) * x, (1.0 - _RATIO) * v, tau, time[-1] - time[last])
-    out[last] = rotation.multiply(rotation.from_rotation_vector(behind), out[last])
-    return out
-
-
-def _held_above(clip: Clip, rig: Rig, cut: Cut) -> Clip:
-    """The clip with what stands above its root as in the cut's first frame, and the root where it was."""
-    above = [joint for joint in clip.skeleton.ancestors(rig.root) if joint != rig.root]
-    moves = [j for j in above if np.any(np.diff(clip.place(j), axis=0)) or np.any(np.diff(clip.turn(j), axis=0))]
-    if not moves:
-        return clip
-    place, turn = root_in_world(clip, rig)
-    frames = len(clip)
-    held = clip.with_joints(
-        {j: np.tile(clip.place(j)[cut.start], (frames, 1)) for j in moves},
-        {j: np.tile(clip.turn(j)[cut.start], (frames, 1)) for j in moves},
-    )
-    return with_root(held, rig, place, turn)
-
-
-def _with_above(clip: Clip, held: Clip, rig: Rig) -> Clip:
-    """The clip with its root, and what stands above it, as in another one."""
-    above = clip.skeleton.ancestors(rig.root)
-    return clip.with_joints({j: held.place(j) for j in above}, {j: held.turn(j) for j in above})
-
-
-def _exactly(clip: Clip, rig: Rig, travel: Travel) -> Clip:
+def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
     """The last frame is the first, to the last bit; the root's moved on."""
-    joints = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(rig.root)]
+    joints = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in joints:
         for track, into in ((clip.place(joint), places), (clip.turn(joint), turns)):
@@ -202,12 +169,12 @@ def _exactly(clip: Clip, rig: Rig, travel: Travel) -> Clip:
                 into[joint] = np.array(track, order="F")
                 into[joint][-1] = track[0]
     closed = clip.with_joints(places, turns)
-    place, turn = (np.array(each, order="F") for each in root_in_world(closed, rig))
+    place, turn = (np.array(each, order="F") for each in root_in_world(closed, root))
     place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
-    return with_root(closed, rig, place, turn)
+    return with_root(closed, root, place, turn)
 
 
-def _blended(clip: Clip, rig: Rig, cut: Cut, travel: Travel) -> Closed:
+def _blended(clip: Clip, root: int, cut: Cut, travel: Travel) -> Closed:
     """The frames after the end are blended into those after the start: the last ones first, then the first ones.
 
     The window is what is left of the shorter of both plants, N_b = min(F_fs - F_s, F_fe - F_e) frames, of which the
@@ -225,18 +192,17 @@ def _blended(clip: Clip, rig: Rig, cut: Cut, travel: Travel) -> Closed:
             f"{max(window, 0)} frames are left of the plants at frames {cut.start} and {cut.end}, too few to blend",
             hint="--method offset needs no plant there",
         )
-    held = _held_above(clip, rig, cut)
     half, length = window // 2, cut.end - cut.start
-    out = held.frames(slice(cut.start + half, cut.end + half + 1))
+    out = clip.frames(slice(cut.start + half, cut.end + half + 1))
     i = np.arange(window)
     w = 0.5 - 0.5 * np.cos(np.pi * (i + 0.5) / window)
     a, b = cut.end + i, cut.start + i
     where = np.concatenate([np.arange(length - half, length), np.arange(half)])  # in the cycle
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in range(len(clip.skeleton)):
-        if joint in clip.skeleton.ancestors(rig.root):
+        if joint in clip.skeleton.ancestors(root):
             continue
-        place, turn = held.place(joint), held.turn(joint)
+        place, turn = clip.place(joint), clip.turn(joint)
         if np.any(place[a] != place[b]):
             places[joint] = np.array(out.place(joint), order="F")
             places[joint][where] = (1.0 - w)[:, None] * place[a] + w[:, None] * place[b]
@@ -244,16 +210,16 @@ def _blended(clip: Clip, rig: Rig, cut: Cut, travel: Travel) -> Closed:
             turns[joint] = np.array(out.turn(joint), order="F")
             turns[joint][where] = rotation.slerp(turn[a], turn[b], w)
     out = out.with_joints(places, turns)
-    place, turn = _root_blended(held, rig, a, b, w, travel)
-    whole = [np.array(each, order="F") for each in root_in_world(out, rig)]
+    place, turn = _root_blended(clip, root, a, b, w, travel)
+    whole = [np.array(each, order="F") for each in root_in_world(out, root)]
     whole[0][where[:half]], whole[1][where[:half]] = place[:half], turn[:half]
     whole[0][where[half:]] = travel.places_back(place[half:])
     whole[1][where[half:]] = rotation.multiply(rotation.inverse(travel.turn), turn[half:])
-    return Closed(_exactly(with_root(out, rig, *whole), rig, travel), cut.start + half, travel)
+    return Closed(_exactly(with_root(out, root, *whole), root, travel), cut.start + half, travel)
 
 
-def _root_blended(clip: Clip, rig: Rig, a: Ints, b: Ints, w: Floats, travel: Travel) -> tuple[Floats, Floats]:
+def _root_blended(clip: Clip, root: int, a: Ints, b: Ints, w: Floats, travel: Travel) -> tuple[Floats, Floats]:
     """The root after the end, blended into that after the start moved on by one round."""
-    place, turn = root_in_world(clip, rig)
+    place, turn = root_in_world(clip, root)
     place_b, turn_b = travel.places(place[b]), rotation.multiply(travel.turn, turn[b])
     return (1.0 - w)[:, None] * place[a] + w[:, None] * place_b, rotation.slerp(turn[a], turn_b, w)

@@ -15,8 +15,11 @@ from footfix.locomotion.strides import weights
 from footfix.locomotion.travel import Travel
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.kinematics import places
+from footfix.rig.rig import Rig
 
 _SAMPLES = 5  # frames that make a cloud
+_USUAL = 0.97  # quantile of a joint's accelerations
+_NEAR = 0.042  # [s] about a frame, of which the accelerations count
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +40,12 @@ class Clouds:
         return len(self.x)
 
 
-def clouds(clip: Clip, frames: Ints, window: float) -> Clouds:
+def clouds(clip: Clip, rig: Rig, frames: Ints, window: float) -> Clouds:
     """The clouds of some frames.
 
     Args:
         clip: F frames.
+        rig: whose joints are the points.
         frames: (N,) which.
         window: [s] before and after; shorter where the clip ends.
     """
@@ -50,7 +54,7 @@ def clouds(clip: Clip, frames: Ints, window: float) -> Clouds:
     which = np.clip(frames[:, None] + around, 0, len(clip) - 1)  # (N, samples)
     needed, back = np.unique(which, return_inverse=True)
     points = places(clip.frames(needed))[back.reshape(which.shape)]  # (N, samples, J, 3)
-    share = np.tile(weights(clip) / len(around), len(around))
+    share = np.tile(weights(clip, rig) / len(around), len(around))
     points = points.reshape(len(frames), -1, 3)
     middle = np.einsum("npi,p->ni", points[..., [0, 2]], share)
     root = np.sqrt(share)
@@ -69,18 +73,45 @@ def distances(first: Clouds, second: Clouds) -> Floats:
     return np.asarray(np.sqrt(np.maximum(flat + height, 0.0)))
 
 
-def fit(clip: Clip, start: int, end: int, window: float) -> Travel:
+def unrest(clip: Clip, rig: Rig) -> Floats:
+    """(F,) how violent the motion is about each frame: the joints' largest acceleration over its usual largest.
+
+    A heel strike, or a spike of noise, would be met in every round if a cycle began there.
+
+    Args:
+        clip: F frames.
+        rig: whose joints count, each as much as its bones are long.
+    """
+    sharp = np.zeros((len(clip), len(clip.skeleton)))
+    if len(clip) < 3:
+        return sharp[:, 0]
+    sharp[1:-1] = np.linalg.norm(np.diff(places(clip), n=2, axis=0), axis=2)
+    usual = np.quantile(sharp, _USUAL, axis=0)
+    reach = max(1, round(_NEAR / clip.frame_time))
+    padded = np.pad(sharp, ((reach, reach), (0, 0)))
+    largest = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0).max(axis=-1)
+    share = weights(clip, rig) * (usual > 0.0)
+    return np.asarray(largest / np.where(usual > 0.0, usual, 1.0) @ share)
+
+
+def turns(first: Clouds, second: Clouds) -> Floats:
+    """(N, M) [rad] the turn about the vertical that brings each cloud nearest to each."""
+    along = first.x @ second.x.T + first.z @ second.z.T
+    across = first.z @ second.x.T - first.x @ second.z.T
+    return np.asarray(np.arctan2(across, along))
+
+
+def fit(clip: Clip, rig: Rig, start: int, end: int, window: float) -> Travel:
     """How a figure gets from the pose of one frame to that of another, over the floor.
 
     Args:
         clip: F frames.
+        rig: whose joints are the points.
         start, end: the frames.
         window: [s] before and after them.
     """
-    both = clouds(clip, np.array([start, end]), window)
-    along = both.x[0] @ both.x[1] + both.z[0] @ both.z[1]
-    across = both.z[0] @ both.x[1] - both.x[0] @ both.z[1]
-    turn = Travel(float(np.arctan2(across, along)))
+    both = clouds(clip, rig, np.array([start, end]), window)
+    turn = Travel(float(turns(both, both)[0, 1]))
     first, last = (np.array([x, 0.0, z]) for x, z in both.middle)
     x, _, z = last - turn.places(first)
     return Travel(turn.yaw, float(x), float(z))

@@ -6,7 +6,7 @@ import numpy as np
 
 from footfix.enforce.cycle import find_cycle
 from footfix.enforce.run import pose_of
-from footfix.locomotion.travel import Travel, root_in_world, with_root
+from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.rig import Rig
@@ -25,12 +25,13 @@ def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
     """
     if len(clip) < 8:
         return None
+    root = carrier(clip, rig)
     ends = np.array([0, 1, len(clip) - 1])
     few = clip.frames(ends)
-    place, turn = root_in_world(few, rig)
+    place, turn = root_in_world(few, root)
     travel = travel_between((place[0], turn[0]), (place[2], turn[2]))
     again, turned = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
-    below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(rig.root)]
+    below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     turns = np.stack([few.turn(joint) for joint in below], axis=1)
     off = rotation.angle(rotation.multiply(turns[2], rotation.inverse(turns[0]))).max(initial=0.0)
     off = max(off, float(rotation.angle(rotation.multiply(turn[2], rotation.inverse(turned)))))
@@ -38,6 +39,17 @@ def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
     far = max(far, float(np.abs(place[2] - again).max()))
     goes = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0]))).max(initial=0.0) > _STILL
     return travel if goes and off <= _TURNED and far <= _MOVED * rig.leg_length else None
+
+
+def whole_cycle(clip: Clip, rig: Rig) -> Clip | None:
+    """A clip that is one round as it is, or lacks its last frame; None where it is none.
+
+    Its ends are alike, not the same: it is to be closed.
+    """
+    found = find_cycle(clip, rig, pose_of(clip, rig))
+    if found is None:
+        return None
+    return clip if found.frames == len(clip) - 1 else completed(clip, rig)
 
 
 def completed(clip: Clip, rig: Rig) -> Clip | None:
@@ -48,14 +60,15 @@ def completed(clip: Clip, rig: Rig) -> Clip | None:
     found = find_cycle(clip, rig, pose_of(clip, rig))
     if found is None or found.frames != len(clip):
         return None
+    root = carrier(clip, rig)
     frames = np.append(np.arange(len(clip)), 0)
-    place, turn = root_in_world(clip, rig)
+    place, turn = root_in_world(clip, root)
     step = travel_between((place[-2], turn[-2]), (place[-1], turn[-1]))
     after = step.places(place[-1]), rotation.multiply(step.turn, turn[-1])
     travel = travel_between((place[0], turn[0]), after)
     place, turn = np.array(place[frames]), np.array(turn[frames])
     place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
-    return with_root(clip.frames(frames), rig, place, turn)
+    return with_root(clip.frames(frames), root, place, turn)
 
 
 def travel_between(first: tuple[Floats, Floats], last: tuple[Floats, Floats]) -> Travel:

@@ -9,14 +9,15 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import EnforceParams
+from footfix.errors import InputError
 from footfix.locomotion.closing import close
 from footfix.locomotion.cuts import Cut, find_cuts
-from footfix.locomotion.known import closed_travel, completed
+from footfix.locomotion.known import closed_travel, completed, whole_cycle
 from footfix.locomotion.params import LoopParams
 from footfix.locomotion.rounds import hold
 from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.strides import count_strides
-from footfix.locomotion.travel import Travel, straightened, taken_out
+from footfix.locomotion.travel import Travel, carrier, root_in_world, straightened, taken_out
 from footfix.locomotion.wrapped import wrapped
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
@@ -75,7 +76,7 @@ class Loop:
     @property
     def distance(self) -> float:
         """[m] that the root goes in one round, along the arc."""
-        place = self.round.place(self.rig.root)[0]
+        place = root_in_world(self.round.frames(slice(0, 1)), carrier(self.round, self.rig))[0][0]
         straight = self.travel.about(place).straight()
         return float(np.hypot(straight.x, straight.z))
 
@@ -101,20 +102,20 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     known = _known(clip, rig, contacts, params)
     if known is not None:
         return known
-    cut, *others = find_cuts(clip, rig, contacts, params)
+    clip, (cut, *others) = _cut(clip, rig, contacts, params)
     closed = close(clip, rig, cut, params)
     length = cut.end - cut.start
     captured = clip.frames(slice(closed.start, closed.start + length + 1))
-    gap = apart(clip, cut.start, cut.end, closed.travel)
-    moved = changes(captured, closed.clip)
+    gap = apart(clip, rig, cut.start, cut.end, closed.travel)
+    moved = changes(captured, closed.clip, rig)
     start, travel = closed.clip, closed.travel
     if params.straighten:
-        start, travel = straightened(start, rig, travel)
+        start, travel = straightened(start, carrier(start, rig), travel)
     within = wrapped(contacts, closed.start, length)
     held = hold(start, rig, within, travel, holding)
     done = held.clip
-    found = ratios(done, travel)
-    far = slide(done, rig, within, travel)
+    found = ratios(done, rig, travel)
+    far = slide(done, rig, held.found.plants, travel)
     seam = Seam(
         *_told(gap), *_told(moved), *found, slide_mm=None if far is None else 1000.0 * far
     )  # fmt: skip
@@ -124,6 +125,20 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
         plants=held.found.plants, correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
         others=tuple(others[:_OTHERS]),
     )  # fmt: skip
+
+
+def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Clip, tuple[Cut, ...]]:
+    """The cuts of a clip; the whole of one that is hardly more than a round, with the frame that it may lack."""
+    try:
+        return clip, find_cuts(clip, rig, contacts, params)
+    except InputError:
+        whole = whole_cycle(clip, rig) if params.start is None and params.end is None else None
+        if whole is None:
+            raise
+        strides = count_strides(wrapped(contacts, 0, len(whole) - 1), rig)
+        if params.strides not in (None, strides):
+            raise
+        return whole, (Cut(0, len(whole) - 1, -1, strides, 0, 0.0),)
 
 
 def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop | None:
@@ -147,9 +162,8 @@ def _as_it_is(clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Trave
     """A loop to which nothing is done but what of its travel is to be changed."""
     captured, length = whole, len(whole) - 1
     if params.straighten and abs(travel.yaw) > _TURNS:
-        whole, travel = straightened(whole, rig, travel)
-    found, far = ratios(whole, travel), slide(whole, rig, within, travel)
-    seam = Seam(0.0, 0.0, 0.0, 0.0, *found, slide_mm=None if far is None else 1000.0 * far)
+        whole, travel = straightened(whole, carrier(whole, rig), travel)
+    seam = Seam(0.0, 0.0, 0.0, 0.0, *ratios(whole, rig, travel))
     still = Correction(rig.root, np.zeros((length + 1, 3)), (), np.zeros((length + 1, 0, 4)))
     text = "the clip is a loop already: it is neither cut nor cleaned (footfix clean takes out what slides in it)"
     same = whole is captured and not params.in_place and len(clip) == length + (not params.open)
@@ -168,5 +182,5 @@ def _told(size: tuple[float, float]) -> tuple[float, float]:
 def _written(done: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
     """The cycle as it is to be written."""
     if params.in_place:
-        done = taken_out(done, rig, travel)
+        done = taken_out(done, carrier(done, rig), travel)
     return done.frames(slice(0, len(done) - 1)) if params.open else done

@@ -36,5 +36,5 @@ class LoopParams:
     straighten: bool = False
     blend: float = 0.3
     window: float = 0.1
-    farthest: float = 0.15
+    farthest: float = 0.11
     style: float = 0.07

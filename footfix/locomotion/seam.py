@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.footplant import Footplant
 from footfix.locomotion.travel import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import places
 from footfix.rig.rig import Rig
 
@@ -43,12 +44,18 @@ class Seam:
     slide_mm: float | None = None
 
 
-def apart(clip: Clip, start: int, end: int, travel: Travel) -> tuple[float, float]:
+def _figure(clip: Clip, rig: Rig) -> Floats:
+    """(F, joints, 3) [m] the root and what hangs on it."""
+    skeleton = clip.skeleton
+    return places(clip)[:, [joint for joint in range(len(skeleton)) if rig.root in skeleton.ancestors(joint)]]
+
+
+def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[float, float]:
     """[m] and [rad] by which the joints of two frames are at most apart, places moved by the travel.
 
     Rotations are those in the parent's frame, so that a root's travel and turn do not count.
     """
-    place = places(clip.frames(np.array([start, end])))
+    place = _figure(clip.frames(np.array([start, end])), rig)
     far = float(np.linalg.norm(place[1] - travel.places(place[0]), axis=1).max())
     turns = np.stack([clip.turn(joint)[[start, end]] for joint in range(len(clip.skeleton))], axis=1)
     below = clip.skeleton.parents >= 0
@@ -56,9 +63,9 @@ def apart(clip: Clip, start: int, end: int, travel: Travel) -> tuple[float, floa
     return far, float(turned.max(initial=0.0))
 
 
-def changes(before: Clip, after: Clip) -> tuple[float, float]:
+def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
     """[m] and [rad] by which joints differ at most in two clips of the same frames."""
-    moved = float(np.linalg.norm(places(after) - places(before), axis=2).max(initial=0.0))
+    moved = float(np.linalg.norm(_figure(after, rig) - _figure(before, rig), axis=2).max(initial=0.0))
     turned = 0.0
     for joint in range(len(before.skeleton)):
         old, new = before.turn(joint), after.turn(joint)
@@ -67,14 +74,15 @@ def changes(before: Clip, after: Clip) -> tuple[float, float]:
     return moved, turned
 
 
-def ratios(clip: Clip, travel: Travel) -> tuple[float, float]:
+def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
     """Of all joints the median and the largest ratio of accelerations beside the seam and elsewhere.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
+        rig: its root.
         travel: of one round.
     """
-    one = places(clip)[:-1]
+    one = _figure(clip, rig)[:-1]
     length = len(one)
     track = np.concatenate([travel.places_back(one), one, travel.places(one)])
     sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / clip.frame_time**2  # about frames 1, 2, ...
@@ -88,29 +96,25 @@ def ratios(clip: Clip, travel: Travel) -> tuple[float, float]:
     return float(np.median(ratio)), float(ratio.max())
 
 
-def slide(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel) -> float | None:
-    """[m] the farthest that a toe joint, planted over the seam, strays from its median place over the floor.
+def slide(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -> float | None:
+    """[m] the farthest that a toe joint, held over the seam, strays from its median place over the floor.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
-        rig: its legs; the ankle stands in where there is no toe joint.
-        contacts: of the cycle.
+        rig: its legs; one without a toe joint is not looked at.
+        plants: of the cycle, with the frames in which they are held.
         travel: of one round.
     """
     place, found = places(clip), list[float]()
-    for sole, effector in zip(rig.soles, contacts.effectors, strict=True):
-        leg = rig.legs[sole.leg]
-        if sole.part != "toe" or leg.toe is None:
-            continue
-        held = [each for each in effector.contacts if each.wish != "forbid"]
-        first = [each for each in held if each.start == 0]
-        last = [each for each in held if each.end == len(clip)]
-        if not first or not last or first == last:
-            continue
-        after = travel.places(place[: first[0].end, leg.toe])
-        track = np.concatenate([place[last[0].start : -1, leg.toe], after])[_TRIM:-_TRIM]
-        if len(track) >= _LEAST - 2 * _TRIM:
-            found.append(_strays(track))
+    for leg in (each for each in range(len(rig.legs)) if rig.legs[each].toe is not None):
+        toe = place[:, rig.legs[leg].toe]
+        own = [span for p in plants if p.leg == leg and p.part == "toe" for span in p.held]
+        after = [end for start, end in own if start == 0]
+        before = [start for start, end in own if end == len(clip)]
+        if after and before and before[0] > 0:
+            track = np.concatenate([toe[before[0] : -1], travel.places(toe[: after[0]])])
+            if len(track) >= _LEAST:
+                found.append(_strays(track[_TRIM:-_TRIM]))
     return max(found, default=None)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class Stride:
 def stances(contacts: Contacts, rig: Rig, leg: int) -> list[tuple[int, int]]:
     """The frames `[start, end)` in which heel or toe of a leg is planted."""
     own = [k for k, sole in enumerate(rig.soles) if sole.leg == leg]
-    down: Bools = contacts.mask()[:, own].any(axis=1)
+    down: Bools = np.asarray(contacts.mask()[:, own].any(axis=1))
     brief = max(1, round(_BRIEF / contacts.frame_time))
     for start, end in runs(~down):
         if end - start < brief and start > 0 and end < len(down):
@@ -69,7 +70,7 @@ def find_strides(contacts: Contacts, rig: Rig) -> tuple[tuple[Stride, ...], ...]
     found = []
     for leg, own in enumerate(standing):
         others = [each for k, some in enumerate(standing) if k != leg for each in some]
-        strides = [Stride(leg, a, b) for a, b in zip(own[:-1], own[1:], strict=True)]
+        strides = [Stride(leg, a, b) for a, b in pairwise(own)]
         found.append([s for s in strides if len(rig.legs) != 2 or _stepped(s, others)])
     frames = [s.frames for own in found for s in own if s.frames * contacts.frame_time <= _LONGEST]
     if not frames:
@@ -100,14 +101,20 @@ def _stepped(stride: Stride, others: Sequence[tuple[int, int]]) -> bool:
     return any(a < start < b or (start == 0 and a == 0 and end < b) for start, end in others)
 
 
-def weights(clip: Clip) -> Floats:
-    """(J,) how much each joint counts where poses are compared, 1 in all: half the length of its bones."""
+def weights(clip: Clip, rig: Rig) -> Floats:
+    """(J,) how much each joint counts where poses are compared, 1 in all: half the length of its bones.
+
+    What stands above the root, or beside it, is no part of the pose.
+    """
     skeleton = clip.skeleton
-    length = np.linalg.norm(skeleton.offsets, axis=1) * (skeleton.parents >= 0)
+    mine = np.array([rig.root in skeleton.ancestors(joint) for joint in range(len(skeleton))])
+    bones = mine & (np.arange(len(skeleton)) != rig.root)
+    length = np.linalg.norm(skeleton.offsets, axis=1) * bones
     share = length.copy()
-    np.add.at(share, skeleton.parents[skeleton.parents >= 0], length[skeleton.parents >= 0])
+    np.add.at(share, skeleton.parents[bones], length[bones])
     np.add.at(share, skeleton.end_parents, np.linalg.norm(skeleton.end_offsets, axis=1))
-    return np.asarray(share / share.sum()) if share.sum() > 0.0 else np.full(len(share), 1.0 / len(share))
+    share = share * mine
+    return np.asarray(share / share.sum()) if share.sum() > 0.0 else mine / mine.sum()
 
 
 def style_distances(clip: Clip, rig: Rig, strides: Sequence[Stride]) -> Floats:
@@ -128,7 +135,7 @@ def style_distances(clip: Clip, rig: Rig, strides: Sequence[Stride]) -> Floats:
     heading = np.arctan2(-across[:, 2], across[:, 0])
     front = rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), -heading)
     seen = seen - seen[:, [rig.pelvis]] * [1.0, 0.0, 1.0]
-    seen = rotation.rotate(front[:, None], seen) * np.sqrt(weights(clip) / _PHASES)[:, None]
+    seen = rotation.rotate(front[:, None], seen) * np.sqrt(weights(clip, rig) / _PHASES)[:, None]
     rows = seen.reshape(len(strides), -1) / rig.leg_length
     square = np.einsum("si,si->s", rows, rows)
     return np.asarray(np.sqrt(np.maximum(square[:, None] + square - 2.0 * rows @ rows.T, 0.0)))

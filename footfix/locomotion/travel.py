@@ -76,41 +76,36 @@ class Travel:
         return turns, size[:, None] * rotation.rotate(lean, self.shift)
 
 
-def moved_root(clip: Clip, rig: Rig, turns: Floats, shifts: Floats) -> Clip:
-    """A clip turned and shifted in the world, frame by frame, by its root.
-
-    Args:
-        clip: F frames.
-        rig: its root.
-        turns: (F, 4) about the origin, or one (4,).
-        shifts: (F, 3) [m] after that, or one (3,).
-    """
-    place, turn = root_in_world(clip, rig)
-    return with_root(clip, rig, rotation.rotate(turns, place) + shifts, rotation.multiply(turns, turn))
+def carrier(clip: Clip, rig: Rig) -> int:
+    """The joint that carries figure and all through the world: the root, or what moves above it, as in game engines."""
+    for joint in reversed(clip.skeleton.ancestors(rig.root)):
+        if any(len(track) and np.any(track != track[0]) for track in (clip.place(joint), clip.turn(joint))):
+            return joint
+    return rig.root
 
 
-def root_in_world(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
+def root_in_world(clip: Clip, root: int) -> tuple[Floats, Floats]:
     """(F, 3) [m] and (F, 4) of the root in the world."""
-    pose = forward(clip, [rig.root])
-    return pose.position(rig.root), pose.rotation(rig.root)
+    pose = forward(clip, [root])
+    return pose.position(root), pose.rotation(root)
 
 
-def with_root(clip: Clip, rig: Rig, place: Floats, turn: Floats) -> Clip:
+def with_root(clip: Clip, root: int, place: Floats, turn: Floats) -> Clip:
     """The clip with its root elsewhere in the world.
 
     Args:
         clip: F frames.
-        rig: its root.
+        root: what carries it (`carrier`).
         place: (F, 3) [m] in the world.
         turn: (F, 4) in the world.
     """
-    parent = int(clip.skeleton.parents[rig.root])
+    parent = int(clip.skeleton.parents[root])
     if parent >= 0:
         above = forward(clip, [parent])
         back = rotation.inverse(above.rotation(parent))
         place = rotation.rotate(back, place - above.position(parent))
         turn = rotation.multiply(back, turn)
-    return clip.with_joints({rig.root: place}, {rig.root: turn})
+    return clip.with_joints({root: place}, {root: turn})
 
 
 def _even(clip: Clip) -> Floats:
@@ -118,41 +113,42 @@ def _even(clip: Clip) -> Floats:
     return np.linspace(0.0, 1.0, len(clip))
 
 
-def taken_out(clip: Clip, rig: Rig, travel: Travel) -> Clip:
+def taken_out(clip: Clip, root: int, travel: Travel) -> Clip:
     """A closed cycle on the spot: travel and turn taken out at an even speed, so that its last frame is its first.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
-        rig: its root.
+        root: what carries it (`carrier`).
         travel: of one round.
     """
-    place, turn = root_in_world(clip, rig)
+    place, turn = root_in_world(clip, root)
     origin = place[0] * [1.0, 0.0, 1.0]
     turns, shifts = travel.about(origin).share(_even(clip))
     back = rotation.inverse(turns)
-    return with_root(clip, rig, origin + rotation.rotate(back, place - origin - shifts), rotation.multiply(back, turn))
+    return with_root(clip, root, origin + rotation.rotate(back, place - origin - shifts), rotation.multiply(back, turn))
 
 
-def put_in(clip: Clip, rig: Rig, travel: Travel) -> Clip:
+def put_in(clip: Clip, root: int, travel: Travel) -> Clip:
     """A closed cycle on the spot, made to travel: undoes `taken_out`."""
-    place, turn = root_in_world(clip, rig)
+    place, turn = root_in_world(clip, root)
     origin = place[0] * [1.0, 0.0, 1.0]
     turns, shifts = travel.about(origin).share(_even(clip))
-    return with_root(clip, rig, origin + rotation.rotate(turns, place - origin) + shifts, rotation.multiply(turns, turn))
+    moved = origin + rotation.rotate(turns, place - origin) + shifts
+    return with_root(clip, root, moved, rotation.multiply(turns, turn))
 
 
-def straightened(clip: Clip, rig: Rig, travel: Travel) -> tuple[Clip, Travel]:
+def straightened(clip: Clip, root: int, travel: Travel) -> tuple[Clip, Travel]:
     """A closed cycle with the mean turn of its rounds taken out: it goes as far, straight on.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
-        rig: its root.
+        root: what carries it (`carrier`).
         travel: of one round.
 
     Returns:
         The cycle and its travel.
     """
-    spot = taken_out(clip, rig, travel)
-    origin = root_in_world(clip, rig)[0][0] * [1.0, 0.0, 1.0]
+    spot = taken_out(clip, root, travel)
+    origin = root_in_world(clip, root)[0][0] * [1.0, 0.0, 1.0]
     straight = travel.about(origin).straight()
-    return put_in(spot, rig, straight), straight
+    return put_in(spot, root, straight), straight
