@@ -41,6 +41,7 @@ class Job:
 def plan(
     found: Sequence[Source], *, output: Path | None, in_place: bool, suffixes: Callable[[Source], Sequence[str]],
     force: bool, ours: Callable[[str], bool] = lambda name: False, extra: Iterable[Path] = (), dry_run: bool = False,
+    ending: str = "clean",
 ) -> tuple[Job, ...]:  # fmt: skip
     """The jobs of a run, checked before any work.
 
@@ -53,12 +54,13 @@ def plan(
         ours: whether the outputs of a clip, by its name, are those of a run that is being resumed.
         extra: outputs of the whole run.
         dry_run: nothing will be written.
+        ending: of the names of outputs beside their input: "loop" for walk.loop.bvh, walk.loop.report.json.
 
     Raises:
         UsageError: two inputs would write one output, an output is there already, is an input, would lie
             outside the output folder, or can't be written.
     """
-    jobs = tuple(_job(source, output, in_place) for source in found)
+    jobs = tuple(_job(source, output, in_place, ending) for source in found)
     named = {os.path.realpath(source.path): source.path for source in found if source.path != STDIN}
     owners: dict[str, str] = {}
     for source, job in zip(found, jobs, strict=True):
@@ -109,7 +111,7 @@ def plan_labels(found: Sequence[Source], *, output: Path | None, suffix: str, fo
     return tuple(jobs)
 
 
-def _job(source: Source, output: Path | None, in_place: bool) -> Job:
+def _job(source: Source, output: Path | None, in_place: bool, ending: str = "clean") -> Job:
     name = source.below.as_posix()
     if source.path == STDIN and output is None:
         return Job(source.path, None, None, name)
@@ -119,7 +121,9 @@ def _job(source: Source, output: Path | None, in_place: bool) -> Job:
     path = Path(source.path)
     if in_place:  # behind a link it is the file itself that is replaced
         return Job(source.path, Path(os.path.realpath(path)), path.with_suffix(""), name)
-    return Job(source.path, path.with_name(cleaned_name(path.name)), path.with_suffix(""), name)
+    target = path.with_name(cleaned_name(path.name, ending))
+    # what is cleaned keeps the names of its labels and reports; another clip has its own
+    return Job(source.path, target, (path if ending == "clean" else target).with_suffix(""), name)
 
 
 def _outputs(job: Job, suffixes: Sequence[str]) -> Iterator[Path]:

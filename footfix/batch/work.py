@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +36,11 @@ def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
 def clean_one(task: Task) -> FileResult:
     """Cleans one clip and writes its outputs, the report last: where that is, all of it is."""
     return _guarded(task, _clean)
+
+
+def loop_one(task: Task) -> FileResult:
+    """Cuts a loop out of one clip and writes its outputs, the report last."""
+    return _guarded(task, _loop)
 
 
 def detect_one(task: Task) -> FileResult:
@@ -93,6 +98,17 @@ def _read(task: Task) -> bytes:
 def _clean(task: Task) -> FileResult:
     from footfix.job import clean_file
 
+    return _made(task, clean_file)
+
+
+def _loop(task: Task) -> FileResult:
+    from footfix.looping import loop_file
+
+    return _made(task, loop_file)
+
+
+def _made(task: Task, make: Callable[..., Outputs]) -> FileResult:
+    """What `make` makes of a clip's bytes, written."""
     job = task.job
     data = _read(task)
     key = fingerprint(data, task.settings, task.labels)
@@ -100,7 +116,7 @@ def _clean(task: Task) -> FileResult:
     if done is not None:
         return done
     output = None if job.target is None else job.target.name
-    outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output)
+    outputs = make(data, job.source, task.settings, labels=task.labels, output=output)
     report = {**outputs.report, "fingerprint": key}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
     _write(task, files)
@@ -195,6 +211,7 @@ def digest(report: Mapping[str, Any]) -> dict[str, Any]:
     kept = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "outcome", "reason")
     return {
         **{key: report[key] for key in ("source", "status", "method", "before", "after", "correction", "notes")},
+        **({"loop": report["loop"]} if "loop" in report else {}),
         "plants": [{key: plant[key] for key in kept} for plant in report["plants"]],
     }
 

@@ -13,11 +13,11 @@ def is_motion(name: str) -> bool:
 
 
 def is_cleaned(name: str) -> bool:
-    """Whether a file's name is one that a cleaned copy has: walk.clean.bvh."""
-    return name.lower().endswith(tuple(f".clean{suffix}" for suffix in MOTION))
+    """Whether a file's name is one that an output has: walk.clean.bvh, walk.loop.bvh."""
+    return name.lower().endswith(tuple(f"{ending}{suffix}" for suffix in MOTION for ending in (".clean", ".loop")))
 
 
-def cleaned_name(name: str) -> str:
-    """The name of a cleaned copy beside its input: walk.clean.bvh of walk.bvh."""
+def cleaned_name(name: str, ending: str = "clean") -> str:
+    """The name of an output beside its input: walk.clean.bvh of walk.bvh."""
     stem, dot, suffix = name.rpartition(".")
-    return f"{stem}.clean.{suffix.lower()}" if is_motion(name) else f"{stem if dot else name}.clean.bvh"
+    return f"{stem}.{ending}.{suffix.lower()}" if is_motion(name) else f"{stem if dot else name}.{ending}.bvh"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from footfix.locomotion.params import LoopParams
 from footfix.locomotion.rounds import hold
 from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.strides import count_strides
-from footfix.locomotion.travel import Travel, carrier, root_in_world, straightened, taken_out
+from footfix.locomotion.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
 from footfix.locomotion.wrapped import wrapped
-from footfix.motion.clip import Clip, Floats
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints, frozen
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
@@ -37,9 +38,11 @@ class Loop:
             frame where that was asked for; on the spot where that was.
         round: L + 1 frames: the same closed and with its travel.
         captured: L + 1 frames of the clip that it was cut from.
+        closed: the same as they were closed, before plants were held.
         rig: legs, soles, scale and floor.
         contacts: of `round`.
-        start, end: the frames of the clip that became the first and the last one.
+        start, end: the frames of the captured clip that became the first and the last one.
+        frames: (n,) which frame of the captured clip each of `clip` was.
         strides: how many it has.
         travel: of one round, over the floor; its `yaw` is the turn.
         seam: what was joined, and what became of it.
@@ -50,10 +53,12 @@ class Loop:
     clip: Clip
     round: Clip
     captured: Clip
+    closed: Clip
     rig: Rig
     contacts: Contacts
     start: int
     end: int
+    frames: Ints
     strides: int
     travel: Travel
     seam: Seam
@@ -62,6 +67,12 @@ class Loop:
     notes: tuple[Note, ...]
     ground: Floats
     others: tuple[Cut, ...] = ()
+
+    def counted_from(self, first: int) -> Loop:
+        """The same with frames counted in a clip in which its own begins at a frame."""
+        others = tuple(replace(cut, start=cut.start + first, end=cut.end + first) for cut in self.others)
+        start, end = self.start + first, self.end + first
+        return replace(self, start=start, end=end, frames=frozen(self.frames + first, np.intp), others=others)
 
     @property
     def seconds(self) -> float:
@@ -72,6 +83,12 @@ class Loop:
     def turn(self) -> float:
         """[rad] by which a round turns the figure, to the left."""
         return self.travel.yaw
+
+    @property
+    def travel_of_root(self) -> tuple[float, float]:
+        """(x, z) [m] from where the root is first to where it is one round later."""
+        place = root_in_world(self.round.frames(np.array([0, len(self.round) - 1])), carrier(self.round, self.rig))[0]
+        return float(place[1, 0] - place[0, 0]), float(place[1, 2] - place[0, 2])
 
     @property
     def distance(self) -> float:
@@ -102,6 +119,7 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     known = _known(clip, rig, contacts, params)
     if known is not None:
         return known
+    frames = len(clip)
     clip, (cut, *others) = _cut(clip, rig, contacts, params)
     closed = close(clip, rig, cut, params)
     length = cut.end - cut.start
@@ -120,8 +138,9 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
         *_told(gap), *_told(moved), *found, slide_mm=None if far is None else 1000.0 * far
     )  # fmt: skip
     return Loop(
-        clip=_written(done, rig, travel, params), round=done, captured=captured, rig=rig, contacts=within,
-        start=closed.start, end=closed.start + length, strides=cut.strides, travel=travel, seam=seam,
+        clip=as_written(done, rig, travel, params), round=done, captured=captured, closed=start, rig=rig,
+        contacts=within, start=closed.start, end=closed.start + length,
+        frames=_frames(closed.start, length, frames, params), strides=cut.strides, travel=travel, seam=seam,
         plants=held.found.plants, correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
         others=tuple(others[:_OTHERS]),
     )  # fmt: skip
@@ -168,10 +187,26 @@ def _as_it_is(clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Trave
     text = "the clip is a loop already: it is neither cut nor cleaned (footfix clean takes out what slides in it)"
     same = whole is captured and not params.in_place and len(clip) == length + (not params.open)
     return Loop(
-        clip=clip if same else _written(whole, rig, travel, params), round=whole, captured=captured, rig=rig,
-        contacts=within, start=0, end=length, strides=count_strides(within, rig), travel=travel, seam=seam, plants=(),
+        clip=clip if same else as_written(whole, rig, travel, params), round=whole, captured=captured, closed=whole,
+        rig=rig, contacts=within, start=0, end=length, frames=_frames(0, length, len(clip), params),
+        strides=count_strides(within, rig), travel=travel, seam=seam, plants=_kept(within, rig),
         correction=still, notes=(Note("loop-already", text),), ground=np.zeros((length + 1, 3)),
     )  # fmt: skip
+
+
+def _kept(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
+    """The plants of a loop to which nothing is done."""
+    found: list[Footplant] = []
+    for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
+        for c in effector.contacts:
+            if c.wish != "forbid":
+                found.append(Footplant(len(found), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence))
+    return tuple(found)
+
+
+def _frames(start: int, length: int, frames: int, params: LoopParams) -> Ints:
+    """The frames of a clip that a loop is made of; the first stands in for one that the clip lacks at its end."""
+    return frozen((start + np.arange(length + (not params.open))) % frames, np.intp)
 
 
 def _told(size: tuple[float, float]) -> tuple[float, float]:
@@ -179,8 +214,20 @@ def _told(size: tuple[float, float]) -> tuple[float, float]:
     return 1000.0 * size[0], float(np.degrees(size[1]))
 
 
-def _written(done: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
-    """The cycle as it is to be written."""
+def as_written(cycle: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
+    """A closed cycle as it is to be written: on the spot, or without its last frame, where that is asked for."""
     if params.in_place:
-        done = taken_out(done, carrier(done, rig), travel)
-    return done.frames(slice(0, len(done) - 1)) if params.open else done
+        cycle = taken_out(cycle, carrier(cycle, rig), travel)
+    return cycle.frames(slice(0, len(cycle) - 1)) if params.open else cycle
+
+
+def as_round(written: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
+    """The closed cycle with its travel, from what was written: undoes `as_written`."""
+    if params.open:
+        written = written.frames(np.append(np.arange(len(written)), 0))
+        if not params.in_place:
+            root = carrier(written, rig)
+            place, turn = (np.array(each, order="F") for each in root_in_world(written, root))
+            place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
+            written = with_root(written, root, place, turn)
+    return put_in(written, carrier(written, rig), travel) if params.in_place else written
