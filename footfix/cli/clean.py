@@ -78,6 +78,7 @@ def clean(
 def cleaned(
     src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], labels: Path | None,
     dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many, common: Common,
+    work: Callable[[Task], FileResult] = clean_one, ending: str = "clean",
 ) -> int:  # fmt: skip
     """Settle inputs and outputs, run, and sum up."""
     if output is not None and in_place:
@@ -93,7 +94,7 @@ def cleaned(
         found, output=output, in_place=in_place, force=force, dry_run=dry_run,
         suffixes=lambda source: beside(config.settings(Path(source.path))),
         ours=lambda name: resume and (name == "" or name in past.begun or _reported(output, name)),
-        extra=whole.values(),
+        extra=whole.values(), ending=ending,
     )  # fmt: skip
     if common.as_json and any(job.target is None for job in jobs):
         raise UsageError("--json and a clip on standard output exclude each other; say where the clip goes with -o")
@@ -106,17 +107,17 @@ def cleaned(
     writes = output is not None and not dry_run and (whole or resume)
     journal = Journal(output if writes else None, many.tag)
     try:
-        outcome = run_tasks(clean_one, tasks, many, common, style, journal, _told_cleaned(common, few))
+        outcome = run_tasks(work, tasks, many, common, style, journal, _told_cleaned(common, few))
         if not outcome.interrupted:
             journal.finish()
     finally:
         journal.close()
-    return _close_clean(outcome, tasks, {} if dry_run else whole, past, junit, style, common)
+    return _close_clean(outcome, tasks, {} if dry_run else whole, past, junit, style, common, f"footfix {ending}")
 
 
 def _close_clean(
     outcome: Outcome, tasks: Sequence[Task], whole: Mapping[str, Path], past: Past, junit: Path | None, style: str,
-    common: Common,
+    common: Common, suite: str,
 ) -> int:  # fmt: skip
     """What is told and written at the end of a run of `clean`."""
     from footfix.report.summary import table
@@ -129,7 +130,7 @@ def _close_clean(
     if whole:
         _write_whole_run(entries, outcome.results, tasks, whole, past)
     if junit is not None:
-        _write_junit("footfix clean", junit, entries, outcome.results)
+        _write_junit(suite, junit, entries, outcome.results)
     if len(tasks) > 1 and not common.quiet and style == "text":
         say(table(entries))
     return code(outcome)

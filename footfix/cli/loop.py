@@ -19,15 +19,15 @@ from footfix.errors import UsageError
 @click.option("--strides", type=click.IntRange(1), metavar="N", help="Strides of one round; by default as few as tell "
               "the style of the walk.")  # fmt: skip
 @click.option("--start", type=click.IntRange(0), metavar="FRAME", help="The frame that becomes the first.")
-@click.option("--end", type=click.IntRange(1), metavar="FRAME", help="The frame that becomes the last: its pose is that "
-              "of the first, one round on.")  # fmt: skip
+@click.option("--end", type=click.IntRange(1), metavar="FRAME", help="The frame that becomes the last: its pose is "
+              "that of the first, one round on.")  # fmt: skip
 @click.option("--method", type=click.Choice(["offset", "kim-neff"]), help="How the gap at the seam is closed: it "
               "decays from both ends, or frames are blended as Kim and Neff do (loop.method).")  # fmt: skip
 @click.option("--in-place", is_flag=True, help="Take travel and turn out: the figure walks on the spot.")
 @click.option("--open", "open_", is_flag=True, help="Leave out the last frame, which repeats the first.")
 @click.option("--straighten", is_flag=True, help="Take the mean turn of a round out: the figure walks straight on.")
 @click.option("--labels", type=click.Path(exists=True, path_type=Path),
-              help="Contacts of the clips to use in place of detection: JSON, CSV or NPZ, or a folder of them.")  # fmt: skip
+              help="Contacts of the clips to use in place of detection: JSON, CSV, NPZ, or a folder of them.")  # fmt: skip
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the loop.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
