@@ -27,7 +27,7 @@ from footfix.errors import UsageError
 @click.option("--open", "open_", is_flag=True, help="Leave out the last frame, which repeats the first.")
 @click.option("--straighten", is_flag=True, help="Take the mean turn of a round out: the figure walks straight on.")
 @click.option("--labels", type=click.Path(exists=True, path_type=Path),
-              help="Contacts of the clips to use in place of detection: JSON, CSV, NPZ, or a folder of them.")  # fmt: skip
+              help="Contacts of the clips in place of detection: JSON, CSV or NPZ, or a folder of them.")  # fmt: skip
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the loop.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")

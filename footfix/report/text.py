@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from footfix.report.loops import loop_lines
 from footfix.report.verdict import (
     Report,
     Row,
@@ -36,6 +37,7 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
     """
     verdict = judge(report)
     lines = [f"{printable(source_name(report))}: {verdict.text}"]
+    lines += [f"  {line}" for line in loop_lines(report)]
     rows = [row for row in measure_rows(report) if row.headline or verbose]
     if verdict.plants:
         lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm")
