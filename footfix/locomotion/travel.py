@@ -108,22 +108,23 @@ def with_root(clip: Clip, root: int, place: Floats, turn: Floats) -> Clip:
     return clip.with_joints({root: place}, {root: turn})
 
 
-def _even(clip: Clip) -> Floats:
+def _even(clip: Clip, until: float = 1.0) -> Floats:
     """(F,) 0 to 1 over the frames of a closed cycle."""
-    return np.linspace(0.0, 1.0, len(clip))
+    return np.linspace(0.0, until, len(clip))
 
 
-def taken_out(clip: Clip, root: int, travel: Travel) -> Clip:
+def taken_out(clip: Clip, root: int, travel: Travel, *, until: float = 1.0) -> Clip:
     """A closed cycle on the spot: travel and turn taken out at an even speed, so that its last frame is its first.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
         root: what carries it (`carrier`).
         travel: of one round.
+        until: the share of a round that the last frame comes after, where it is not the first again.
     """
     place, turn = root_in_world(clip, root)
     origin = place[0] * [1.0, 0.0, 1.0]
-    turns, shifts = travel.about(origin).share(_even(clip))
+    turns, shifts = travel.about(origin).share(_even(clip, until))
     back = rotation.inverse(turns)
     return with_root(clip, root, origin + rotation.rotate(back, place - origin - shifts), rotation.multiply(back, turn))
 

@@ -9,6 +9,7 @@ from typing import Any
 from footfix.errors import InputError
 from footfix.formats.document import open_document
 from footfix.motion.clip import Clip
+from footfix.report.loops import captured, seen_as
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
@@ -76,11 +77,16 @@ def redraw(
     before, after = (
         open_document(data, name=name).placed(unit_m=unit_m, up=up).clip for data in (source, written)
     )
+    whole = before
+    if isinstance(report.get("loop"), Mapping):
+        before = captured(whole, report["loop"])
     if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params)[0]
-    rigs = joined(find_rigs(before, _told(report)))
+    rigs = joined(find_rigs(whole, _told(report)))
+    if before is not whole:
+        before = seen_as(before, rigs, report["loop"])
     return draw(before, after, rigs, report, contacts, params)[0]
 
 

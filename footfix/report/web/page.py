@@ -12,6 +12,7 @@ from functools import cache
 from string import Template
 from typing import Any
 
+from footfix.report.loops import round_of
 from footfix.report.verdict import Report, entries, judge, number, source_name
 from footfix.report.web import sections
 from footfix.report.web.chart import chart
@@ -20,8 +21,9 @@ from footfix.report.web.motion import Lines, Motion, packed
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "stage.js", "orbit.js", "contacts.js",
-    "bars.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "stage.js", "orbit.js",
+    "contacts.js", "bars.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js",
+    "viewer.js",
 )  # fmt: skip
 
 
@@ -80,7 +82,7 @@ def render(data: PageData) -> str:
         length=_length(data.motion),
         tiles=sections.tiles(report, verdict),
         fate=text(sections.fate(report)),
-        released=sections.released_list(report),
+        released=sections.loop_list(report) + sections.released_list(report),
         notes=sections.notes_list(entries(report, "notes")),
         viewer=_viewer(data),
         above=asset("above.html") if data.motion else "",
@@ -121,7 +123,7 @@ def _data(data: PageData) -> str:
         return ""
     document = {
         "contacts": _finite(data.contacts),
-        "motion": packed(data.motion, data.lines),
+        "motion": {**packed(data.motion, data.lines), "round": round_of(data.report)},
         "plants": [_fate(plant) for plant in entries(data.report, "plants")],
     }
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'

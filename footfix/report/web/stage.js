@@ -9,7 +9,8 @@ class Stage {
     this.bones = motion.parents.flatMap((parent, joint) => (parent >= 0 ? [[parent, joint]] : []));
     this.sides = sidesOf(motion);
     this.feet = feetOf(motion, contacts.effectors);
-    this.path = smoothPath(motion);
+    this.rounds = new Rounds(motion, player);
+    this.path = motion.round ? this.rounds.path(rootPath(motion)) : smoothPath(motion);
     this.frame(null);
     this.view("three-quarter");
   }
@@ -45,6 +46,7 @@ class Stage {
     const { context, width, height } = fit(this.canvas);
     this.context = context;
     this.theme = theme;
+    this.rounds.turn(this.camera);
     if (this.closeUp) this.camera.target = this.closeUp;
     else if (this.show.follow) this.camera.target = this.restingTarget();
     this.camera.aim(width, height);
@@ -65,6 +67,7 @@ class Stage {
   }
 
   point(points, lane, index = this.player.index) {
+    if (index < 0) return this.rounds.moved(this.point(points, lane, index + roundLength(this.motion)), -1);
     const at = (index * this.motion.soles.length + lane) * 3;
     return [points[at], points[at + 1], points[at + 2]];
   }
@@ -112,8 +115,9 @@ class Stage {
     const { camera, context } = this;
     this.square = roundStep(camera.distance * 0.11);
     const reach = 14;
-    const cx = Math.round((camera.target[0] + camera.pan[0]) / this.square);
-    const cz = Math.round((camera.target[2] + camera.pan[2]) / this.square);
+    const { rounds } = this;
+    const under = rounds.out(camera.target.map((t, k) => t + camera.pan[k]));
+    const [cx, cz] = [Math.round(under[0] / this.square), Math.round(under[2] / this.square)];
     const floor = this.motion.floor;
     context.strokeStyle = this.theme.line;
     context.lineWidth = 1;
@@ -132,7 +136,7 @@ class Stage {
     layers.forEach((segments, k) => {
       context.beginPath();
       for (const [a, b] of segments) {
-        const line = camera.segment(a, b);
+        const line = camera.segment(rounds.home(a), rounds.home(b));
         if (!line) continue;
         context.moveTo(line[0][0], line[0][1]);
         context.lineTo(line[1][0], line[1][1]);
@@ -212,7 +216,8 @@ class Stage {
   drawTrails() {
     const { motion, player, theme } = this;
     const length = Math.round(1 / (motion.frameTime * motion.step));
-    const first = Math.max(0, player.index - length);
+    const earliest = player.rounds ? -roundLength(motion) : 0; // a trail goes on over the seam of a loop
+    const first = Math.max(earliest, player.index - length);
     const track = (points, lane) => {
       const places = [];
       for (let i = first; i <= player.index; i++) places.push(this.point(points, lane, i));
