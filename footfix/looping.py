@@ -15,11 +15,12 @@ from footfix.errors import InputError
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Document, rewrite, select
 from footfix.job import Outputs, Status, about, contacts_json, find_contacts, read, source_entry
-from footfix.locomotion.loop import Loop, as_round, as_written
+from footfix.locomotion.loop import Loop, as_round
 from footfix.motion.contacts import Contacts
 from footfix.motion.leadin import motion_proper
 from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
+from footfix.report.loops import seen_as
 from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.settings import Settings, plain
@@ -67,7 +68,7 @@ def loop_file(
     made = {**source, "sha256": hashlib.sha256(written).hexdigest(), "frames": len(again)}
     made["file"] = PurePath(output).name if output else source["file"]
     contacts_file = contacts_json(contacts, made, report["rig"], settings)
-    before = as_written(loop.captured, loop.rig, loop.travel, settings.loop)
+    before = seen_as(loop.captured.frames(slice(0, len(again))), loop.rig, report["loop"])
     pages, offenders = draw(before, again, loop.rig, report, contacts_file, settings.report)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 

@@ -35,6 +35,7 @@ class PinParams:
 
     keep_slide: float = 0.0022  # [leg lengths] a plant that slides no farther (2 mm of a grown-up), and
     keep_height: float = 0.0055  # [leg lengths] that is no farther than this from its floor, stays as it is
+    keep_rested: bool = True  # a plant that a program has put to rest in part stays as it is, too
     edge: float = 0.015  # [s] at both ends of a detected contact in which the foot may still land or leave
     edge_weight: float = 0.05  # of a pin's weight at the outermost frame of these
     ankle: float = 0.4  # weight of the ankle against that of the toe joint, while heel and toe stand
@@ -215,7 +216,7 @@ def kept(
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         still = _still(cores, track, level, leg_length, heights, params)
         rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
-        for plant, keep in zip(own, (still | rests).tolist(), strict=True):
+        for plant, keep in zip(own, (still | (rests & params.keep_rested)).tolist(), strict=True):
             found[plant.id] |= keep
     return tuple(found)
 

@@ -133,7 +133,7 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     held = hold(start, rig, within, travel, holding)
     done = held.clip
     found = ratios(done, rig, travel)
-    far = slide(done, rig, held.found.plants, travel)
+    far = slide(done, rig, held.found.plants, travel, held.found.ground)
     seam = Seam(
         *_told(gap), *_told(moved), *found, slide_mm=None if far is None else 1000.0 * far
     )  # fmt: skip

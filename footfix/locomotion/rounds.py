@@ -55,7 +55,7 @@ def hold(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: Enfor
     beside = max(1, int(np.ceil(_BESIDE / (length * clip.frame_time))))
     long = lay(clip, carrier(clip, rig), travel, range(-beside, beside + 1))
     keep = min(params.pins.keep_slide, _KEEP)
-    strict = replace(params, cycle="no", pins=replace(params.pins, keep_slide=keep))
+    strict = replace(params, cycle="no", pins=replace(params.pins, keep_slide=keep, keep_rested=False))
     planted = laid_contacts(contacts, 2 * beside + 1)
     found = enforce(long, rig, _as_contacts(contacts, planted, len(long)), strict)
     middle = slice(beside * length, (beside + 1) * length + 1)

@@ -88,15 +88,16 @@ def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
     sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / clip.frame_time**2  # about frames 1, 2, ...
     sharp = sharp[length - 1 : 2 * length - 1]  # of the middle round, frame by frame
     frame = np.arange(length)
-    beside = (frame <= _BESIDE) | (frame >= length - _BESIDE)
-    if beside.all():
-        return 1.0, 1.0
+    near = min(_BESIDE, length // 4)
+    beside = (frame <= near) | (frame >= length - near)
     own = np.percentile(sharp[~beside], _INSIDE, axis=0)
     ratio = sharp[beside].max(axis=0) / np.maximum(own, _FLOOR)
     return float(np.median(ratio)), float(ratio.max())
 
 
-def slide(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -> float | None:
+def slide(
+    clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats
+) -> float | None:  # fmt: skip
     """[m] the farthest that a toe joint, held over the seam, strays from its median place over the floor.
 
     Args:
@@ -104,6 +105,7 @@ def slide(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -> 
         rig: its legs; one without a toe joint is not looked at.
         plants: of the cycle, with the frames in which they are held.
         travel: of one round.
+        ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
     """
     place, found = places(clip), list[float]()
     for leg in (each for each in range(len(rig.legs)) if rig.legs[each].toe is not None):
@@ -112,7 +114,8 @@ def slide(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -> 
         after = [end for start, end in own if start == 0]
         before = [start for start, end in own if end == len(clip)]
         if after and before and before[0] > 0:
-            track = np.concatenate([toe[before[0] : -1], travel.places(toe[: after[0]])])
+            rolled = [ground[before[0] : -1], ground[-1] - ground[0] + ground[: after[0]]]
+            track = np.concatenate([toe[before[0] : -1], travel.places(toe[: after[0]])]) - np.concatenate(rolled)
             if len(track) >= _LEAST:
                 found.append(_strays(track[_TRIM:-_TRIM]))
     return max(found, default=None)
