@@ -48,6 +48,7 @@ def problem(
     made = Problem(
         legs=tracks, pins=all_pins, frame_time=every / 60.0, leg_length=figure(kind).rig.leg_length, costs=costs,
         noise=np.zeros(ROOT + LEG * legs), white=np.zeros(ROOT + LEG * legs, dtype=bool),
+        fault=np.full(frames, np.inf),
     )  # fmt: skip
     return replace(made, **changes)  # type: ignore[arg-type]
 
@@ -98,9 +99,11 @@ def residuals(
         flexion = leg.flexion + own[K]
         out.append(per_frame * np.maximum(0.0, leg.least - flexion) / (terms._KNEE * deg))
         out += _speeds(of, leg, own)
-        # how far: the line from hip to ankle, and the foot against it
-        for turn, far in ((own[:3], c.line_farthest), (own[4:7] - own[:3], c.ankle_farthest)):
-            beyond = np.maximum(0.0, np.linalg.norm(turn, axis=0) - far * deg)
+        # how far: the line from hip to ankle, the knee, the foot against the line, and the toes
+        joints = (own[:3], c.line_farthest), (own[3:4], c.ankle_farthest), (own[4:7] - own[:3], c.ankle_farthest)
+        for turn, far in (*joints, (own[7:8] / terms._TOES, c.toes_farthest)):
+            small = c.unnoticed_turn * np.maximum(of.fault / (c.noticed * size), 1.0)
+            beyond = np.maximum(0.0, np.linalg.norm(turn, axis=0) - np.minimum(small, far) * deg)
             out.append(per_frame * beyond / (terms._FAR_TURN * deg))
     beyond = np.maximum(0.0, np.linalg.norm(x[:ROOT], axis=0) - c.root_farthest * size)
     out.append(per_frame * beyond / (terms._FAR_ROOT * size))

@@ -107,7 +107,8 @@ def solved_as_cycle(problem: Problem, cycle: Cycle, solve: Callable[[Problem], F
         tuple(_pins_laid(pin, leg.place(point), cycle, rounds) for point, pin in enumerate(own))
         for own, leg in zip(problem.pins, problem.legs, strict=True)
     )
-    x = solve(replace(problem, legs=legs, pins=pins, cut=(False, False)))
+    fault = np.tile(problem.fault[: cycle.frames], len(rounds))
+    x = solve(replace(problem, legs=legs, pins=pins, fault=fault, cut=(False, False)))
     own = x[:, beside * cycle.frames : (beside + 1) * cycle.frames]
     if problem.frames == cycle.frames:
         return own

@@ -26,6 +26,7 @@ _FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would s
 _KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
 _RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
 _LASTS = 0.06  # [s] that it rests at a time
+_AROUND = 0.35  # [s] before and after a plant in which the figure is led to it
 _RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
 
@@ -219,6 +220,41 @@ def kept(
         for plant, keep in zip(own, (still | (rests & params.keep_rested)).tolist(), strict=True):
             found[plant.id] |= keep
     return tuple(found)
+
+
+def faults(
+    plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, keep: Sequence[bool],
+    frame_time: float, *, heights: bool, edge: float = PinParams.edge,
+) -> Floats:  # fmt: skip
+    """Measure how far what is to be mended strays.
+
+    Args:
+        plants: of the clip.
+        legs: as captured.
+        ground: (F, 3) [m] displacement of the ground.
+        floors: from `floors`.
+        keep: for each plant whether it stays as it is.
+        frame_time: [s].
+        heights: whether heights count.
+        edge: [s] at both ends of a contact that are left out.
+
+    Returns:
+        (F,) [m] the farthest that any plant nearby slides from its median place, or is from its floor; infinite where
+        one is to be held whatever it costs.
+    """
+    found = np.zeros(len(ground))
+    around = round(_AROUND / frame_time)
+    for plant in plants:
+        if keep[plant.id]:
+            continue
+        a, b = core(plant, frame_time, edge)
+        track = legs[plant.leg].place(_point(plant))[:, a:b] - ground[a:b].T
+        slide = float(np.hypot(*(track - np.median(track, axis=1, keepdims=True))[[0, 2]]).max())
+        high = abs(float(np.median(track[1])) - floors.plants[plant.id]) if heights else 0.0
+        fault = np.inf if plant.force or plant.asked else max(slide, high)
+        near = slice(max(plant.start - around, 0), plant.end + around)
+        found[near] = np.maximum(found[near], fault)
+    return found
 
 
 def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:

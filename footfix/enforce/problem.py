@@ -8,7 +8,7 @@ Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near 
            + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor
            + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
            + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
-           + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     root, leg and foot stay near; y = d, q, w - q
+           + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay near; y = d, q, k, w - q, b
            + 1/2 sum_t r dt |(p - place) / sp|^2              PLACE   what was asked for
            + 1/2 |x / sc|^2 at a cut                          CUT     after a T-pose the correction starts small
 
@@ -52,14 +52,18 @@ class CostParams:
     foot_acceleration: float = 300.0  # [degrees/s^2]
     toes_acceleration: float = 500.0  # [degrees/s^2]
     line_farthest: float = 12.0  # [degrees] beyond this the line from hip to ankle hardly turns
-    ankle_farthest: float = 25.0  # [degrees] beyond this the foot hardly turns against the shank
+    ankle_farthest: float = 25.0  # [degrees] beyond this the foot hardly turns against the shank, and the knee
+    toes_farthest: float = 40.0  # [degrees] beyond this the toes hardly bend
+    noticed: float = 0.023  # [leg lengths] a fault that viewers notice: 21 mm (Prazak & O'Sullivan 2011)
+    unnoticed_turn: float = 2.0  # [degrees] a joint hardly turns farther for a smaller one, and in proportion for more
     speed: float = 130.0  # [degrees/s] by which a joint may turn faster than captured
     level: float = 0.0045  # [leg lengths] of a plant from its floor, in a tenth of a second
 
 
 # Bounds, as standard deviations of what is beyond them.
 _FLOOR, _PLACE, _FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
-_KNEE, _SPEED, _FAR_TURN = 0.3, 0.15, 2.0  # [degrees]
+_KNEE, _SPEED, _FAR_TURN = 0.3, 0.15, 1.0  # [degrees]
+_TOES = 1.4  # times as far as other joints toes bend for what is not noticed
 _CUT, _CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 
@@ -76,6 +80,7 @@ class Problem:
         noise: (U,) [m, rad] how much of each unknown's capture is new in every frame,
         white: (U,) and whether that is all there is to its quickest changes.
         root_moves: whether the root may.
+        fault: (F,) [m] how far what is to stand nearby slides, or is from its floor.
         cut: whether a T-pose was cut off before the first frame, and after the last.
     """
 
@@ -86,6 +91,7 @@ class Problem:
     costs: CostParams
     noise: Floats
     white: Bools
+    fault: Floats
     root_moves: bool = True
     cut: tuple[bool, bool] = (False, False)
 
@@ -110,6 +116,11 @@ class Problem:
             own[:] = leg.turns
             own[B] = leg.bends and leg.turns
         return free
+
+    def farthest(self, most: float) -> Floats:
+        """(F,) [rad] how far a joint goes freely: in proportion to the fault, and no farther than `most` [degrees]."""
+        seen = np.maximum(self.fault / (self.costs.noticed * self.leg_length), 1.0)
+        return np.radians(np.minimum(self.costs.unnoticed_turn * seen, most))
 
     def near(self) -> tuple[Floats, Floats]:
         """(U,), (U,) the standard deviations s0 [m, rad] and s2 [m/s^2, rad/s^2] of NEAR."""
@@ -188,19 +199,30 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
     U, F = x.shape
     out = System(np.arange(U), *_empty(U, F), *_near(problem, x, np.arange(U)))
     cost = out.cost + _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, out)
-    for each in legs:
-        out.gradient[each.rows] += each.gradient
-        out.main[np.ix_(each.rows, each.rows)] += each.main
-        out.next[np.ix_(each.rows, each.rows)] += each.next
+    for k, each in enumerate(legs):
+        parts = (slice(0, ROOT), slice(0, ROOT)), (problem.columns(k), slice(ROOT, ROOT + LEG))
+        for rows, own in parts:
+            out.gradient[rows] += each.gradient[own]
+            for columns, theirs in parts:
+                out.main[rows, columns] += each.main[own, theirs]
+                out.next[rows, columns] += each.next[own, theirs]
         cost += each.cost
     return (System(out.rows, out.gradient + product(out.near, x), out.main, out.next, out.near, cost),)
 
 
-def objective(problem: Problem, x: Floats, eps: float) -> float:
-    """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m]."""
-    rows = np.arange(len(x))
+def objective(problem: Problem, x: Floats, eps: float, *, root: bool = True) -> float:
+    """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
+
+    Args:
+        problem: the clip's.
+        x: (U, F) a state.
+        eps: [m] of slip below which SLIP is a parabola.
+        root: whether what the root costs by itself counts.
+    """
+    rows = np.arange(0 if root else ROOT, len(x))
     cost = _near(problem, x, rows)[1]
-    cost += _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
+    if root:
+        cost += _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
         at = posed(leg, x[:ROOT], own, derive=False)
@@ -324,8 +346,11 @@ def _bounds(problem: Problem, k: int, x: Floats, base: int, out: System | None) 
     most, sv = np.radians(c.speed) * problem.frame_time, np.radians(_SPEED)
     for turn, bend, off in ((q, axis, half), (knee, None, 0.0), (w - q, axis, half)):
         cost += _fast(turn, bend, turn @ x - off, own, most, sv, out)
-    for turn, far in ((q, c.line_farthest), (w - q, c.ankle_farthest)):
-        cost += _beyond(turn, x, own, np.radians(far), np.radians(_FAR_TURN), problem, out)
+    toes = np.zeros((1, LEG))
+    toes[0, B] = 1.0 / _TOES
+    bounds = ((q, c.line_farthest), (knee, c.ankle_farthest), (w - q, c.ankle_farthest), (toes, c.toes_farthest))
+    for turn, most in bounds:
+        cost += _beyond(turn, x, own, problem.farthest(most), np.radians(_FAR_TURN), problem, out)
     return cost
 
 
@@ -353,13 +378,14 @@ def _fast(
     return 0.5 * float(np.sum(beyond**2))
 
 
-def _root_bound(problem: Problem) -> tuple[float, float]:
-    """[m], [m] how far the root goes freely, and the standard deviation beyond."""
-    return problem.costs.root_farthest * problem.leg_length, _FAR_ROOT * problem.leg_length
+def _root_bound(problem: Problem) -> tuple[Floats, float]:
+    """(F,) [m], [m] how far the root goes freely, and the standard deviation beyond."""
+    far = problem.costs.root_farthest * problem.leg_length
+    return np.full(problem.frames, far), _FAR_ROOT * problem.leg_length
 
 
 def _beyond(
-    turn: Floats, x: Floats, own: slice, far: float, sigma: float, problem: Problem, out: System | None
+    turn: Floats, x: Floats, own: slice, far: Floats, sigma: float, problem: Problem, out: System | None
 ) -> float:
     """FAR: one-sided cost of turn x, (3, n) times some unknowns (n, F), where it is longer than `far`."""
     turned = turn @ x
@@ -368,7 +394,7 @@ def _beyond(
     if not len(over):
         return 0.0
     weight = _RATE * problem.frame_time / sigma**2
-    row, beyond = turn.T @ (turned[:, over] / size[over]), size[over] - far
+    row, beyond = turn.T @ (turned[:, over] / size[over]), size[over] - far[over]
     if out is not None:
         out.gradient[own, over] += weight * beyond * row
         main = out.main[own, own]

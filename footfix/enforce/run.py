@@ -261,7 +261,11 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         own += [line, line, line, knee, foot, foot, foot, Noise(0.0, False)]
     noise, white = np.array([each.sigma for each in own]), np.array([each.white for each in own])
     moves = bool(clip.skeleton.translates[rig.root])
-    return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, moves, cut)
+    fault = pinning.faults(
+        task.plants, task.legs, task.ground, task.floors, task.keep, clip.frame_time, heights=heights,
+        edge=params.pins.edge,
+    )  # fmt: skip
+    return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut)
 
 
 def _faded(x: Floats, problem: Problem) -> Floats:

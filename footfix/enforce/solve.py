@@ -15,10 +15,10 @@ from footfix.motion.clip import Bools, Floats, Ints
 EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
 _EPS_FIRST = 0.06  # [m/s] in the first round
 _SHRINK = 0.35  # of it from round to round
-_COARSE = 30.0  # [Hz] of the first pass
-_ROUNDS, _FINE_ROUNDS = 10, 8
-_ROOT_ROUNDS = 2  # of these in which the root still moves: it is slow, and the legs are solved each by itself then
-_FINE_FIRST = 40.0  # times `EPS` in the first of the fine rounds
+_COARSE, _MIDDLE = 30.0, 60.0  # [Hz] of the frames on which the root is solved for: many rounds, then one
+_ROUNDS, _FINE_ROUNDS = 7, 3  # on the coarse frames, and on all of them before the last
+_ALONE_ROUNDS = 10  # where all frames are as few as coarse ones
+_FINE_FIRST = 40.0  # times `EPS` in the first of the finer rounds
 _STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
 _STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
 _HALVINGS = 3  # of a step that would raise the objective
@@ -27,19 +27,50 @@ _DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
 def solve(problem: Problem) -> Floats:
-    """Find the state (U, F) with the least objective: first on every third or fourth frame, then on all."""
-    every = max(1, round(1.0 / problem.frame_time / _COARSE))
-    if every == 1 or problem.frames <= 8 * every:
-        nothing = np.zeros((problem.unknowns, problem.frames))
-        return descend(problem, nothing, _ROUNDS + _LAST, first=_EPS_FIRST, last=_LAST)
-    which = np.arange(0, problem.frames, every)
-    rough = descend(thinned(problem, which), np.zeros((problem.unknowns, len(which))), _ROUNDS, first=_EPS_FIRST)
-    from scipy.interpolate import CubicSpline
+    """Find the state (U, F) with the least objective: first on few frames a second, then on more, then on all.
 
-    x = CubicSpline(which, rough, axis=1)(np.minimum(np.arange(problem.frames), which[-1]))
-    x = descend(problem, x, _ROOT_ROUNDS, first=_FINE_FIRST * EPS)
-    first = _FINE_FIRST * EPS * _SHRINK**_ROOT_ROUNDS
-    return descend(problem, x, _FINE_ROUNDS - _ROOT_ROUNDS, first=first, last=_LAST, root=False)
+    The root is slow: it is solved for on the coarse frames, together with the legs. On all frames it stays as it is,
+    and each leg is solved for by itself.
+    """
+    x = np.zeros((problem.unknowns, problem.frames))
+    if problem.frames <= 8 * _every(problem, _COARSE) or _every(problem, _COARSE) == 1:
+        return descend(problem, x, _ALONE_ROUNDS + _LAST, first=_EPS_FIRST, last=_LAST)
+    which = np.arange(0, problem.frames, _every(problem, _COARSE))
+    x = descend(thinned(problem, which), x[:, which], _ROUNDS, first=_EPS_FIRST)
+    first = _FINE_FIRST * EPS
+    for rate in (_MIDDLE, np.inf):
+        finer = np.arange(0, problem.frames, _every(problem, rate))
+        x, which = interpolated(x, which, finer), finer
+        if rate == _MIDDLE:
+            thin = thinned(problem, which) if len(which) < problem.frames else problem
+            x = descend(thin, x, 1, first=first)
+            first *= _SHRINK
+    return descend(problem, x, _FINE_ROUNDS + _LAST, first=first, last=_LAST, root=False)
+
+
+def _every(problem: Problem, rate: float) -> int:
+    """Which frame out of how many is looked at, for so many a second [Hz]."""
+    return max(1, round(1.0 / problem.frame_time / rate))
+
+
+def interpolated(x: Floats, at: Ints, wanted: Ints) -> Floats:
+    """Interpolate a state (U, n) on evenly spaced frames by natural cubic splines; what lies beyond keeps the last.
+
+    Source: second derivatives m solve m(k-1) + 4 m(k) + m(k+1) = 6 (x(k-1) - 2 x(k) + x(k+1)), with zeros at the ends.
+    """
+    from scipy.linalg import solveh_banded
+
+    n = len(at)
+    m = np.zeros_like(x)
+    if n > 2:
+        bands = np.vstack([np.full(n - 2, 4.0), np.ones(n - 2)])
+        m[:, 1:-1] = solveh_banded(bands, 6.0 * np.diff(x, n=2, axis=1).T, lower=True, check_finite=False).T
+    u = np.minimum((wanted - at[0]) / (at[1] - at[0]), n - 1.0)
+    k = np.minimum(u.astype(np.intp), n - 2)
+    b = u - k
+    a = 1.0 - b
+    curved = (a**3 - a) * m[:, k] + (b**3 - b) * m[:, k + 1]
+    return np.asarray(a * x[:, k] + b * x[:, k + 1] + curved / 6.0)
 
 
 def thinned(problem: Problem, which: Ints) -> Problem:
@@ -57,6 +88,7 @@ def thinned(problem: Problem, which: Ints) -> Problem:
     return replace(
         problem, legs=tuple(leg.frames(which) for leg in problem.legs),
         pins=tuple(tuple(thin(pin) for pin in each) for each in problem.pins), frame_time=problem.frame_time * every,
+        fault=problem.fault[which],
     )  # fmt: skip
 
 
@@ -84,9 +116,8 @@ def descend(
             problem = settled(problem, x)
         found = systems(problem, x, here, static=static, root=root)
         step = _step(problem, found, free, fixed)
-        cost = objective(problem, x, here) if static == 1.0 else 0.0
         for _ in range(_HALVINGS if static == 1.0 else 0):  # one-sided terms may come in along the way
-            if objective(problem, x + step, here) <= cost:
+            if objective(problem, x + step, here, root=root) <= sum(each.cost for each in found):
                 break
             step = 0.5 * step
         x = x + step

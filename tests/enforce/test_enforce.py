@@ -353,7 +353,7 @@ def test_other_frame_rates_hold_as_well(fps: float) -> None:
     rig = rig_of(made)
     after, _ = cleaned(artefacts.scale_root(made.clip, 1.08, height=False), rig, made.contacts)
     slid = strays(after, rig, made.contacts)  # of few frames contacts are too short to hold
-    assert np.percentile(slid["toe"], 75) <= 2.0 and np.percentile(slid["heel"], 75) <= 2.5
+    assert np.percentile(slid["toe"], 75) <= 2.2 and np.percentile(slid["heel"], 75) <= 2.5
 
 
 # ---- what is asked for ------------------------------------------------------------------------------

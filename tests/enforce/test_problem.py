@@ -16,10 +16,12 @@ from footfix.motion.clip import Floats
 
 EPS = 1e-3  # [m]
 DEG = np.pi / 180.0
+SOME = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.1, np.inf])  # [m] faults
 
 
 def near() -> Problem:
-    return problem(costs=CostParams(slide=0.0, speed=1e9, root_farthest=1e9, line_farthest=1e9, ankle_farthest=1e9))
+    far = dict.fromkeys(("root_farthest", "line_farthest", "ankle_farthest", "toes_farthest"), 1e9)
+    return problem(costs=CostParams(slide=0.0, speed=1e9, **far))
 
 
 def holding(hold: float = 1.0, point: int = TOE, frames: int = 7) -> dict[tuple[int, int], object]:
@@ -55,6 +57,8 @@ PROBLEMS = {
     "root far": lambda: problem(costs=replace(FREE, root_farthest=0.06)),
     "line far": lambda: problem(costs=replace(FREE, line_farthest=4.0)),
     "ankle far": lambda: problem(costs=replace(FREE, ankle_farthest=5.0)),
+    "toes far": lambda: problem(costs=replace(FREE, toes_farthest=2.0)),
+    "little is wrong": lambda: problem(costs=replace(FREE, noticed=0.02, unnoticed_turn=2.0), fault=SOME),
     "place": lambda: problem(placed()),
     "cut": lambda: replace(near(), cut=(True, True)),
     "cut after": lambda: replace(near(), cut=(False, True)),
@@ -313,6 +317,16 @@ def test_how_far_by_hand() -> None:
     assert objective(of, x, EPS) == pytest.approx(turn, rel=1e-9)
     x[ROOT + 6, 5] = 27.0 * DEG  # together
     assert objective(of, x, EPS) < 1e-9
+
+
+def test_what_nobody_notices_is_worth_a_small_turn_by_hand() -> None:
+    of = problem(costs=replace(FREE, noticed=0.02, unnoticed_turn=2.0, ankle_farthest=8.0))
+    noticed = 0.02 * of.leg_length
+    of = replace(of, fault=noticed * np.array([0.0, 1.0, 1.5, 3.0, 4.0, 9.0, np.inf]))
+    np.testing.assert_allclose(of.farthest(8.0) / DEG, [2.0, 2.0, 3.0, 6.0, 8.0, 8.0, 8.0], rtol=1e-12)
+    turn = 0.5 * 60.0 * of.frame_time * (1.0 / terms._FAR_TURN) ** 2
+    for frame, degrees in ((0, 3.0), (2, 4.0), (5, 9.0)):
+        assert one(of, ROOT + 3, frame, degrees * DEG) == pytest.approx(turn, rel=1e-6)
 
 
 def test_place_and_cut_by_hand() -> None:
