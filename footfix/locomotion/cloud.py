@@ -39,6 +39,10 @@ class Clouds:
     def __len__(self) -> int:
         return len(self.x)
 
+    def some(self, which: Ints) -> Clouds:
+        """Those of some of its frames, by their places among them."""
+        return Clouds(self.x[which], self.y[which], self.z[which], self.middle[which])
+
 
 def clouds(clip: Clip, rig: Rig, frames: Ints, window: float) -> Clouds:
     """The clouds of some frames.

@@ -85,7 +85,7 @@ def find_cuts(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> t
         asked = f"{params.strides} strides on end" if params.strides else "a whole stride"
         raise InputError(f"no cycle found: the clip does not hold {asked} ({_told(contacts, rig)})")
     rough_at = _UNREST * unrest(clip, rig) + _STRIKE * _near_strikes(contacts, rig)
-    cuts = [_fine(clip, rig, cut, rough_at, params) for cut in _likeliest(rough)]
+    cuts = _fine(clip, rig, _likeliest(rough), rough_at, params)
     good = [cut for cut in cuts if cut.gap <= params.farthest * rig.leg_length]
     if not good:
         raise InputError(_no_match(cuts, params.farthest * rig.leg_length), hint="loop.farthest allows more")
@@ -191,20 +191,25 @@ def _likeliest(rough: Sequence[Cut]) -> list[Cut]:
     ]
 
 
-def _fine(clip: Clip, rig: Rig, cut: Cut, rough_at: Floats, params: LoopParams) -> Cut:
-    """The cut at those frames of its stances in which poses are most alike, and calm; K takes the middles."""
+def _fine(clip: Clip, rig: Rig, cuts: Sequence[Cut], rough_at: Floats, params: LoopParams) -> list[Cut]:
+    """Cuts at those frames of their stances in which poses are most alike, and calm; K takes the middles."""
     if params.method == "kim-neff":
-        return cut
+        return list(cuts)
     clear = max(1, round(_CLEAR / clip.frame_time))
-    first, last = (_frames_of(span, clear, len(clip)) for span in cut.stands)
-    gap = _gaps(clip, rig, first, last, params)
-    usual = cut.frames / cut.strides
-    odd = np.abs(last - first[:, None] - cut.frames) > _PERIOD * usual
-    gap = np.where(odd, np.inf, gap)
-    cost = gap + rough_at[first][:, None] + rough_at[last]
-    a, b = np.unravel_index(np.argmin(cost), gap.shape)
-    best = float(gap[a, b])
-    return replace(cut, start=int(first[a]), end=int(last[b]), gap=best, unrest=float(cost[a, b]) - best)
+    stands = {span: _frames_of(span, clear, len(clip)) for cut in cuts for span in cut.stands}
+    needed = np.unique(np.concatenate(list(stands.values())))
+    poses = clouds(clip, rig, needed, params.window)
+    found = []
+    for cut in cuts:
+        first, last = (stands[span] for span in cut.stands)
+        gap = distances(*(poses.some(np.searchsorted(needed, each)) for each in (first, last)))
+        odd = np.abs(last - first[:, None] - cut.frames) > _PERIOD * cut.frames / cut.strides
+        gap = np.where(odd, np.inf, gap)
+        cost = gap + rough_at[first][:, None] + rough_at[last]
+        a, b = np.unravel_index(np.argmin(cost), gap.shape)
+        best, rough = float(gap[a, b]), float(rough_at[first[a]] + rough_at[last[b]])
+        found.append(replace(cut, start=int(first[a]), end=int(last[b]), gap=best, unrest=rough))
+    return found
 
 
 def _frames_of(span: tuple[int, int], clear: int, frames: int) -> Ints:
