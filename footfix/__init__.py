@@ -6,6 +6,8 @@
     contacts = footfix.detect(walk.clip, rig)
     result = footfix.clean(walk.clip, rig=rig, contacts=contacts)
     footfix.save("walk.clean.bvh", result.clip, like=walk)
+    round = footfix.loop(walk.clip, rig=rig, contacts=contacts)
+    footfix.save("walk.loop.bvh", round.clip)       # a cycle that repeats without a hitch
 
 The names below are imported when they are first used, so that `footfix --help` need not wait for numpy.
 """
@@ -18,8 +20,9 @@ from typing import TYPE_CHECKING, Any
 from footfix.version import __version__
 
 if TYPE_CHECKING:
-    from footfix.api import clean, detect, find_rig, load, save
+    from footfix.api import clean, detect, find_rig, load, loop, save
     from footfix.errors import FootfixError
+    from footfix.locomotion.loop import Loop
     from footfix.motion.clip import Clip, Skeleton
     from footfix.motion.contacts import Contact, Contacts, Effector
     from footfix.rig.rig import Leg, Rig, SolePoint
@@ -29,6 +32,7 @@ _HOME = {
     "detect": "footfix.api",
     "find_rig": "footfix.api",
     "load": "footfix.api",
+    "loop": "footfix.api",
     "save": "footfix.api",
     "FootfixError": "footfix.errors",
     "Clip": "footfix.motion.clip",
@@ -37,13 +41,14 @@ _HOME = {
     "Contacts": "footfix.motion.contacts",
     "Effector": "footfix.motion.contacts",
     "Leg": "footfix.rig.rig",
+    "Loop": "footfix.locomotion.loop",
     "Rig": "footfix.rig.rig",
     "SolePoint": "footfix.rig.rig",
 }
 
 __all__ = [
-    "Clip", "Contact", "Contacts", "Effector", "FootfixError", "Leg", "Rig", "Skeleton", "SolePoint",
-    "__version__", "clean", "detect", "find_rig", "load", "save",
+    "Clip", "Contact", "Contacts", "Effector", "FootfixError", "Leg", "Loop", "Rig", "Skeleton", "SolePoint",
+    "__version__", "clean", "detect", "find_rig", "load", "loop", "save",
 ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""The Python interface: load, find_rig, detect, clean, save. Arrays in, arrays out."""
+"""The Python interface: load, find_rig, detect, clean, loop, save. Arrays in, arrays out."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from footfix.detect.run import detect
 from footfix.formats.bvh import compose
 from footfix.formats.document import Document, rewrite
 from footfix.motion.clip import Clip
-from footfix.pipeline import clean
+from footfix.pipeline import clean, loop
 from footfix.rig.find import find_rig
 from footfix.settings import Settings
 
-__all__ = ["clean", "detect", "find_rig", "load", "save"]
+__all__ = ["clean", "detect", "find_rig", "load", "loop", "save"]
 
 
 def load(path: str | os.PathLike[str], settings: Settings | None = None) -> Document:
