@@ -118,7 +118,7 @@ def test_one_step_gets_a_clear_word_and_so_do_frames_that_are_not_there() -> Non
             for e in made.contacts.effectors
         ),
     )  # fmt: skip
-    with pytest.raises(InputError, match="plants found: left 1, right 1|does not hold a whole stride|no cycle found"):
+    with pytest.raises(InputError, match="no cycle found"):
         find_cuts(made.clip.frames(step), rig, few, LoopParams())
     with pytest.raises(InputError, match="no part of a clip of"):
         find_cuts(made.clip, rig, made.contacts, LoopParams(start=3, end=5000))
