@@ -16,6 +16,7 @@ from footfix.locomotion.known import closed_travel, completed, whole_cycle
 from footfix.locomotion.params import LoopParams
 from footfix.locomotion.rounds import hold
 from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
+from footfix.locomotion.settle import settled
 from footfix.locomotion.strides import count_strides
 from footfix.locomotion.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
 from footfix.locomotion.wrapped import wrapped
@@ -131,7 +132,7 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
         start, travel = straightened(start, carrier(start, rig), travel)
     within = wrapped(contacts, closed.start, length)
     held = hold(start, rig, within, travel, holding)
-    done = held.clip
+    done = held.clip if np.any(held.found.ground) else settled(held.clip, rig, held.found.plants, travel)
     found = ratios(done, rig, travel)
     far = slide(done, rig, held.found.plants, travel, held.found.ground)
     seam = Seam(
