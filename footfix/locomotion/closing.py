@@ -17,6 +17,7 @@ from footfix.rig.rig import Rig
 
 _BESIDE = 1.0 / 30.0  # [s] before and after a frame, over which its velocity is taken
 _RATIO = 0.5  # of the gap that the start takes; the end takes the rest
+_SLOPE = 0.4  # of the time in which a gap decays, that its slope does in: joints swing out less, and seams are as calm
 _FEWEST = 4  # frames that K's blend needs to be one
 
 
@@ -58,7 +59,7 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
 class Decay:
     """How a gap of value and slope decays over the frames of a cycle, from both of its ends.
 
-    The cubic that begins with a value and a slope, and ends at rest at zero after `tau`.
+    Cubics that begin with a value, or a slope, and end at rest at zero.
 
     Args:
         value_ahead, slope_ahead: (F,) what is left of them after the start, the slope [s].
@@ -81,12 +82,12 @@ class Decay:
 
 
 def decay(frames: int, frame_time: float, tau: float) -> Decay:
-    """The decay of a gap over `tau` [s] at either end of some frames."""
+    """The decay of a gap over `tau` [s] at either end of some frames; of its slope sooner."""
     time: Floats = np.asarray(np.arange(frames) * frame_time, dtype=np.float64)
     parts = []
     for since in (time, time[-1] - time):
-        u = np.clip(since / tau, 0.0, 1.0)
-        parts += [(1.0 - u) ** 2 * (1.0 + 2.0 * u), (1.0 - u) ** 2 * u * tau]
+        u, w = (np.clip(since / part, 0.0, 1.0) for part in (tau, _SLOPE * tau))
+        parts += [(1.0 - u) ** 2 * (1.0 + 2.0 * u), (1.0 - w) ** 2 * w * _SLOPE * tau]
     return Decay(*parts)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import EnforceParams
 from footfix.errors import InputError
-from footfix.locomotion.closing import close
+from footfix.locomotion.closing import Closed, close
 from footfix.locomotion.cuts import Cut, find_cuts
 from footfix.locomotion.known import closed_travel, completed, whole_cycle
 from footfix.locomotion.params import LoopParams
@@ -27,6 +28,8 @@ from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _OTHERS = 3  # next best cuts that are told
+_NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
+_SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
 _TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
 
 
@@ -121,8 +124,9 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     if known is not None:
         return known
     frames = len(clip)
-    clip, (cut, *others) = _cut(clip, rig, contacts, params)
-    closed = close(clip, rig, cut, params)
+    clip, cuts = _cut(clip, rig, contacts, params)
+    cut, closed = _calmest(clip, rig, cuts, params)
+    others = [each for each in cuts if each is not cut]
     length = cut.end - cut.start
     captured = clip.frames(slice(closed.start, closed.start + length + 1))
     gap = apart(clip, rig, cut.start, cut.end, closed.travel)
@@ -159,6 +163,19 @@ def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[
         if params.strides not in (None, strides):
             raise
         return whole, (Cut(0, len(whole) - 1, -1, strides, 0, 0.0),)
+
+
+def _calmest(clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams) -> tuple[Cut, Closed]:
+    """Of the best cuts the one that is least seen when it is closed, and that closed."""
+    best, near = cuts[0], _NEARLY * rig.leg_length
+    tried = [c for c in cuts[1:] if c.strides == best.strides and c.cost <= best.cost + near]
+    found = []
+    for cut in (best, *tried[: _TRIED - 1]):
+        closed = close(clip, rig, cut, params)
+        seen = max(ratios(closed.clip, rig, closed.travel)[1] - 1.0, 0.0) if tried else 0.0
+        found.append((cut.cost + _SEEN * rig.leg_length * seen, cut, closed))
+    _, cut, closed = min(found, key=lambda each: each[0])
+    return cut, closed
 
 
 def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop | None:
