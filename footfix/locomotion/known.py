@@ -13,6 +13,10 @@ from footfix.rig.rig import Rig
 
 _TURNED = 1e-4  # [rad] what three decimals of a degree leave, and their sum over a few axes
 _MOVED = 2e-4  # [leg lengths]
+_FEWEST = 8  # frames
+_LEADS = 0.3  # of the usual step, root mean square over the joints: a step over the seam like those beside it
+_MOVES = 0.2  # of the usual step: less at the seam is a pause, not a stride
+_HEIGHT = 0.02  # [leg lengths] by which the root's height may go on otherwise
 _STILL = 1e-3  # [rad] a step less than this at the seam is a pose that is held
 
 
@@ -23,7 +27,7 @@ def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
         clip: F frames.
         rig: its root and size.
     """
-    if len(clip) < 8:
+    if len(clip) < _FEWEST:
         return None
     root = carrier(clip, rig)
     ends = np.array([0, 1, len(clip) - 1])
@@ -47,9 +51,7 @@ def whole_cycle(clip: Clip, rig: Rig) -> Clip | None:
     Its ends are alike, not the same: it is to be closed.
     """
     found = find_cycle(clip, rig, pose_of(clip, rig))
-    if found is None:
-        return None
-    return clip if found.frames == len(clip) - 1 else completed(clip, rig)
+    return clip if found is not None and found.frames == len(clip) - 1 else completed(clip, rig)
 
 
 def completed(clip: Clip, rig: Rig) -> Clip | None:
@@ -57,8 +59,7 @@ def completed(clip: Clip, rig: Rig) -> Clip | None:
 
     How far the root goes in that step is what it goes in the one before it.
     """
-    found = find_cycle(clip, rig, pose_of(clip, rig))
-    if found is None or found.frames != len(clip):
+    if len(clip) < _FEWEST or not _leads_on(clip, rig):
         return None
     root = carrier(clip, rig)
     frames = np.append(np.arange(len(clip)), 0)
@@ -69,6 +70,26 @@ def completed(clip: Clip, rig: Rig) -> Clip | None:
     place, turn = np.array(place[frames]), np.array(turn[frames])
     place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
     return with_root(clip.frames(frames), root, place, turn)
+
+
+def _leads_on(clip: Clip, rig: Rig) -> bool:
+    """Whether a step from the last frame to the first is what the steps before and after it make one expect."""
+    root = carrier(clip, rig)
+    below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
+    turns = np.stack([clip.turn(joint) for joint in below], axis=1)  # (F, J, 4)
+    around = turns[[-2, -1, 0, 1]]
+    steps = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(around[:-1]), around[1:]))
+    usual = _size(rotation.to_rotation_vector(rotation.multiply(rotation.inverse(turns[:-1]), turns[1:])))
+    height = root_in_world(clip, root)[0][[-2, -1, 0, 1], 1]
+    moves = usual > _STILL / 10.0 and min(_size(steps[0]), _size(steps[2])) >= _MOVES * usual
+    bend = _size(steps[1] - 0.5 * (steps[0] + steps[2])) < _LEADS * usual
+    rise = np.diff(height)
+    return bool(moves and bend and abs(rise[1] - 0.5 * (rise[0] + rise[2])) < _HEIGHT * rig.leg_length)
+
+
+def _size(turns: Floats) -> float:
+    """[rad] root mean square of rotation vectors (..., 3)."""
+    return float(np.sqrt(np.mean(np.sum(turns**2, axis=-1))))
 
 
 def travel_between(first: tuple[Floats, Floats], last: tuple[Floats, Floats]) -> Travel:

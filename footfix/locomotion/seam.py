@@ -11,7 +11,7 @@ from footfix.enforce.footplant import Footplant
 from footfix.locomotion.travel import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.kinematics import places
+from footfix.motion.kinematics import forward, places
 from footfix.rig.rig import Rig
 
 _BESIDE = 5  # frames on either side of the seam
@@ -45,9 +45,13 @@ class Seam:
 
 
 def _figure(clip: Clip, rig: Rig) -> Floats:
-    """(F, joints, 3) [m] the root and what hangs on it."""
+    """(F, joints, 3) [m] the root and what hangs on it, End Sites too."""
     skeleton = clip.skeleton
-    return places(clip)[:, [joint for joint in range(len(skeleton)) if rig.root in skeleton.ancestors(joint)]]
+    mine = [joint for joint in range(len(skeleton)) if rig.root in skeleton.ancestors(joint)]
+    ends = [(j, at) for j, at in zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True) if j in mine]
+    pose = forward(clip, mine)
+    tips = [pose.point(joint, at)[:, None] for joint, at in ends]
+    return np.concatenate([pose.positions, *tips], axis=1)
 
 
 def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[float, float]:
