@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
+from footfix.locomotion.settle import stretches
 from footfix.locomotion.travel import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -114,7 +115,7 @@ def slide(
     place, found = places(clip), list[float]()
     for leg in (each for each in range(len(rig.legs)) if rig.legs[each].toe is not None):
         toe = place[:, rig.legs[leg].toe]
-        own = [span for p in plants if p.leg == leg and p.part == "toe" for span in p.held]
+        own = [span for p in plants if p.leg == leg and p.part == "toe" for span in stretches(p, len(clip))]
         after = [end for start, end in own if start == 0]
         before = [start for start, end in own if end == len(clip)]
         if after and before and before[0] > 0:

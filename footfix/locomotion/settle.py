@@ -45,7 +45,7 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -
             continue
         captured = captured_leg(rig, pose, number, tracks)
         own = [p for p in plants if p.leg == number and p.part == "toe" and p.outcome != "released"]
-        held = [span for p in own for span in p.held]
+        held = [span for p in own for span in stretches(p, len(clip))]
         shift = _shift(captured.toe, held, travel, clip.frame_time, _MOST * rig.leg_length)
         moves = np.any(shift != 0.0, axis=1)
         if np.any(moves):
@@ -55,6 +55,17 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -
     for turn in turns.values():
         turn[-1] = turn[0]
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
+
+
+def stretches(plant: Footplant, frames: int) -> tuple[tuple[int, int], ...]:
+    """The frames `[start, end)` in which a plant of a cycle of so many frames is held.
+
+    What is pinned is held at a stretch, and the seam is no end of it.
+    """
+    if plant.outcome not in ("pinned", "kept") or not plant.held:
+        return plant.held
+    start, end = plant.held[0][0], plant.held[-1][1]
+    return ((0 if plant.start == 0 else start, frames if plant.end == frames else end),)
 
 
 def _shift(
