@@ -102,11 +102,11 @@ def _outcome(
 
 def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats, frame_time: float) -> str:
     """Say what holding a plant throughout would ask of its knee; `strays` (n, 3) [m] from its place."""
-    ease = max(1, round(_EASE / frame_time))
+    ease = max(1, round(_EASE / frame_time)) + 1  # frames, in the last of which nothing is left to lack
     first, last = max(plant.start - ease, 0), min(plant.end + ease, after.ankle.shape[1])
     lacks = np.zeros((last - first, 3))  # [m] what would bring the foot to its place
     lacks[plant.start - first : plant.end - first] = -strays * [1.0, 0.0, 1.0]
-    fade = np.linspace(1.0, 0.0, ease + 2)[1:-1, None]
+    fade = np.linspace(1.0, 0.0, ease + 1)[1:, None]
     before, behind = plant.start - first, last - plant.end
     lacks[:before] = -strays[:1] * [1.0, 0.0, 1.0] * fade[:before][::-1]
     lacks[len(lacks) - behind :] = -strays[-1:] * [1.0, 0.0, 1.0] * fade[:behind]
