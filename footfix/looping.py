@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,13 +25,17 @@ from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.settings import Settings, plain
 
+if TYPE_CHECKING:
+    from footfix.report.again import Again
+
 # Fewer frames than this hold no stride.
 LEAST_FRAMES = 8
 
 
 def loop_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None
-) -> Outputs:
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
+    again: Again | None = None,
+) -> Outputs:  # fmt: skip
     """Cut a seamless cycle out of a clip, and clean it as one.
 
     Args:
@@ -40,6 +44,7 @@ def loop_file(
         settings: the parameters of all steps.
         labels: contacts of the clip, given by hand.
         output: the name of the loop's file, for the report.
+        again: how the loop is cleaned from edited contacts, for its page.
 
     Raises:
         InputError: the clip can't be used, or holds no cycle; says why.
@@ -57,19 +62,20 @@ def loop_file(
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)
         # the file, and what it says when it is read again
-        written, again = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
-    cycle = as_round(again, loop.rig, loop.travel, settings.loop)
+        written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
+    cycle = as_round(reread, loop.rig, loop.travel, settings.loop)
     figure = Figure(loop.rig, loop.contacts, loop.contacts, loop.plants, loop.correction, loop.ground, loop.notes)
     (result,) = measure_figures(loop.captured, cycle, (figure,))
     status: Status = "unchanged" if written == data else "cleaned"
     source = source_entry(data, name, clip)
     report = _report(document, loop, result, settings, source=source, status=status, output=output)
-    contacts = _contacts(loop.contacts, len(again))
-    made = {**source, "sha256": hashlib.sha256(written).hexdigest(), "frames": len(again)}
+    contacts = _contacts(loop.contacts, len(reread))
+    made = {**source, "sha256": hashlib.sha256(written).hexdigest(), "frames": len(reread)}
     made["file"] = PurePath(output).name if output else source["file"]
     contacts_file = contacts_json(contacts, made, report["rig"], settings)
-    before = seen_as(loop.captured.frames(slice(0, len(again))), loop.rig, report["loop"])
-    pages, offenders = draw(before, again, loop.rig, report, contacts_file, settings.report)
+    before = seen_as(loop.captured.frames(slice(0, len(reread))), loop.rig, report["loop"])
+    ground = loop.ground[: len(reread)]
+    pages, offenders = draw(before, reread, loop.rig, report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 

@@ -13,14 +13,14 @@ PACKAGE = ROOT / "footfix"
 
 # Lower rooms first: a module may import from its own room and from rooms before it.
 FLOORS = [
-    {"errors", "notes", "version"},
+    {"errors", "notes", "version", "meanings"},
     {"motion"},
-    {"rig"},
+    {"rig", "arguments"},
     {"detect", "enforce", "measure"},
     {"locomotion"},
     {"formats"},
     {"settings", "configs"},
-    {"pipeline", "config"},
+    {"pipeline", "config", "listing"},
     {"report"},
     {"job"},
     {"inspection", "looping"},

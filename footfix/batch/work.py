@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,7 +66,12 @@ def check_one(task: Task) -> FileResult:
 
 
 def _guarded(task: Task, work: Any) -> FileResult:
-    """The result of some work, whatever happens: one clip's failure is never that of others."""
+    """The result of some work and the time it took, whatever happens: one clip's failure is never that of others."""
+    begun = time.perf_counter()
+    return replace(_ended(task, work), seconds=time.perf_counter() - begun)
+
+
+def _ended(task: Task, work: Any) -> FileResult:
     source = task.job.source
     try:
         result: FileResult = work(task)
@@ -97,21 +104,31 @@ def _read(task: Task) -> bytes:
 
 def _clean(task: Task) -> FileResult:
     from footfix.job import clean_file
+    from footfix.report.again import clean_again
 
-    return _made(task, clean_file)
+    job, again = task.job, None
+    if job.target is not None and job.source != STDIN:
+        here = Path(task.folder)
+        again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
+    return _made(task, partial(clean_file, again=again))
 
 
 def _loop(task: Task) -> FileResult:
     from footfix.looping import loop_file
+    from footfix.report.again import clean_loop_again
 
-    return _made(task, loop_file)
+    job, again = task.job, None
+    if job.target is not None:
+        here = Path(task.folder)
+        again = clean_loop_again(here / job.target, here / job.beside(CONTACTS), task.settings)
+    return _made(task, partial(loop_file, again=again), "loop")
 
 
-def _made(task: Task, make: Callable[..., Outputs]) -> FileResult:
-    """What `make` makes of a clip's bytes, written."""
+def _made(task: Task, make: Callable[..., Outputs], what: str = "") -> FileResult:
+    """What `make` makes of a clip's bytes, written; `what` tells it from what cleaning makes of the same bytes."""
     job = task.job
     data = _read(task)
-    key = fingerprint(data, task.settings, task.labels)
+    key = what + fingerprint(data, task.settings, task.labels)
     done = _finished(task, key) if task.resume else None
     if done is not None:
         return done
@@ -217,7 +234,7 @@ def digest(report: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _detect(task: Task) -> FileResult:
-    from footfix.formats.contacts import encode_csv, encode_npz
+    from footfix.formats.contacts import ENCODERS
     from footfix.job import contacts_json, detect_file
 
     job, kind = task.job, task.extra["kind"]
@@ -225,8 +242,13 @@ def _detect(task: Task) -> FileResult:
     if kind == "json":
         encoded = contacts_json(contacts, entry, rig, task.settings)
     else:
-        encoded = encode_csv(contacts) if kind == "csv" else encode_npz(contacts)
-    report = {"contacts": sum(len(effector.contacts) for effector in contacts.effectors), "notes": notes}
+        encoded = ENCODERS[kind][1](contacts)
+    report = {
+        "contacts": sum(len(effector.contacts) for effector in contacts.effectors),
+        "effectors": {effector.name: len(effector.contacts) for effector in contacts.effectors},
+        "coverage": float(contacts.mask().mean()) if contacts.effectors else 0.0,
+        "notes": notes,
+    }
     if job.target is None or task.dry_run:
         return FileResult(job.source, "done", report=report, data=encoded)
     _write(task, {job.target: encoded})

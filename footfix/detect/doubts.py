@@ -22,12 +22,13 @@ class DoubtParams:
     """When to speak.
 
     Args:
-        quick, slow: how many times longer than usual for their length steps may last, at the least and at most.
+        quick, slow: how many times longer than usual for their length steps may last, at the least and at
+            most [factor].
         shortest, longest: [s] cycles between these are plausible whatever the length of the steps.
-        cycles: fewer than this many say nothing.
-        uneven: nor do cycles that usually differ by more than this share of their length.
+        cycles: fewer than this many say nothing [count].
+        uneven: nor do cycles that usually differ by more than this, of their length [share].
         unsure: [s] a stretch that could be contact or not is told from this length on.
-        most: stretches told of one foot.
+        most: stretches told of one foot [count].
     """
 
     quick: float = 0.4

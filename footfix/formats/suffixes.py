@@ -3,6 +3,9 @@
 # Suffix, in lower case -> the module that reads and writes it (see `footfix.formats.document`).
 MOTION: dict[str, str] = {".bvh": "footfix.formats.bvh"}
 
+# Formats that people may ask for by a name, and that are not written.
+OTHERS = frozenset({".fbx", ".c3d", ".trc", ".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc"}) - set(MOTION)
+
 # What standard input is taken for, since it has no name.
 STDIN_NAME = "stdin.bvh"
 

@@ -12,18 +12,18 @@ class LoopParams:
 
     Args:
         method: "offset" lets the gap at the seam decay from both ends; "kim-neff" blends across the seam, as K 5.2.
-        strides: of one round; None for as few as the style of the walk needs.
-        most_strides: the most that are tried where `strides` is None.
-        start, end: frames of the clip that become the first and the last one; None for the best. The last frame has
-            the pose of the first.
-        in_place: travel and turn are taken out.
-        open: the last frame, which repeats the first, is left out.
-        straighten: the mean turn of a round is taken out.
-        blend: [s] at either end, over which the gap decays.
-        window: [s] before and after a frame, of which the poses are compared.
-        farthest: [leg lengths] root mean square over the joints: poses that differ by more are no cycle.
-        style: [leg lengths] root mean square over the joints: strides that differ by less from those of the loop are
-            told well enough by it.
+        strides: of one round; None for as few as the style of the walk needs [strides].
+        most_strides: the most that are tried where `strides` is None [strides].
+        start, end: which of the clip become the first and the last one; None for the best. The last frame has the
+            pose of the first [frames].
+        in_place: whether travel and turn are taken out.
+        open: whether the last frame, which repeats the first, is left out.
+        straighten: whether the mean turn of a round is taken out.
+        blend: time at either end, over which the gap decays [s].
+        window: time before and after a frame, of which the poses are compared [s].
+        farthest: poses that differ by more, as root mean square over the joints, are no cycle [leg lengths].
+        style: strides that differ by less from those of the loop, as root mean square over the joints, are told well
+            enough by it [leg lengths].
     """
 
     method: Literal["offset", "kim-neff"] = "offset"
