@@ -64,7 +64,7 @@ def test_contacts_come_back_as_they_were_written(tmp_path: Path, suffix: str) ->
 
 
 def test_labels_say_how_they_can_be_written(tmp_path: Path) -> None:
-    with pytest.raises(footfix.ArgumentError, match=r"\.json, \.csv or \.npz"):
+    with pytest.raises(footfix.ArgumentError, match=r"\.json, \.csv, \.npz or \.npy"):
         footfix.save_contacts(tmp_path / "walk.txt", result().contacts)
     with pytest.raises(footfix.ArgumentError, match="clip= and rig="):
         footfix.save_contacts(tmp_path / "walk.json", result().contacts)
