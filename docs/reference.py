@@ -295,6 +295,7 @@ _PYTHON = {
     "Legs and soles": "find_rig find_rigs Rig Leg SolePoint RigParams",
     "Contacts": "detect Contacts Effector Contact load_contacts save_contacts",
     "Cleaning": "clean clean_figures Result Correction apply Footplant Note",
+    "Loops": "loop Loop",
     "Joint positions": "clean_positions CleanedPositions",
     "Measuring": "measure Measures PlantMeasure skating_ratio weighted_skate physdiff PhysDiff jitter slides",
     "Settings": "make_settings presets Settings",

@@ -6,6 +6,8 @@
     contacts = footfix.detect(walk.clip, rig)
     result = footfix.clean(walk.clip, rig=rig, contacts=contacts)
     footfix.save("walk.clean.bvh", result.clip, like=walk)
+    round = footfix.loop(walk.clip, rig=rig, contacts=contacts)
+    footfix.save("walk.loop.bvh", round.clip)       # a cycle that repeats without a hitch
 
 The names below are imported when they are first used, so that `footfix --help` need not wait for numpy.
 """
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
         save,
     )
     from footfix.api.labels import load_contacts, save_contacts
+    from footfix.api.loops import loop
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
     from footfix.api.reports import clean_file, make_page, make_report, summarize
     from footfix.enforce.correction import Correction
@@ -42,6 +45,7 @@ if TYPE_CHECKING:
     from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
     from footfix.formats.document import Document
     from footfix.job import Outputs
+    from footfix.locomotion.loop import Loop
     from footfix.measure.arrays import PhysDiff, jitter, physdiff, skating_ratio, slides, weighted_skate
     from footfix.measure.clip import Measures
     from footfix.measure.plants import PlantMeasure
@@ -58,6 +62,7 @@ _NAMES = {
         "apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure presets save"
     ),
     "footfix.api.labels": "load_contacts save_contacts",
+    "footfix.api.loops": "loop",
     "footfix.api.positions": "HUMANML3D_NAMES HUMANML3D_PARENTS CleanedPositions clean_positions",
     "footfix.api.reports": "clean_file make_page make_report summarize",
     "footfix.enforce.correction": "Correction",
@@ -65,6 +70,7 @@ _NAMES = {
     "footfix.errors": "ArgumentError FootfixError InputError NoLegsError OutputError UsageError",
     "footfix.formats.document": "Document",
     "footfix.job": "Outputs",
+    "footfix.locomotion.loop": "Loop",
     "footfix.measure.arrays": "PhysDiff jitter physdiff skating_ratio slides weighted_skate",
     "footfix.measure.clip": "Measures",
     "footfix.measure.plants": "PlantMeasure",
@@ -93,6 +99,7 @@ __all__ = [
     "Footplant",
     "InputError",
     "Leg",
+    "Loop",
     "Measures",
     "NoLegsError",
     "Note",
@@ -120,6 +127,7 @@ __all__ = [
     "jitter",
     "load",
     "load_contacts",
+    "loop",
     "make_page",
     "make_report",
     "make_settings",

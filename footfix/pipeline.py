@@ -11,13 +11,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from footfix.detect.run import detect_over
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.put_back import put_back, repeated
 from footfix.enforce.run import enforce, ground_of
+from footfix.locomotion.loop import Loop, make_loop
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
@@ -153,6 +154,46 @@ def clean_figures(
     contacts = contacts or find_contacts(prepared, settings)
     corrected, figures = correct(prepared, contacts, settings)
     return measure_figures(clip, corrected, figures)
+
+
+def loop(
+    clip: Clip, settings: Settings | None = None, *, rig: Rig | None = None, contacts: Contacts | None = None
+) -> Loop:
+    """Cut a seamless cycle out of a walk, close it, and hold its feet where they are planted.
+
+    Args:
+        clip: the motion, metres, y up.
+        settings: the parameters of all steps.
+        rig: legs and soles; found where it is not given.
+        contacts: which sole points are planted when; detected where they are not given.
+
+    Raises:
+        NoLegsError: no legs were found, and no rig was given.
+        InputError: the clip holds no cycle, or not the one that is asked for.
+    """
+    settings = settings or Settings()
+    proper = motion_proper(clip)
+    rig = rig or find_rigs(clip, settings.rig, proper)[0]
+    prepared = prepare(clip, settings, (rig,), proper)
+    return cut_loop(prepared, contacts or find_contacts(prepared, settings), settings)
+
+
+def cut_loop(prepared: Prepared, contacts: Contacts, settings: Settings) -> Loop:
+    """The loop of a prepared clip of one figure; its frames are counted among all of the clip.
+
+    Args:
+        prepared: the clip and its figure.
+        contacts: of that.
+        settings: which cycle, how it is closed, and how contacts are enforced.
+    """
+    rig, motion, asked = prepared.rigs[0], prepared.crops[0], settings.loop
+    start, end = (None if frame is None else frame - motion.start for frame in (asked.start, asked.end))
+    found = make_loop(
+        motion.clip(prepared.clip), rig, motion.contacts(contacts), replace(asked, start=start, end=end),
+        settings.enforce,
+    )  # fmt: skip
+    notes = (*rig.notes, *prepared.notes, *contacts.notes, *found.notes)
+    return replace(found.counted_from(motion.start), notes=notes)
 
 
 def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], proper: slice) -> Prepared:

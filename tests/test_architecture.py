@@ -17,16 +17,17 @@ FLOORS = [
     {"motion"},
     {"rig", "arguments"},
     {"detect", "enforce", "measure"},
+    {"locomotion"},
     {"formats"},
     {"settings", "configs"},
     {"pipeline", "config", "listing"},
     {"report"},
     {"job"},
-    {"inspection"},
+    {"inspection", "looping"},
     {"batch", "api"},
     {"cli", "__main__", "__init__"},
 ]
-NUMERIC = {"motion", "rig", "detect", "enforce", "measure"}
+NUMERIC = {"motion", "rig", "detect", "enforce", "measure", "locomotion"}
 DOORS_ONLY = {"click", "yaml", "json", "pathlib", "logging"}
 MODULES = sorted(path for path in PACKAGE.rglob("*.py"))
 

@@ -11,7 +11,7 @@ from typing import Any
 from footfix.batch.files import read_whole, write_whole
 from footfix.batch.task import CONTACTS, REPORT, FileResult
 from footfix.errors import FootfixError, InputError
-from footfix.report.again import Again, clean_again
+from footfix.report.again import Again, clean_again, clean_loop_again
 from footfix.settings import Layer, ReportParams, Settings, compose
 
 
@@ -75,6 +75,8 @@ def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again 
     clip = source if source is not None and source.is_file() else folder / Path(str(name)).name
     contacts = path.with_name(path.name.removesuffix(REPORT) + CONTACTS)
     settings = compose([Layer("report", report.get("settings") or {})])
+    if report.get("loop"):
+        return clean_loop_again(path.with_name(str(output)), contacts, settings)
     return clean_again(clip, path.with_name(str(output)), contacts, settings)
 
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -39,6 +39,11 @@ def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
 def clean_one(task: Task) -> FileResult:
     """Cleans one clip and writes its outputs, the report last: where that is, all of it is."""
     return _guarded(task, _clean)
+
+
+def loop_one(task: Task) -> FileResult:
+    """Cuts a loop out of one clip and writes its outputs, the report last."""
+    return _guarded(task, _loop)
 
 
 def detect_one(task: Task) -> FileResult:
@@ -102,22 +107,42 @@ def _clean(task: Task) -> FileResult:
     from footfix.job import clean_file
     from footfix.report.again import clean_again
 
+    job, again = task.job, None
+    if job.target is not None and job.source != STDIN:
+        here = Path(task.folder)
+        again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
+
+    def make(data: bytes, name: str, settings: Settings, *, labels: Labels | None, output: str | None) -> Outputs:
+        own, leave = its_own(task, data), ""
+        if own is not None:
+            labels = contacts_of(own)
+            leave = f"footfix wrote this file, as {own['file']} says, so it stays as it is; --anew cleans it again"
+        return clean_file(data, name, settings, labels=labels, output=output, again=again, leave=leave)
+
+    return _made(task, make)
+
+
+def _loop(task: Task) -> FileResult:
+    from footfix.looping import loop_file
+    from footfix.report.again import clean_loop_again
+
+    job, again = task.job, None
+    if job.target is not None:
+        here = Path(task.folder)
+        again = clean_loop_again(here / job.target, here / job.beside(CONTACTS), task.settings)
+    return _made(task, partial(loop_file, again=again), "loop")
+
+
+def _made(task: Task, make: Callable[..., Outputs], what: str = "") -> FileResult:
+    """What `make` makes of a clip's bytes, written; `what` tells it from what cleaning makes of the same bytes."""
     job = task.job
     data = _read(task)
-    key = fingerprint(data, task.settings, task.labels)
+    key = what + fingerprint(data, task.settings, task.labels)
     done = _finished(task, key) if task.resume else None
     if done is not None:
         return done
     output = None if job.target is None else job.target.name
-    again = None
-    if job.target is not None and job.source != STDIN:
-        here = Path(task.folder)
-        again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
-    labels, leave, own = task.labels, "", its_own(task, data)
-    if own is not None:
-        labels = contacts_of(own)
-        leave = f"this file is what footfix wrote, as {own['file']} says, so it stays as it is; --anew cleans it again"
-    outputs = clean_file(data, job.source, task.settings, labels=labels, output=output, again=again, leave=leave)
+    outputs = make(data, job.source, task.settings, labels=task.labels, output=output)
     report = {**outputs.report, "fingerprint": key, "output_sha256": hashlib.sha256(outputs.motion).hexdigest()}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
     _write(task, files)
@@ -212,6 +237,7 @@ def digest(report: Mapping[str, Any]) -> dict[str, Any]:
     kept = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "outcome", "reason")
     return {
         **{key: report[key] for key in ("source", "status", "method", "before", "after", "correction", "notes")},
+        **({"loop": report["loop"]} if "loop" in report else {}),
         "plants": [{key: plant[key] for key in kept} for plant in report["plants"]],
     }
 

@@ -24,6 +24,7 @@ from footfix.version import __version__
 # Each command lies in the module of its name, as the function of its name.
 COMMANDS = {
     "clean": "Take the foot skate out of clips.",
+    "loop": "Cut a seamless cycle out of a captured walk or run.",
     "detect": "Find contacts only, as labels.",
     "check": "Measure clips and hold them against gates; change nothing.",
     "inspect": "Say what is in a file: rig, units, floor, and everything odd about it.",

@@ -38,6 +38,7 @@ class PinParams:
         keep_slide: a plant that slides no farther (2 mm of a grown-up) and is as near to its floor as below stays as
             it is [leg lengths].
         keep_height: distance from its floor up to which it may stay as it is [leg lengths].
+        keep_rested: whether a plant that a program has put to rest in most of its frames stays as it is, too.
         edge: time at both ends of a detected contact in which the foot may still land or leave [s].
         edge_weight: weight of a pin at the outermost frame of these, of its own [share].
         ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
@@ -49,6 +50,7 @@ class PinParams:
 
     keep_slide: float = 0.0022
     keep_height: float = 0.0055
+    keep_rested: bool = True
     edge: float = 0.015
     edge_weight: float = 0.05
     ankle: float = 0.4
@@ -219,7 +221,7 @@ def kept(
     """Tell for each plant whether it stands well enough as it is.
 
     It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in most of its
-    frames as only what a program has put to rest does.
+    frames as only what a program has put to rest does, where `keep_rested` says so.
 
     Args:
         plants: of the clip.
@@ -239,7 +241,7 @@ def kept(
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         still = _still(cores, track, level, leg_length, heights, params)
         rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
-        for plant, keep in zip(own, (still | rests).tolist(), strict=True):
+        for plant, keep in zip(own, (still | (rests & params.keep_rested)).tolist(), strict=True):
             found[plant.id] |= keep
     return tuple(found)
 

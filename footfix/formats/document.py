@@ -1,7 +1,7 @@
 """The seam between files and clips: what the rest of the house asks of a file of motion, whatever its format.
 
-A format is a module or package with `decode`, `rewrite`, `glance` and `repair`, named in `footfix.formats.suffixes`;
-it may have `legible`, too.
+A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
+`footfix.formats.suffixes`; it may have `legible`, too.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from footfix.formats.bvh.text import Limits
 from footfix.formats.suffixes import MOTION
-from footfix.motion.clip import Clip
+from footfix.motion.clip import Clip, Ints
 from footfix.notes import Note
 
 _LIMITS = Limits()
@@ -102,6 +102,18 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
     """
     written: tuple[bytes, Clip] = _format(document.name).rewrite(document, clip, limits=limits)
     return written
+
+
+def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Document:
+    """A document with some of the frames of another one, each written as it was.
+
+    Args:
+        document: the file.
+        frames: which of its frames, in their new order; a frame may come more than once.
+        limits: beyond these it can't be read again.
+    """
+    selected: Document = _format(document.name).select(document, frames, limits=limits)
+    return selected
 
 
 def glance(head: bytes, *, name: str = "", limits: Limits = _LIMITS) -> None:

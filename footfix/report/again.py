@@ -12,7 +12,7 @@ from pathlib import Path
 
 from footfix.settings import Settings, flat, plain
 
-_NOT_REPEATED = ("gates", "limits", "report")  # they change nothing of how a clip is cleaned
+_NOT_REPEATED = ("gates", "limits", "loop", "report")  # they change nothing of how a clip is cleaned
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,17 @@ def clean_again(source: Path, target: Path, contacts: Path, settings: Settings) 
             words += ["--set", f"{path}={json.dumps(plain(value), ensure_ascii=False)}"]
     words += ["--labels", contacts.name, "--force"]
     return Again(contacts.name, quoted(words))
+
+
+def clean_loop_again(target: Path, contacts: Path, settings: Settings) -> Again:
+    """The command that cleans a loop itself from edited contacts, which are of its frames, into a folder beside it.
+
+    Args:
+        target: path of the loop.
+        contacts: path of its contacts file.
+        settings: those that held when it was made.
+    """
+    return clean_again(target, target.parent / "cleaned" / target.name, contacts, settings)
 
 
 def _seen_from(folder: Path, path: Path) -> str:

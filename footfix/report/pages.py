@@ -13,6 +13,7 @@ from footfix.formats.document import open_document
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.report.again import Again
+from footfix.report.loops import captured, seen_as
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
@@ -84,17 +85,21 @@ def redraw(
     except (KeyError, TypeError, ValueError):
         raise InputError("the report does not say the clip's unit and up axis") from None
     name = str((report.get("source") or {}).get("file", ""))
-    before, after = (
+    clip, after = (
         open_document(data, name=name).placed(unit_m=unit_m, up=up).clip for data in (source, written)
     )
+    loop = report["loop"] if isinstance(report.get("loop"), Mapping) else None
+    before = clip if loop is None else captured(clip, loop)
     if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params, again)[0]
     told = _told(report)
-    rigs = find_rigs(before, told.rig)
+    rigs = find_rigs(clip, told.rig)
     whole = joined(rigs)
     belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
+    if loop is not None:
+        before = seen_as(before, whole, loop)
     return draw(before, after, whole, report, contacts, params, again, belt)[0]
 
 

@@ -9,12 +9,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import exports
 import numpy as np
 import pytest
 from chromium_driver import Browser, Page
 from report_sample import HOSTILE, contacts_document, corrected, labelled, motion, report_document, rig, walker
+from walker import make
+from walker_gaits import Gait
 
 from footfix.formats import contacts as labels_format
+from footfix.locomotion.params import LoopParams
+from footfix.looping import loop_file
 from footfix.measure.seen import posed, seen_of
 from footfix.motion.contacts import Contact
 from footfix.report.offenders import worst_plants
@@ -22,6 +27,7 @@ from footfix.report.web.index import IndexRow, render_index
 from footfix.report.web.motion import film
 from footfix.report.web.pack import pack, quantize
 from footfix.report.web.page import PageData, asset, render
+from footfix.settings import Settings
 
 FRAMES = 720
 SHIFT, CTRL = 8, 2
@@ -198,8 +204,8 @@ def test_the_figure_is_shown_before_after_both_and_side_by_side(page: Page) -> N
         assert page.run("document.querySelector('#stage').toDataURL()") == seen[which], which
 
 
-_PARTS = ("codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "seen.js", "floor.js", "stage.js",
-          "contacts.js", "knees.js")  # fmt: skip
+_PARTS = ("codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "seen.js",
+          "floor.js", "stage.js", "contacts.js", "knees.js")  # fmt: skip
 _LOADED = """
 const data = JSON.parse(document.getElementById("data").textContent);
 const motion = readMotion(data.motion);
@@ -544,3 +550,27 @@ def test_a_clip_of_nothing_and_a_long_one_open_too(browser: Browser, tmp_path: P
     page.key("Home")
     page.key("ArrowRight")
     assert frame(page) == 3
+
+
+@pytest.mark.parametrize("asked", [{}, {"in_place": True}, {"open": True}], ids=["closed", "in place", "open"])
+def test_a_loop_plays_round_after_round_and_complains_of_nothing(
+    browser: Browser, tmp_path: Path, asked: dict[str, bool]
+) -> None:
+    clip = exports.bvh(make(Gait(name="curve", duration=4.0, fps=30.0)).clip)
+    made = loop_file(clip, "walk.bvh", Settings(loop=LoopParams(**asked)))  # type: ignore[arg-type]
+    (tmp_path / "loop.html").write_bytes(made.pages[".report.html"])
+    page = browser.open(tmp_path / "loop.html")
+    page.settle()
+    assert "a loop of" in page.run("document.body.textContent")
+    page.run("document.activeElement.blur()")
+    page.key("End")
+    assert frame(page) == made.report["loop"]["frames"] - 1
+    page.click("#play")
+    for which in ("both", "beside"):  # the end of a round is followed by the next one's first frames
+        page.click(f"[data-figures={which}]")
+        for _ in range(2):
+            page.wait("Number(document.querySelector('#scrub').value) < 10")
+            page.wait("Number(document.querySelector('#scrub').value) > 15")
+    page.click("#play")
+    assert inks(page, "#stage") > 10
+    assert (page.complaints, page.requests) == ([], [])

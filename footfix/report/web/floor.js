@@ -2,11 +2,11 @@
 
 /** Floor squares that grow with the distance, fading out away from the target. */
 function drawGrid(stage) {
-  const { camera, context, theme, motion } = stage;
+  const { camera, context, theme, motion, rounds } = stage;
   stage.square = roundStep(camera.distance * 0.11);
   const reach = 14;
-  const cx = Math.round((camera.target[0] + camera.pan[0]) / stage.square);
-  const cz = Math.round((camera.target[2] + camera.pan[2]) / stage.square);
+  const under = rounds.out(camera.target.map((t, k) => t + camera.pan[k]));
+  const [cx, cz] = [Math.round(under[0] / stage.square), Math.round(under[2] / stage.square)];
   const { floor } = motion;
   context.strokeStyle = theme.line;
   context.lineWidth = 1;
@@ -25,7 +25,7 @@ function drawGrid(stage) {
   layers.forEach((segments, k) => {
     context.beginPath();
     for (const [a, b] of segments) {
-      const line = camera.segment(a, b);
+      const line = camera.segment(rounds.home(a), rounds.home(b));
       if (!line) continue;
       context.moveTo(line[0][0], line[0][1]);
       context.lineTo(line[1][0], line[1][1]);

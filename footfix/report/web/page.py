@@ -14,6 +14,7 @@ from typing import Any
 
 from footfix.report import words
 from footfix.report.again import Again, quoted
+from footfix.report.loops import round_of
 from footfix.report.verdict import Report, entries, judge, number, source_name
 from footfix.report.web import sections
 from footfix.report.web.chart import chart
@@ -23,9 +24,9 @@ from footfix.report.web.motion import Lines, Motion, packed
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "seen.js", "floor.js", "stage.js",
-    "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js", "pointer.js", "editor.js", "table.js",
-    "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "seen.js", "floor.js",
+    "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js", "pointer.js", "editor.js",
+    "table.js", "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
 )  # fmt: skip
 
 
@@ -86,7 +87,7 @@ def render(data: PageData) -> str:
         length=_length(data.motion),
         tiles=sections.tiles(report, verdict),
         fate=text(sections.fate(report)),
-        released=sections.released_list(report),
+        released=sections.loop_list(report) + sections.released_list(report),
         notes=sections.notes_list(entries(report, "notes")),
         viewer=_viewer(data),
         above=asset("above.html") if data.motion else "",
@@ -136,7 +137,7 @@ def _data(data: PageData) -> str:
         return ""
     document = {
         "contacts": _finite(data.contacts),
-        "motion": packed(data.motion, data.lines),
+        "motion": {**packed(data.motion, data.lines), "round": round_of(data.report)},
         "plants": [_fate(plant) for plant in entries(data.report, "plants")],
     }
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'

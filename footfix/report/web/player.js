@@ -10,6 +10,7 @@ class Player {
     this.listeners = new Set();
     this.clock = 0; // when the last frame was counted [ms]
     this.rest = 0; // of a frame, that has passed already
+    this.rounds = 0; // of a loop, that have been played
   }
 
   /** The frame of the clip that is shown. */
@@ -23,7 +24,8 @@ class Player {
 
   /** The shown frames that playing runs over, both included. */
   get range() {
-    const last = this.motion.shown - 1;
+    const { shown, round } = this.motion;
+    const last = shown - (round?.closed && !this.loop ? 2 : 1);
     if (!this.loop) return [0, last];
     const from = Math.min(last, Math.max(0, Math.floor(this.loop.from / this.motion.step)));
     return [from, Math.max(from, Math.min(last, Math.ceil(this.loop.to / this.motion.step)))];
@@ -37,7 +39,7 @@ class Player {
   seek(frame) {
     const index = Math.round(frame / this.motion.step);
     this.index = Math.max(0, Math.min(this.motion.shown - 1, index));
-    this.rest = 0;
+    this.rest = this.rounds = 0;
     this.changed();
   }
 
@@ -71,6 +73,7 @@ class Player {
   /** Loops over frames of the clip; null for all of it. */
   loopOver(stretch) {
     this.loop = stretch;
+    this.rounds = 0;
     const [from, to] = this.range;
     if (this.index < from || this.index > to) this.index = from;
     this.changed();
@@ -87,7 +90,9 @@ class Player {
       this.rest -= whole;
       const [from, to] = this.range;
       const length = to - from + 1;
-      this.index = from + ((this.index - from + whole) % length);
+      const ahead = this.index - from + whole;
+      this.index = from + (ahead % length);
+      if (this.motion.round && !this.loop) this.rounds += Math.floor(ahead / length);
       this.changed();
     }
     requestAnimationFrame((next) => this.tick(next));

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from footfix.measure.plants import NOTICED_MM
 from footfix.report import words
+from footfix.report.loops import loop_lines
 from footfix.report.text import released
 from footfix.report.verdict import (
     Report,
@@ -116,6 +117,11 @@ def fate(report: Report) -> str:
     """What became of the plants, in a line."""
     counts = Counter(str(plant.get("outcome")) for plant in entries(report, "plants"))
     return ", ".join(f"{counts[key]} {words}" for key, words in _FATES if counts[key])
+
+
+def loop_list(report: Report) -> str:
+    """A loop in words."""
+    return "".join(f"<li>{text(line)}</li>" for line in loop_lines(report))
 
 
 def released_list(report: Report) -> str:

@@ -10,7 +10,8 @@ class Stage {
     this.sides = sidesOf(motion);
     this.feet = feetOf(motion, contacts.effectors);
     this.seen = new Seen(motion, contacts);
-    this.path = smoothPath(motion);
+    this.rounds = new Rounds(motion, player);
+    this.path = motion.round ? this.rounds.path(rootPath(motion)) : smoothPath(motion);
     this.frame(null);
     this.view("three-quarter");
   }
@@ -72,6 +73,7 @@ class Stage {
     const { context, width, height } = fit(this.canvas);
     this.context = context;
     this.theme = theme;
+    this.rounds.turn(this.camera);
     if (this.closeUp) this.camera.target = this.closeUp.target;
     else if (this.show.follow) this.camera.target = this.restingTarget();
     context.clearRect(0, 0, width, height);
@@ -128,6 +130,8 @@ class Stage {
   }
 
   point(points, lane, index = this.player.index) {
+    if (index < 0) return this.rounds.moved(this.point(points, lane, index + roundLength(this.motion)), -1);
+    if (index < 0) return this.rounds.moved(this.point(points, lane, index + roundLength(this.motion)), -1);
     const at = (index * this.motion.soles.length + lane) * 3;
     return [points[at], points[at + 1], points[at + 2]];
   }
@@ -174,7 +178,8 @@ class Stage {
   drawTrails(when, ghost) {
     const { motion, player, theme } = this;
     const length = Math.round(1 / (motion.frameTime * motion.step));
-    const first = Math.max(0, player.index - length);
+    const earliest = player.rounds ? -roundLength(motion) : 0; // a trail goes on over the seam of a loop
+    const first = Math.max(earliest, player.index - length);
     const track = (points, lane) => {
       const places = [];
       for (let i = first; i <= player.index; i++) places.push(this.point(points, lane, i));

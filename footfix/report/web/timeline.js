@@ -158,6 +158,7 @@ class Timeline {
 
   drawStill(context, theme) {
     this.drawRuler(context, theme);
+    drawSeam(context, theme, this);
     for (let lane = 0; lane < this.rows; lane++) {
       this.drawLabels(context, theme, lane);
       context.save();

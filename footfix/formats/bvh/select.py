@@ -1,0 +1,49 @@
+"""Some frames of a file as a file: the hierarchy and every row as they stand, and another number of frames."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from footfix.formats.bvh.document import Document
+from footfix.formats.bvh.read import decode
+from footfix.formats.bvh.rows import offset_of
+from footfix.formats.bvh.text import Limits
+from footfix.motion.clip import Ints
+
+_LIMITS = Limits()
+_FRAMES = re.compile(rb"(frames?(?![ \t_]*time)(?:[ \t_]*count)?\b[ \t]*[:=]?[ \t]*)[^\s:=]+", re.IGNORECASE)
+
+
+def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
+    """The document of some frames.
+
+    Args:
+        document: the file.
+        frames: which of its frames, in their new order; a frame may come more than once.
+        limits: beyond these it can't be read again.
+
+    Returns:
+        A document whose text holds the header of the file, with the new number of frames, and the rows of those
+        frames as they are written; what it says of unit, axes and oddities is the file's.
+    """
+    which = np.asarray(frames, dtype=np.intp)
+    text, rows = document.text, document.rows
+    newline = b"\r\n" if b"\r\n" in text[:1000] else b"\n" if b"\n" in text[:1000] else b"\r"
+    head = text[: document.motion_at] + _FRAMES.sub(
+        lambda found: found[1] + b"%d" % len(which), text[document.motion_at : rows.start], count=1
+    )
+    pieces = []
+    for run in np.split(which, np.flatnonzero(np.diff(which) != 1) + 1):
+        start, last = offset_of(rows, int(run[0]), 0), int(run[-1]) + 1
+        stop = offset_of(rows, last, 0) if last < document.frames else rows.stop
+        pieces.append(text[start:stop].strip())
+    body = newline.join(pieces)
+    new = decode(head.rstrip() + newline + body + newline, name=document.name, limits=limits)
+    return replace(
+        new, encoding=document.encoding, notes=document.notes, base=document.base, frame_time=document.frame_time,
+        unit_m=document.unit_m, up=document.up,
+    )  # fmt: skip

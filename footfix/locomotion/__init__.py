@@ -1,0 +1,1 @@
+"""New motion out of captured motion."""

@@ -1,0 +1,226 @@
+"""Closing a cycle: its last frame becomes its first one, moved on by one round, with the velocity of the first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.errors import InputError
+from footfix.locomotion.cloud import fit
+from footfix.locomotion.cuts import Cut
+from footfix.locomotion.params import LoopParams
+from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints
+from footfix.rig.rig import Rig
+
+_BESIDE = 1.0 / 30.0  # [s] before and after a frame, over which its velocity is taken
+_RATIO = 0.5  # of the gap that the start takes; the end takes the rest
+_SLOPE = 0.4  # of the time in which a gap decays, that its slope does in: joints swing out less, and seams are as calm
+_FEWEST = 4  # frames that K's blend needs to be one
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """A closed cycle.
+
+    Args:
+        clip: L + 1 frames; the last one is the first moved by `travel`.
+        start: the frame of the captured clip that became the first.
+        travel: of one round.
+    """
+
+    clip: Clip
+    start: int
+    travel: Travel
+
+
+def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
+    """Close a cut.
+
+    Args:
+        clip: F frames.
+        rig: its root.
+        cut: the cycle in it.
+        params: by which method.
+
+    Raises:
+        InputError: the method finds no room for its blend.
+    """
+    root, travel = carrier(clip, rig), fit(clip, rig, cut.start, cut.end, params.window)
+    if params.method == "kim-neff":
+        return _blended(clip, root, cut, travel)
+    tau = min(params.blend, 0.5 * (cut.end - cut.start) * clip.frame_time)
+    return Closed(_offset(clip, root, cut, travel, tau), cut.start, travel)
+
+
+@dataclass(frozen=True, eq=False)
+class Decay:
+    """How a gap of value and slope decays over the frames of a cycle, from both of its ends.
+
+    Cubics that begin with a value, or a slope, and end at rest at zero.
+
+    Args:
+        value_ahead, slope_ahead: (F,) what is left of them after the start, the slope [s].
+        value_behind, slope_behind: (F,) before the end.
+    """
+
+    value_ahead: Floats
+    slope_ahead: Floats
+    value_behind: Floats
+    slope_behind: Floats
+
+    def ahead(self, gap: Floats, speed: Floats) -> Floats:
+        """(F, 3) the start's share of a gap (3,) and of its change (3,) [1/s]."""
+        return _RATIO * (np.multiply.outer(self.value_ahead, gap) + np.multiply.outer(self.slope_ahead, speed))
+
+    def behind(self, gap: Floats, speed: Floats) -> Floats:
+        """(F, 3) the end's share, which takes away what the start adds."""
+        rest = 1.0 - _RATIO
+        return rest * (np.multiply.outer(self.slope_behind, speed) - np.multiply.outer(self.value_behind, gap))
+
+
+def decay(frames: int, frame_time: float, tau: float) -> Decay:
+    """The decay of a gap over `tau` [s] at either end of some frames; of its slope sooner."""
+    time: Floats = np.asarray(np.arange(frames) * frame_time, dtype=np.float64)
+    parts = []
+    for since in (time, time[-1] - time):
+        u, w = (np.clip(since / part, 0.0, 1.0) for part in (tau, _SLOPE * tau))
+        parts += [(1.0 - u) ** 2 * (1.0 + 2.0 * u), (1.0 - w) ** 2 * w * _SLOPE * tau]
+    return Decay(*parts)
+
+
+def _offset(clip: Clip, root: int, cut: Cut, travel: Travel, tau: float) -> Clip:
+    """The gap of position, rotation and velocity is shared by both ends, and decays from either.
+
+    A joint is so moved by half of what a blend on one side moves it. Rotations are offset by a rotation vector on
+    the left, what carries the figure in the frame of the travel.
+
+    Source: D. Holden, Creating looping animations from motion capture, theorangeduck.com 2022.
+    """
+    whole, dt = slice(cut.start, cut.end + 1), clip.frame_time
+    out = clip.frames(whole)
+    fade = decay(len(out), dt, tau)
+    some = (fade.value_ahead > 0.0) | (fade.value_behind > 0.0)
+    places, turns = dict[int, Floats](), dict[int, Floats]()
+    for joint in range(len(clip.skeleton)):
+        if joint in clip.skeleton.ancestors(root):
+            continue
+        gap = _place_gap(clip.place(joint), cut, dt)
+        if np.any(gap):
+            places[joint] = np.array(out.place(joint), order="F")
+            places[joint][some] += (fade.ahead(*gap) + fade.behind(*gap))[some]
+        gap = _turn_gap(clip.turn(joint), cut, dt)
+        if np.any(gap):
+            off = rotation.from_rotation_vector((fade.ahead(*gap) + fade.behind(*gap))[some])
+            turns[joint] = np.array(out.turn(joint), order="F")
+            turns[joint][some] = rotation.multiply(off, turns[joint][some])
+    place, turn = root_in_world(clip, root)
+    gap = _place_gap(place, cut, dt, travel)
+    place_out = place[whole] + fade.ahead(*gap) + rotation.rotate(travel.turn, fade.behind(*gap))
+    gap = _turn_gap(turn, cut, dt, travel)
+    behind = rotation.from_rotation_vector(rotation.rotate(travel.turn, fade.behind(*gap)))
+    off = rotation.multiply(rotation.from_rotation_vector(fade.ahead(*gap)), behind)
+    turn_out = np.where(some[:, None], rotation.multiply(off, turn[whole]), turn[whole])
+    return _exactly(with_root(out.with_joints(places, turns), root, place_out, turn_out), root, travel)
+
+
+def _place_gap(place: Floats, cut: Cut, dt: float, travel: Travel | None = None) -> tuple[Floats, Floats]:
+    """(3,) [m] and (3,) [m/s] from the start of a track to its end, moved back by the travel."""
+    (a, b), (va, vb) = place[[cut.start, cut.end]], (_velocity(place, f, dt) for f in (cut.start, cut.end))
+    if travel is not None:
+        b, vb = travel.places_back(b), rotation.rotate(rotation.inverse(travel.turn), vb)
+    return b - a, vb - va
+
+
+def _velocity(place: Floats, frame: int, dt: float) -> Floats:
+    low, high = _beside(frame, len(place), dt)
+    return np.asarray((place[high] - place[low]) / ((high - low) * dt))
+
+
+def _beside(frame: int, frames: int, dt: float) -> tuple[int, int]:
+    """The frames between which the velocity of a frame is taken."""
+    n = max(1, round(_BESIDE / dt))
+    return max(frame - n, 0), min(frame + n, frames - 1)
+
+
+def _turn_gap(turn: Floats, cut: Cut, dt: float, travel: Travel | None = None) -> tuple[Floats, Floats]:
+    """(3,) [rad] and (3,) [rad/s], as rotation vectors on the left, from the start of a track to its end."""
+    (a, b), (va, vb) = turn[[cut.start, cut.end]], (_spin(turn, f, dt) for f in (cut.start, cut.end))
+    if travel is not None:
+        back = rotation.inverse(travel.turn)
+        b, vb = rotation.multiply(back, b), rotation.rotate(back, vb)
+    return rotation.to_rotation_vector(rotation.multiply(b, rotation.inverse(a))), vb - va
+
+
+def _spin(turn: Floats, frame: int, dt: float) -> Floats:
+    low, high = _beside(frame, len(turn), dt)
+    step = rotation.multiply(turn[high], rotation.inverse(turn[low]))
+    return np.asarray(rotation.to_rotation_vector(step) / ((high - low) * dt))
+
+
+def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
+    """The last frame is the first, to the last bit; the root's moved on."""
+    joints = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
+    places, turns = dict[int, Floats](), dict[int, Floats]()
+    for joint in joints:
+        for track, into in ((clip.place(joint), places), (clip.turn(joint), turns)):
+            if np.any(track[-1] != track[0]):
+                into[joint] = np.array(track, order="F")
+                into[joint][-1] = track[0]
+    closed = clip.with_joints(places, turns)
+    place, turn = (np.array(each, order="F") for each in root_in_world(closed, root))
+    place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
+    return with_root(closed, root, place, turn)
+
+
+def _blended(clip: Clip, root: int, cut: Cut, travel: Travel) -> Closed:
+    """The frames after the end are blended into those after the start: the last ones first, then the first ones.
+
+    The window is what is left of the shorter of both plants, N_b = min(F_fs - F_s, F_fe - F_e) frames, of which the
+    first half is put behind the end and the second in the start's place. So the cycle starts in mid-blend, its
+    length stays.
+
+    Source: K 5.2. Put right: w rises from 0 to 1 (as printed it runs from 1 to 2, and eq. 1 and 2 want opposite
+    ones), `R = (1 - w) R_a + w R_b`, `q = slerp(q_a, q_b, w)` with a after the end and b after the start; and the
+    root's height is blended like its place (left as it is, it leaps at the seam).
+    """
+    left = [end - frame - 1 for (_, end), frame in zip(cut.stands, (cut.start, cut.end), strict=True)]
+    window = min(*left, len(clip) - cut.end) // 2 * 2
+    if window < _FEWEST:
+        raise InputError(
+            f"{max(window, 0)} frames are left of the plants at frames {cut.start} and {cut.end}, too few to blend",
+            hint="--method offset needs no plant there",
+        )
+    half, length = window // 2, cut.end - cut.start
+    out = clip.frames(slice(cut.start + half, cut.end + half + 1))
+    i = np.arange(window)
+    w = 0.5 - 0.5 * np.cos(np.pi * (i + 0.5) / window)
+    a, b = cut.end + i, cut.start + i
+    where = np.concatenate([np.arange(length - half, length), np.arange(half)])  # in the cycle
+    places, turns = dict[int, Floats](), dict[int, Floats]()
+    for joint in range(len(clip.skeleton)):
+        if joint in clip.skeleton.ancestors(root):
+            continue
+        place, turn = clip.place(joint), clip.turn(joint)
+        if np.any(place[a] != place[b]):
+            places[joint] = np.array(out.place(joint), order="F")
+            places[joint][where] = (1.0 - w)[:, None] * place[a] + w[:, None] * place[b]
+        if np.any(turn[a] != turn[b]):
+            turns[joint] = np.array(out.turn(joint), order="F")
+            turns[joint][where] = rotation.slerp(turn[a], turn[b], w)
+    out = out.with_joints(places, turns)
+    place, turn = _root_blended(clip, root, a, b, w, travel)
+    whole = [np.array(each, order="F") for each in root_in_world(out, root)]
+    whole[0][where[:half]], whole[1][where[:half]] = place[:half], turn[:half]
+    whole[0][where[half:]] = travel.places_back(place[half:])
+    whole[1][where[half:]] = rotation.multiply(rotation.inverse(travel.turn), turn[half:])
+    return Closed(_exactly(with_root(out, root, *whole), root, travel), cut.start + half, travel)
+
+
+def _root_blended(clip: Clip, root: int, a: Ints, b: Ints, w: Floats, travel: Travel) -> tuple[Floats, Floats]:
+    """The root after the end, blended into that after the start moved on by one round."""
+    place, turn = root_in_world(clip, root)
+    place_b, turn_b = travel.places(place[b]), rotation.multiply(travel.turn, turn[b])
+    return (1.0 - w)[:, None] * place[a] + w[:, None] * place_b, rotation.slerp(turn[a], turn_b, w)

@@ -1,0 +1,251 @@
+"""A seamless cycle out of a captured walk: cut, closed, and cleaned as a cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.correction import Correction
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.run import EnforceParams
+from footfix.errors import InputError
+from footfix.locomotion.closing import Closed, close
+from footfix.locomotion.cuts import Cut, find_cuts
+from footfix.locomotion.known import closed_travel, completed, whole_cycle
+from footfix.locomotion.params import LoopParams
+from footfix.locomotion.rounds import hold
+from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
+from footfix.locomotion.settle import settled
+from footfix.locomotion.strides import count_strides
+from footfix.locomotion.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
+from footfix.locomotion.wrapped import wrapped
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints, frozen
+from footfix.motion.contacts import Contacts
+from footfix.notes import Note
+from footfix.rig.rig import Rig
+
+_OTHERS = 3  # next best cuts that are told
+_NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
+_SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
+_TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A seamless cycle.
+
+    Args:
+        clip: as it is to be written: closed (the last frame is the first, moved on by one round), or without the last
+            frame where that was asked for; on the spot where that was.
+        round: L + 1 frames: the same closed and with its travel.
+        captured: L + 1 frames of the clip that it was cut from.
+        closed: the same as they were closed, before plants were held.
+        rig: legs, soles, scale and floor.
+        contacts: of `round`.
+        start, end: the frames of the captured clip that became the first and the last one.
+        frames: (n,) which frame of the captured clip each of `clip` was.
+        strides: how many it has.
+        travel: of one round, over the floor; its `yaw` is the turn.
+        seam: what was joined, and what became of it.
+        plants, correction, notes, ground: what cleaning did to the closed cycle (`enforce.Enforcement`).
+        others: the next best cuts.
+    """
+
+    clip: Clip
+    round: Clip
+    captured: Clip
+    closed: Clip
+    rig: Rig
+    contacts: Contacts
+    start: int
+    end: int
+    frames: Ints
+    strides: int
+    travel: Travel
+    seam: Seam
+    plants: tuple[Footplant, ...]
+    correction: Correction
+    notes: tuple[Note, ...]
+    ground: Floats
+    others: tuple[Cut, ...] = ()
+
+    def counted_from(self, first: int) -> Loop:
+        """The same with frames counted in a clip in which its own begins at a frame."""
+        others = tuple(replace(cut, start=cut.start + first, end=cut.end + first) for cut in self.others)
+        start, end = self.start + first, self.end + first
+        return replace(self, start=start, end=end, frames=frozen(self.frames + first, np.intp), others=others)
+
+    @property
+    def seconds(self) -> float:
+        """[s] of one round."""
+        return (len(self.round) - 1) * self.round.frame_time
+
+    @property
+    def turn(self) -> float:
+        """[rad] by which a round turns the figure, to the left."""
+        return self.travel.yaw
+
+    @property
+    def travel_of_root(self) -> tuple[float, float]:
+        """(x, z) [m] from where the root is first to where it is one round later."""
+        place = root_in_world(self.round.frames(np.array([0, len(self.round) - 1])), carrier(self.round, self.rig))[0]
+        return float(place[1, 0] - place[0, 0]), float(place[1, 2] - place[0, 2])
+
+    @property
+    def distance(self) -> float:
+        """[m] that the root goes in one round, along the arc."""
+        place = root_in_world(self.round.frames(slice(0, 1)), carrier(self.round, self.rig))[0][0]
+        straight = self.travel.about(place).straight()
+        return float(np.hypot(straight.x, straight.z))
+
+    @property
+    def speed(self) -> float:
+        """[m/s] over the floor."""
+        return self.distance / self.seconds
+
+
+def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding: EnforceParams) -> Loop:
+    """Cut a cycle out of a clip, close it, and hold its feet where they are planted, over the seam too.
+
+    Args:
+        clip: F frames, metres, y up, all of them motion.
+        rig: its legs, soles and floor.
+        contacts: when each sole point is planted; the effectors in the order of `rig.soles`.
+        params: which cycle, and how it is closed and written.
+        holding: how footplants are enforced.
+
+    Raises:
+        InputError: the clip holds no cycle, or not the one that is asked for.
+    """
+    known = _known(clip, rig, contacts, params)
+    if known is not None:
+        return known
+    frames = len(clip)
+    clip, cuts = _cut(clip, rig, contacts, params)
+    cut, closed = _calmest(clip, rig, cuts, params)
+    others = [each for each in cuts if each is not cut]
+    length = cut.end - cut.start
+    captured = clip.frames(slice(closed.start, closed.start + length + 1))
+    gap = apart(clip, rig, cut.start, cut.end, closed.travel)
+    moved = changes(captured, closed.clip, rig)
+    start, travel = closed.clip, closed.travel
+    if params.straighten:
+        start, travel = straightened(start, carrier(start, rig), travel)
+    within = wrapped(contacts, closed.start, length)
+    held = hold(start, rig, within, travel, holding)
+    done = held.clip if np.any(held.found.ground) else settled(held.clip, rig, held.found.plants, travel)
+    found = ratios(done, rig, travel)
+    far = slide(done, rig, held.found.plants, travel, held.found.ground)
+    seam = Seam(
+        *_told(gap), *_told(moved), *found, slide_mm=None if far is None else 1000.0 * far
+    )  # fmt: skip
+    return Loop(
+        clip=as_written(done, rig, travel, params), round=done, captured=captured, closed=start, rig=rig,
+        contacts=within, start=closed.start, end=closed.start + length,
+        frames=_frames(closed.start, length, frames, params), strides=cut.strides, travel=travel, seam=seam,
+        plants=held.found.plants, correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
+        others=tuple(others[:_OTHERS]),
+    )  # fmt: skip
+
+
+def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Clip, tuple[Cut, ...]]:
+    """The cuts of a clip; the whole of one that is hardly more than a round, with the frame that it may lack."""
+    try:
+        return clip, find_cuts(clip, rig, contacts, params)
+    except InputError:
+        whole = whole_cycle(clip, rig) if params.start is None and params.end is None else None
+        if whole is None:
+            raise
+        strides = count_strides(wrapped(contacts, 0, len(whole) - 1), rig)
+        if params.strides not in (None, strides):
+            raise
+        return whole, (Cut(0, len(whole) - 1, -1, strides, 0, 0.0),)
+
+
+def _calmest(clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams) -> tuple[Cut, Closed]:
+    """Of the best cuts the one that is least seen when it is closed, and that closed."""
+    best, near = cuts[0], _NEARLY * rig.leg_length
+    tried = [c for c in cuts[1:] if c.strides == best.strides and c.cost <= best.cost + near]
+    found = []
+    for cut in (best, *tried[: _TRIED - 1]):
+        closed = close(clip, rig, cut, params)
+        seen = max(ratios(closed.clip, rig, closed.travel)[1] - 1.0, 0.0) if tried else 0.0
+        found.append((cut.cost + _SEEN * rig.leg_length * seen, cut, closed))
+    _, cut, closed = min(found, key=lambda each: each[0])
+    return cut, closed
+
+
+def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop | None:
+    """The loop that a clip is already, unless another part of it is asked for."""
+    if params.start is not None or params.end is not None:
+        return None
+    whole: Clip | None = clip
+    travel = closed_travel(clip, rig)
+    if travel is None:
+        whole = completed(clip, rig) if params.open else None
+        travel = None if whole is None else closed_travel(whole, rig)
+    if whole is None or travel is None:
+        return None
+    length = len(whole) - 1
+    within = wrapped(contacts, 0, length)
+    strides = count_strides(within, rig)
+    return None if params.strides not in (None, strides) else _as_it_is(clip, whole, rig, within, travel, params)
+
+
+def _as_it_is(clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Travel, params: LoopParams) -> Loop:
+    """A loop to which nothing is done but what of its travel is to be changed."""
+    captured, length = whole, len(whole) - 1
+    if params.straighten and abs(travel.yaw) > _TURNS:
+        whole, travel = straightened(whole, carrier(whole, rig), travel)
+    seam = Seam(0.0, 0.0, 0.0, 0.0, *ratios(whole, rig, travel))
+    still = Correction(rig.root, np.zeros((length + 1, 3)), (), np.zeros((length + 1, 0, 4)))
+    text = "the clip is a loop already: it is neither cut nor cleaned (footfix clean takes out what slides in it)"
+    same = whole is captured and not params.in_place and len(clip) == length + (not params.open)
+    return Loop(
+        clip=clip if same else as_written(whole, rig, travel, params), round=whole, captured=captured, closed=whole,
+        rig=rig, contacts=within, start=0, end=length, frames=_frames(0, length, len(clip), params),
+        strides=count_strides(within, rig), travel=travel, seam=seam, plants=_kept(within, rig),
+        correction=still, notes=(Note("loop-already", text),), ground=np.zeros((length + 1, 3)),
+    )  # fmt: skip
+
+
+def _kept(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
+    """The plants of a loop to which nothing is done."""
+    found: list[Footplant] = []
+    for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
+        for c in effector.contacts:
+            if c.wish != "forbid":
+                found.append(Footplant(len(found), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence))
+    return tuple(found)
+
+
+def _frames(start: int, length: int, frames: int, params: LoopParams) -> Ints:
+    """The frames of a clip that a loop is made of; the first stands in for one that the clip lacks at its end."""
+    return frozen((start + np.arange(length + (not params.open))) % frames, np.intp)
+
+
+def _told(size: tuple[float, float]) -> tuple[float, float]:
+    """[mm] and [degrees] of [m] and [rad]."""
+    return 1000.0 * size[0], float(np.degrees(size[1]))
+
+
+def as_written(cycle: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
+    """A closed cycle as it is to be written: on the spot, or without its last frame, where that is asked for."""
+    if params.in_place:
+        cycle = taken_out(cycle, carrier(cycle, rig), travel)
+    return cycle.frames(slice(0, len(cycle) - 1)) if params.open else cycle
+
+
+def as_round(written: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
+    """The closed cycle with its travel, from what was written: undoes `as_written`."""
+    if params.open:
+        written = written.frames(np.append(np.arange(len(written)), 0))
+        if not params.in_place:
+            root = carrier(written, rig)
+            place, turn = (np.array(each, order="F") for each in root_in_world(written, root))
+            place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
+            written = with_root(written, root, place, turn)
+    return put_in(written, carrier(written, rig), travel) if params.in_place else written

@@ -1,0 +1,155 @@
+"""Where a figure gets to: a turn about the vertical and a shift over the floor, and what a clip is without it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import forward
+from footfix.rig.rig import Rig
+
+_STRAIGHT = 1e-9  # [rad] less is no turn
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+@dataclass(frozen=True)
+class Travel:
+    """A turn about the vertical axis through the origin, then a shift over the floor.
+
+    Args:
+        yaw: [rad].
+        x, z: [m].
+    """
+
+    yaw: float = 0.0
+    x: float = 0.0
+    z: float = 0.0
+
+    @property
+    def shift(self) -> Floats:
+        """(3,) [m]."""
+        return np.array([self.x, 0.0, self.z])
+
+    @property
+    def turn(self) -> Floats:
+        """(4,) the turn as a quaternion."""
+        return rotation.from_axis_angle(_UP, np.array(self.yaw))
+
+    def places(self, points: Floats) -> Floats:
+        """Where points (..., 3) [m] get to."""
+        return np.asarray(rotation.rotate(self.turn, points) + self.shift)
+
+    def places_back(self, points: Floats) -> Floats:
+        """Where points (..., 3) [m] came from."""
+        return rotation.rotate(rotation.inverse(self.turn), points - self.shift)
+
+    def about(self, origin: Floats) -> Travel:
+        """The same with another origin (3,) [m] of its turn: what this one does to points counted from there."""
+        x, _, z = self.places(origin) - origin
+        return Travel(self.yaw, float(x), float(z))
+
+    def straight(self) -> Travel:
+        """The same way walked straight on: as long as the arc is, in the direction in which it begins."""
+        half = 0.5 * self.yaw
+        longer = half / np.sin(half) if abs(half) > _STRAIGHT else 1.0
+        x, _, z = longer * rotation.rotate(rotation.from_axis_angle(_UP, np.array(-half)), self.shift)
+        return Travel(0.0, float(x), float(z))
+
+    def share(self, part: Floats) -> tuple[Floats, Floats]:
+        """Parts of the travel: along the arc of a circle, or a straight line, at an even speed.
+
+        Args:
+            part: (F,) 0 for none of it, 1 for all.
+
+        Returns:
+            (F, 4) turns and (F, 3) [m] shifts.
+        """
+        turns = rotation.from_axis_angle(_UP, part * self.yaw)
+        if abs(self.yaw) <= _STRAIGHT:
+            return turns, part[:, None] * self.shift
+        # the chord of a share of the arc, in the direction of the whole chord turned back by half of what is left
+        size = np.sin(0.5 * part * self.yaw) / np.sin(0.5 * self.yaw)
+        lean = rotation.from_axis_angle(_UP, 0.5 * (part - 1.0) * self.yaw)
+        return turns, size[:, None] * rotation.rotate(lean, self.shift)
+
+
+def carrier(clip: Clip, rig: Rig) -> int:
+    """The joint that carries figure and all through the world: the root, or what moves above it, as in game engines."""
+    for joint in reversed(clip.skeleton.ancestors(rig.root)):
+        if any(len(track) and np.any(track != track[0]) for track in (clip.place(joint), clip.turn(joint))):
+            return joint
+    return rig.root
+
+
+def root_in_world(clip: Clip, root: int) -> tuple[Floats, Floats]:
+    """(F, 3) [m] and (F, 4) of the root in the world."""
+    pose = forward(clip, [root])
+    return pose.position(root), pose.rotation(root)
+
+
+def with_root(clip: Clip, root: int, place: Floats, turn: Floats) -> Clip:
+    """The clip with its root elsewhere in the world.
+
+    Args:
+        clip: F frames.
+        root: what carries it (`carrier`).
+        place: (F, 3) [m] in the world.
+        turn: (F, 4) in the world.
+    """
+    parent = int(clip.skeleton.parents[root])
+    if parent >= 0:
+        above = forward(clip, [parent])
+        back = rotation.inverse(above.rotation(parent))
+        place = rotation.rotate(back, place - above.position(parent))
+        turn = rotation.multiply(back, turn)
+    return clip.with_joints({root: place}, {root: turn})
+
+
+def _even(clip: Clip, until: float = 1.0) -> Floats:
+    """(F,) 0 to 1 over the frames of a closed cycle."""
+    return np.linspace(0.0, until, len(clip))
+
+
+def taken_out(clip: Clip, root: int, travel: Travel, *, until: float = 1.0) -> Clip:
+    """A closed cycle on the spot: travel and turn taken out at an even speed, so that its last frame is its first.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        root: what carries it (`carrier`).
+        travel: of one round.
+        until: the share of a round that the last frame comes after, where it is not the first again.
+    """
+    place, turn = root_in_world(clip, root)
+    origin = place[0] * [1.0, 0.0, 1.0]
+    turns, shifts = travel.about(origin).share(_even(clip, until))
+    back = rotation.inverse(turns)
+    return with_root(clip, root, origin + rotation.rotate(back, place - origin - shifts), rotation.multiply(back, turn))
+
+
+def put_in(clip: Clip, root: int, travel: Travel) -> Clip:
+    """A closed cycle on the spot, made to travel: undoes `taken_out`."""
+    place, turn = root_in_world(clip, root)
+    origin = place[0] * [1.0, 0.0, 1.0]
+    turns, shifts = travel.about(origin).share(_even(clip))
+    moved = origin + rotation.rotate(turns, place - origin) + shifts
+    return with_root(clip, root, moved, rotation.multiply(turns, turn))
+
+
+def straightened(clip: Clip, root: int, travel: Travel) -> tuple[Clip, Travel]:
+    """A closed cycle with the mean turn of its rounds taken out: it goes as far, straight on.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        root: what carries it (`carrier`).
+        travel: of one round.
+
+    Returns:
+        The cycle and its travel.
+    """
+    spot = taken_out(clip, root, travel)
+    origin = root_in_world(clip, root)[0][0] * [1.0, 0.0, 1.0]
+    straight = travel.about(origin).straight()
+    return put_in(spot, root, straight), straight
