@@ -12,6 +12,7 @@ from footfix.detect.fitted import NETWORK, TIMING
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, resting, stretches
+from footfix.detect.stepping import SteppingParams, stepping
 from footfix.detect.timing import Timing, timed
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
@@ -27,6 +28,7 @@ class AutoParams:
         rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
         highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
         steep: [leg lengths] about it, for each nat.
+        stepping: when a foot that looks planted steps.
         kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """
@@ -36,6 +38,7 @@ class AutoParams:
     rise: float = 0.01
     highest: float = 0.065
     steep: float = 0.005
+    stepping: SteppingParams = field(default_factory=SteppingParams)
     kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
@@ -82,8 +85,9 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
     answers: list[list[Floats]] = [[] for _ in sampled.tracks.feet]
     for first in range(0, steps, chunk):
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
-        for k, curves in enumerate(evidence(sampled, slice(low, high))):
-            answer = grounded(network.logits(curves), curves, params)
+        part = slice(low, high)
+        alone = tuple(grounded(network.logits(curves), curves, params) for curves in evidence(sampled, part))
+        for k, answer in enumerate(stepping(alone, sampled, part, params.stepping)):
             answers[k].append(answer[first - low : first - low + chunk])
     return tuple(np.concatenate(answer) for answer in answers)
 
