@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-from footfix.detect.evidence import STEP, Sampled
+from footfix.detect.evidence import STEP, Sampled, floors
 from footfix.detect.network import HEEL, SWING
 from footfix.detect.tracks import Foot
 from footfix.motion.clip import Floats
@@ -28,11 +29,18 @@ class SteppingParams:
     Args:
         parting: [leg lengths/s] at which two feet of a figure that stands still part as likely as not.
         travel: how much more for each leg length/s at which the pelvis travels over the foot that stands.
+        noise: how much more for each leg length/s at which the foot moves where it rests, within some time
+            before or after, whichever is worse: on a belt and in clips that shake feet are never still.
+        rest: [s] that such a rest lasts at least.
+        within: [s] that it is looked for, before and after.
         sharp: how steeply the odds rise with the speed; they are its power.
     """
 
     parting: float = 0.14
     travel: float = 0.4
+    noise: float = 2.0
+    rest: float = 0.12
+    within: float = 1.0
     sharp: float = 5.0
 
 
@@ -42,29 +50,48 @@ def stepping(
     """The log probabilities (n, 4) of each foot, given what the other of its pair does.
 
     Two planted feet part with a probability a, by their speeds; it is this foot that steps with a probability r, by
-    which is the faster. So it stands with a probability p (1 - q a r), of its own p and the other's q.
+    which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and the other's q.
     """
     feet = sampled.tracks.feet
     pelvis = _velocity(sampled.tracks.pelvis[part, ::2])
     each = [velocities(foot, part) for foot in feet]
     speeds = [slowest(velocity) for velocity in each]
     planted = [-np.expm1(answer[:, SWING]) for answer in answers]
+    unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
     out = []
     for k, mate in enumerate(sampled.mates):
         if mate == k:
             out.append(answers[k])
             continue
-        travel = _to_segment(pelvis, each[mate])
-        apart = parting(each[k], each[mate]) / (params.parting + params.travel * travel)
-        parts = _odds(apart, params.sharp)
-        steps = _odds(speeds[k] / np.maximum(speeds[mate], 1e-9), params.sharp)
+        travel = np.maximum(_to_segment(pelvis, each[k]), _to_segment(pelvis, each[mate]))
+        even = params.parting + params.travel * travel + params.noise * resting_speed(speeds[k], params)
+        apart = parting(each[k], each[mate]) / even
+        parts = _probability(params.sharp * np.log(np.maximum(apart, 1e-6)))
+        faster = params.sharp * np.log(np.maximum(speeds[k], 1e-6) / np.maximum(speeds[mate], 1e-6))
+        steps = _probability(faster + unlikely[k] - unlikely[mate])
         out.append(_stands(answers[k], planted[mate] * parts * steps))
     return tuple(out)
 
 
-def _odds(ratio: Floats, sharp: float) -> Floats:
-    """(n,) probability whose odds are a power of a ratio."""
-    return np.asarray(1.0 / (1.0 + np.maximum(ratio, 1e-9) ** -sharp))
+def resting_speed(speed: Floats, params: SteppingParams) -> Floats:
+    """(n,) at most how fast a foot of some speed (n,) is while it rests, before or after, whichever is worse.
+
+    Where a clip ends too soon for a rest before or after, the other one says.
+    """
+    steps = max(round(params.rest / STEP), 1)
+    if len(speed) <= steps:
+        return np.zeros_like(speed)
+    # the highest speed within a rest that starts at each step, and one that ends there
+    starts = np.concatenate([sliding_window_view(speed, steps).max(axis=1), np.full(steps - 1, np.inf)])
+    ends = np.concatenate([np.full(steps - 1, np.inf), starts[: 1 - steps]])
+    ahead, behind = floors(starts, params.within)[0], floors(ends, params.within)[1]
+    worse = np.maximum(ahead, behind)
+    return np.where(np.isfinite(worse), worse, np.minimum(ahead, behind))
+
+
+def _probability(odds: Floats) -> Floats:
+    """(n,) of log odds (n,)."""
+    return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
 
 
 def _stands(answer: Floats, steps: Floats) -> Floats:
