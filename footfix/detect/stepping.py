@@ -18,7 +18,6 @@ from footfix.detect.tracks import Foot
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
-
 WINDOW = 0.09  # [s] over which velocities are taken
 
 
@@ -36,12 +35,12 @@ class SteppingParams:
         sharp: how steeply the odds rise with the speed; they are its power.
     """
 
-    parting: float = 0.14
-    travel: float = 0.4
+    parting: float = 0.12
+    travel: float = 0.8
     noise: float = 2.0
     rest: float = 0.12
     within: float = 1.0
-    sharp: float = 5.0
+    sharp: float = 10.0
 
 
 def stepping(
@@ -50,7 +49,8 @@ def stepping(
     """The log probabilities (n, 4) of each foot, given what the other of its pair does.
 
     Two planted feet part with a probability a, by their speeds; it is this foot that steps with a probability r, by
-    which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and the other's q.
+    which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and
+    the other's q.
     """
     feet = sampled.tracks.feet
     pelvis = _velocity(sampled.tracks.pelvis[part, ::2])
@@ -63,7 +63,7 @@ def stepping(
         if mate == k:
             out.append(answers[k])
             continue
-        travel = np.maximum(_to_segment(pelvis, each[k]), _to_segment(pelvis, each[mate]))
+        travel = _to_segment(pelvis, each[mate])
         even = params.parting + params.travel * travel + params.noise * resting_speed(speeds[k], params)
         apart = parting(each[k], each[mate]) / even
         parts = _probability(params.sharp * np.log(np.maximum(apart, 1e-6)))
