@@ -35,12 +35,12 @@ class SteppingParams:
         sharp: how steeply the odds rise with the speed; they are its power.
     """
 
-    parting: float = 0.12
+    parting: float = 0.1
     travel: float = 0.8
     noise: float = 2.0
     rest: float = 0.12
-    within: float = 1.0
-    sharp: float = 10.0
+    within: float = 1.5
+    sharp: float = 6.0
 
 
 def stepping(
