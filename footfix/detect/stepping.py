@@ -90,17 +90,17 @@ def _pivoting(answer: Floats, velocity: Floats, params: SteppingParams) -> Float
 
 
 def _log_ratio(a: Floats, b: Floats) -> Floats:
-    return np.log(np.maximum(a, 1e-6) / np.maximum(b, 1e-6))
+    return np.asarray(np.log(np.maximum(a, 1e-6)) - np.log(np.maximum(b, 1e-6)))
 
 
 def resting_speed(speed: Floats, params: SteppingParams) -> Floats:
     """(n,) at most how fast a foot of some speed (n,) is while it rests, before or after, whichever is worse.
 
-    Where a clip ends too soon for a rest before or after, the other one says.
+    Where a clip ends too soon for a rest before or after, the other one says; infinite where there is neither.
     """
     steps = max(round(params.rest / STEP), 1)
     if len(speed) <= steps:
-        return np.zeros_like(speed)
+        return np.full_like(speed, np.inf)
     # the highest speed within a rest that starts at each step, and one that ends there
     starts = np.concatenate([sliding_window_view(speed, steps).max(axis=1), np.full(steps - 1, np.inf)])
     ends = np.concatenate([np.full(steps - 1, np.inf), starts[: 1 - steps]])
