@@ -38,7 +38,7 @@ class SteppingParams:
 
     parting: float = 0.1
     travel: float = 0.8
-    noise: float = 2.0
+    noise: float = 4.0
     rest: float = 0.12
     within: float = 1.5
     turning: float = 0.25
