@@ -45,7 +45,7 @@ class AutoParams:
 
 PARTS, WAYS = ("heel", "toe"), ("ahead", "behind")
 CHUNK = 12_000  # grid steps that are weighed at a time, which bounds memory
-_MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
+_MARGIN = 250  # grid steps beyond a chunk that its evidence may depend on
 
 
 def auto(

@@ -36,11 +36,11 @@ class SteppingParams:
         sharp: how steeply the odds rise with the speed; they are its power.
     """
 
-    parting: float = 0.1
+    parting: float = 0.08
     travel: float = 0.8
     noise: float = 4.0
     rest: float = 0.12
-    within: float = 1.5
+    within: float = 2.0
     turning: float = 0.25
     sharp: float = 6.0
 
