@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from footfix.detect import fitted
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
-from footfix.detect.fitted import NETWORK, TIMING
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, resting, stretches
@@ -49,7 +49,7 @@ _MARGIN = 250  # grid steps beyond a chunk that its evidence may depend on
 
 
 def auto(
-    tracks: Tracks, params: AutoParams, network: Network = NETWORK, timing: Timing = TIMING
+    tracks: Tracks, params: AutoParams, network: Network | None = None, timing: Timing | None = None
 ) -> Finding:
     """Contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip.
 
@@ -57,12 +57,13 @@ def auto(
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
     """
     sampled = resample(tracks)
-    answers = logits(sampled, params, network)
+    answers = logits(sampled, params, fitted.network() if network is None else network)
+    when = fitted.timing() if timing is None else timing
     per_frame = tracks.frame_time / STEP
     columns: list[Bools] = []
     sure: list[Floats] = []
     for k, (foot, answer) in enumerate(zip(tracks.feet, answers, strict=True)):
-        plants = timed(stretches(answer, params.switch, params.roll), sampled, k, timing)
+        plants = timed(stretches(answer, params.switch, params.roll), sampled, k, when)
         heel, toe = masks(plants, len(tracks), per_frame)
         for part, point in ((heel, foot.heel), (toe, foot.toe)):
             down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)

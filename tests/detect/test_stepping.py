@@ -13,7 +13,7 @@ from walker_gaits import Gait
 
 from footfix.detect.auto import AutoParams, logits
 from footfix.detect.evidence import resample
-from footfix.detect.fitted import NETWORK
+from footfix.detect.fitted import network
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.detect.run import DetectParams, find
 from footfix.detect.stepping import SteppingParams, parting, resting_speed, slowest, stepping, velocities
@@ -111,7 +111,7 @@ def test_left_and_right_are_treated_alike() -> None:
 
 def test_the_foot_that_steps_is_sure_to_and_the_other_sure_to_stand() -> None:
     sampled = resample(shuffled(0.2, 0.3, 0.0))
-    left, right = logits(sampled, AutoParams(), NETWORK)
+    left, right = logits(sampled, AutoParams(), network())
     middle = round(0.5 * SECONDS / 0.01)
     assert np.exp(left[middle, SWING]) > 0.95
     assert np.exp(right[middle, SWING]) < 0.05
