@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from footfix.detect.evidence import STEP, Sampled, floors
-from footfix.detect.network import FLAT, HEEL, SWING, TOE
+from footfix.detect.network import HEEL, SWING
 from footfix.detect.tracks import Foot
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
@@ -32,7 +32,6 @@ class SteppingParams:
             before or after, whichever is worse: on a belt and in clips that shake feet are never still.
         rest: [s] that such a rest lasts at least.
         within: [s] that it is looked for, before and after.
-        turning: [leg lengths/s] of the toe about the heel, at which a flat foot pivots as likely as not.
         sharp: how steeply the odds rise with the speed; they are its power.
     """
 
@@ -41,7 +40,6 @@ class SteppingParams:
     noise: float = 4.0
     rest: float = 0.12
     within: float = 2.0
-    turning: float = 0.25
     sharp: float = 6.0
 
 
@@ -71,22 +69,7 @@ def stepping(
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = _probability(faster + unlikely[k] - unlikely[mate])
         out.append(_stands(answers[k], planted[mate] * parts * steps))
-    return tuple(_pivoting(answer, velocity, params) for answer, velocity in zip(out, each, strict=True))
-
-
-def _pivoting(answer: Floats, velocity: Floats, params: SteppingParams) -> Floats:
-    """Log probabilities (n, 4), a flat foot that turns over the floor resting on the part of it that is slower."""
-    turning = np.linalg.norm(velocity[:, 0] - velocity[:, 1], axis=1)
-    even = params.turning + params.noise * resting_speed(turning, params)
-    turns = _probability(params.sharp * _log_ratio(turning, even))
-    heel, toe = (np.linalg.norm(velocity[:, k], axis=1) for k in (0, 1))
-    on_toe = _probability(params.sharp * _log_ratio(heel, toe) + answer[:, TOE] - answer[:, HEEL])
-    states = np.exp(answer)
-    moved = states[:, FLAT] * turns
-    states[:, FLAT] -= moved
-    states[:, TOE] += moved * on_toe
-    states[:, HEEL] += moved * (1.0 - on_toe)
-    return np.log(np.maximum(states, 1e-12))
+    return tuple(out)
 
 
 def _log_ratio(a: Floats, b: Floats) -> Floats:
