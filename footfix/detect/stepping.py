@@ -35,9 +35,9 @@ class SteppingParams:
         sharp: how steeply the odds rise with the speed; they are its power.
     """
 
-    parting: float = 0.08
+    parting: float = 0.15
     travel: float = 0.8
-    noise: float = 4.0
+    noise: float = 6.0
     rest: float = 0.12
     within: float = 2.0
     sharp: float = 6.0
