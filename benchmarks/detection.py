@@ -40,7 +40,7 @@ from footfix.measure import agreement
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import runs
 from footfix.rig.find import find_rig
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 
 SAMPLES = Path(__file__).resolve().parent.parent / "sample_data"
 SIDES = ("left", "right")
@@ -118,7 +118,7 @@ def _ms(events: agreement.Events) -> str:
 def read_clip(path: Path) -> Clip:
     """A BVH file in metres, y up."""
     document = decode(path.read_bytes())
-    seen = survey(document.clip)
+    seen = infer_units(document.clip)
     return document.placed(unit_m=seen.unit_m, up=seen.up).clip
 
 

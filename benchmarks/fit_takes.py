@@ -32,7 +32,7 @@ from footfix.motion.contacts import runs
 from footfix.motion.kinematics import forward
 from footfix.motion.smoothing import savgol
 from footfix.rig.find import find_rig
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 
 RATE = 300.0  # [Hz]
 POINTS = ("pelvis", "hip", "ankle", "heel", "toe")
@@ -83,7 +83,7 @@ class Take:
 def load_clip(path: Path) -> Clip:
     """A BVH file in metres, y up."""
     document = decode(path.read_bytes())
-    seen = survey(document.clip)
+    seen = infer_units(document.clip)
     return document.placed(unit_m=seen.unit_m, up=seen.up).clip
 
 

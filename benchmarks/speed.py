@@ -46,7 +46,7 @@ from footfix.motion.smoothing import savgol
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
 from footfix.rig.find import find_rig
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 from footfix.settings import Settings
 
 # Reading and writing alone, as a user of that library would do it.
@@ -111,7 +111,7 @@ def stages(data: bytes, runs: int) -> list[tuple[str, float]]:
     raw = stage("parse", lambda: decode(data))
     stage("to arrays", lambda: decode(data).clip)
     table[-1] = ("to arrays", max(table[-1][1] - table[0][1], 0.0))
-    found = stage("survey (unit, axes)", lambda: survey(raw.clip, settings.rig))
+    found = stage("unit, axes", lambda: infer_units(raw.clip, settings.rig))
     document = raw.placed(unit_m=found.unit_m, up=found.up)
     clip = document.clip
     rig = stage("find rig", lambda: find_rig(clip, settings.rig))

@@ -12,44 +12,154 @@ The names below are imported when they are first used, so that `footfix --help` 
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from footfix.version import __version__
 
 if TYPE_CHECKING:
-    from footfix.api import clean, detect, find_rig, load, save
-    from footfix.errors import FootfixError
+    from footfix.api.clips import (
+        apply,
+        clean,
+        clean_figures,
+        detect,
+        find_rig,
+        find_rigs,
+        global_positions,
+        load,
+        make_settings,
+        measure,
+        presets,
+        save,
+    )
+    from footfix.api.labels import load_contacts, save_contacts
+    from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
+    from footfix.api.reports import clean_file, make_page, make_report, summarize
+    from footfix.enforce.correction import Correction
+    from footfix.enforce.footplant import Footplant
+    from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
+    from footfix.formats.document import Document
+    from footfix.job import Outputs
+    from footfix.measure.arrays import PhysDiff, jitter, physdiff, skating_ratio, slides, weighted_skate
+    from footfix.measure.clip import Measures
+    from footfix.measure.plants import PlantMeasure
     from footfix.motion.clip import Clip, Skeleton
     from footfix.motion.contacts import Contact, Contacts, Effector
+    from footfix.notes import Note
+    from footfix.pipeline import Result
+    from footfix.rig.params import RigParams
     from footfix.rig.rig import Leg, Rig, SolePoint
+    from footfix.settings import Settings
 
-_HOME = {
-    "clean": "footfix.api",
-    "detect": "footfix.api",
-    "find_rig": "footfix.api",
-    "load": "footfix.api",
-    "save": "footfix.api",
-    "FootfixError": "footfix.errors",
-    "Clip": "footfix.motion.clip",
-    "Skeleton": "footfix.motion.clip",
-    "Contact": "footfix.motion.contacts",
-    "Contacts": "footfix.motion.contacts",
-    "Effector": "footfix.motion.contacts",
-    "Leg": "footfix.rig.rig",
-    "Rig": "footfix.rig.rig",
-    "SolePoint": "footfix.rig.rig",
+_NAMES = {
+    "footfix.api.clips": (
+        "apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure presets save"
+    ),
+    "footfix.api.labels": "load_contacts save_contacts",
+    "footfix.api.positions": "HUMANML3D_NAMES HUMANML3D_PARENTS CleanedPositions clean_positions",
+    "footfix.api.reports": "clean_file make_page make_report summarize",
+    "footfix.enforce.correction": "Correction",
+    "footfix.enforce.footplant": "Footplant",
+    "footfix.errors": "ArgumentError FootfixError InputError NoLegsError OutputError UsageError",
+    "footfix.formats.document": "Document",
+    "footfix.job": "Outputs",
+    "footfix.measure.arrays": "PhysDiff jitter physdiff skating_ratio slides weighted_skate",
+    "footfix.measure.clip": "Measures",
+    "footfix.measure.plants": "PlantMeasure",
+    "footfix.motion.clip": "Clip Skeleton",
+    "footfix.motion.contacts": "Contact Contacts Effector",
+    "footfix.notes": "Note",
+    "footfix.pipeline": "Result",
+    "footfix.rig.params": "RigParams",
+    "footfix.rig.rig": "Leg Rig SolePoint",
+    "footfix.settings": "Settings",
 }
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = [
-    "Clip", "Contact", "Contacts", "Effector", "FootfixError", "Leg", "Rig", "Skeleton", "SolePoint",
-    "__version__", "clean", "detect", "find_rig", "load", "save",
+    "HUMANML3D_NAMES",
+    "HUMANML3D_PARENTS",
+    "ArgumentError",
+    "CleanedPositions",
+    "Clip",
+    "Contact",
+    "Contacts",
+    "Correction",
+    "Document",
+    "Effector",
+    "FootfixError",
+    "Footplant",
+    "InputError",
+    "Leg",
+    "Measures",
+    "NoLegsError",
+    "Note",
+    "OutputError",
+    "Outputs",
+    "PhysDiff",
+    "PlantMeasure",
+    "Result",
+    "Rig",
+    "RigParams",
+    "Settings",
+    "Skeleton",
+    "SolePoint",
+    "UsageError",
+    "__version__",
+    "apply",
+    "clean",
+    "clean_figures",
+    "clean_file",
+    "clean_positions",
+    "detect",
+    "find_rig",
+    "find_rigs",
+    "global_positions",
+    "jitter",
+    "load",
+    "load_contacts",
+    "make_page",
+    "make_report",
+    "make_settings",
+    "measure",
+    "physdiff",
+    "presets",
+    "save",
+    "save_contacts",
+    "skating_ratio",
+    "slides",
+    "summarize",
+    "weighted_skate",
 ]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
-    # `footfix.detect` is also a package: importing `footfix.detect.auto` would put the package in the
-    # function's place, so the functions of the API are looked up here and nowhere else.
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _CallablePackage(ModuleType):
+    """A package that is also the function of its name: `footfix.detect(clip)` beside `footfix.detect.auto`."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        name = self.__name__.rpartition(".")[2]
+        return getattr(import_module(_HOME[name]), name)(*args, **kwargs)
+
+
+class _Footfix(ModuleType):
+    """This package, in which importing a module of `detect` or `measure` must not hide the function of that name."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in _HOME and isinstance(value, ModuleType):
+            value.__class__ = _CallablePackage
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Footfix

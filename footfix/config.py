@@ -181,6 +181,11 @@ def _nested(text: str) -> dict[str, Any]:
         parsed: Any = yaml.safe_load(value) if value.strip() else value
     except yaml.YAMLError:
         parsed = value
-    for key in reversed(path.strip().split(".")):
-        parsed = {key: parsed}
-    return cast(dict[str, Any], parsed)
+    return nested(path.strip(), parsed)
+
+
+def nested(path: str, value: Any) -> dict[str, Any]:
+    """Nest a value in groups by its dotted path: {"detect": {"method": "auto"}} of detect.method."""
+    for key in reversed(path.split(".")):
+        value = {key: value}
+    return cast(dict[str, Any], value)

@@ -31,6 +31,10 @@ class UsageError(FootfixError):
     exit_code = ExitCode.USAGE
 
 
+class ArgumentError(UsageError, ValueError):
+    """A value handed to a function of the Python interface can't be what is meant; the text says what is expected."""
+
+
 class InputError(FootfixError):
     """An input can't be used: it is no motion file, is damaged, or holds nothing this tool can work on."""
 

@@ -28,10 +28,11 @@ from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
 from footfix.rig.rig import joined
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
+    from footfix.report.again import Again
     from footfix.report.offenders import Offender
 
 # Fewer frames than this hold no motion: there is no speed to look at.
@@ -95,7 +96,7 @@ def placed(
     document: Document, params: RigParams, proper: slice | None = None
 ) -> tuple[Document, tuple[Note, ...]]:
     """The document with its unit and up axis as found, and what was doubtful about them."""
-    found = survey(document.clip, params, proper)
+    found = infer_units(document.clip, params, proper)
     return document.placed(unit_m=found.unit_m, up=found.up), found.notes
 
 
@@ -119,8 +120,9 @@ def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None)
 
 
 def clean_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None
-) -> Outputs:
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
+    again: Again | None = None,
+) -> Outputs:  # fmt: skip
     """Clean one clip.
 
     Args:
@@ -129,6 +131,7 @@ def clean_file(
         settings: the parameters of all steps.
         labels: contacts given by hand.
         output: the name of the corrected file, for the report.
+        again: how the clip is cleaned again from edited contacts, for its page.
 
     Raises:
         InputError: the clip can't be used; says why.
@@ -143,12 +146,16 @@ def clean_file(
         contacts = find_contacts(prepared, settings, labels)
         corrected, figures = correct(prepared, contacts, settings)
         # the file, and what it says when it is read again
-        written, again = rewrite(document, corrected, limits=settings.limits)
-    results = measure_figures(clip, again, figures)
+        written, reread = rewrite(document, corrected, limits=settings.limits)
+    results = measure_figures(clip, reread, figures)
     status: Status = "unchanged" if written == data else "cleaned"
-    report = _report(document, results, source, settings, status=status, output=output)
+    report = report_of(
+        clip, results, source, settings, unit_m=document.unit_m, up=document.up, notes=document.notes, status=status,
+        output=output,
+    )  # fmt: skip
     contacts_file = contacts_json(contacts, source, report["rig"], settings)
-    pages, offenders = draw(clip, again, joined(prepared.rigs), report, contacts_file, settings.report)
+    ground = figures[0].ground
+    pages, offenders = draw(clip, reread, joined(prepared.rigs), report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 
@@ -166,17 +173,23 @@ def contacts_json(contacts: Contacts, source: Mapping[str, Any], rig: Mapping[st
     )
 
 
-def _report(
-    document: Document,
-    results: Sequence[Result],
-    source: Mapping[str, Any],
-    settings: Settings,
-    *,
-    status: Status,
-    output: str | None,
-) -> dict[str, Any]:
-    clip = document.clip
-    rigs = [report_format.rig(each.rig, clip, unit_m=document.unit_m, up=document.up) for each in results]
+def report_of(
+    clip: Clip, results: Sequence[Result], source: Mapping[str, Any], settings: Settings, *, unit_m: float, up: str,
+    notes: Sequence[Note], status: Status, output: str | None,
+) -> dict[str, Any]:  # fmt: skip
+    """Make the report document of a cleaned clip.
+
+    Args:
+        clip: the motion that came in.
+        results: what became of each figure.
+        source: what the report says of the file (`source_entry`).
+        settings: the parameters of all steps.
+        unit_m, up: unit [m] and up axis of the file.
+        notes: what reading the file had to tell.
+        status: "cleaned" or "unchanged".
+        output: the name of the corrected file.
+    """
+    rigs = [report_format.rig(each.rig, clip, unit_m=unit_m, up=up) for each in results]
     planted = np.any([each.contacts.mask().any(axis=1) for each in results], axis=0)
     return {
         **report_format.frame(source, version.__version__, status=status, output=output),
@@ -190,7 +203,7 @@ def _report(
             row for each in results for row in report_format.plants(each.plants, each.plants_before, each.plants_after)
         ],
         "correction": report_format.corrections([each.correction for each in results], clip),
-        "notes": report_format.notes((*document.notes, *(note for each in results for note in each.notes))),
+        "notes": report_format.notes((*notes, *(note for each in results for note in each.notes))),
         # Of the motion, not of the machine: a report is the same whoever made it, on however many processes.
         "seconds": {
             "clip": report_format.rounded(len(clip) * clip.frame_time),
@@ -224,19 +237,25 @@ def _too_short(
 
 def measure_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None
-) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]]]:
+) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]], list[dict[str, Any]]]:
     """Measure one clip as it is; nothing is corrected.
 
     Returns:
-        The source entry, the measures and the notes.
+        The source entry, the measures, the notes, and each plant with its slide.
 
     Raises:
         InputError: the clip can't be used; says why.
     """
     document, source, prepared, contacts = _planted(data, name, settings, labels, "measure")
     found = measure_as_it_is(document.clip, prepared, contacts, settings)
-    measures = report_format.worst([report_format.measures(each) for each in found])
-    return source, measures, _doubts(document, prepared, contacts)
+    measures = report_format.worst([report_format.measures(each) for each, _ in found])
+    plants = [
+        {"effector": each.effector, "start": each.start, "end": each.end,
+         "slide_mm": report_format.rounded(each.slide_mm)}
+        for _, of_figure in found
+        for each in of_figure
+    ]  # fmt: skip
+    return source, measures, _doubts(document, prepared, contacts), plants
 
 
 def detect_file(

@@ -27,7 +27,7 @@ from footfix.motion.leadin import motion_proper
 from footfix.motion.smoothing import smooth_clip
 from footfix.notes import Note
 from footfix.rig.crop import Crop, crop
-from footfix.rig.find import find_rig
+from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 from footfix.settings import Settings
@@ -123,13 +123,36 @@ def clean(
     Raises:
         NoLegsError: no legs were found, and no rig was given.
     """
+    rigs = None if rig is None else (rig,)
+    return clean_figures(clip, settings, rigs=rigs, contacts=contacts, most=1)[0]
+
+
+def clean_figures(
+    clip: Clip, settings: Settings | None = None, *, rigs: Sequence[Rig] | None = None,
+    contacts: Contacts | None = None, most: int | None = None,
+) -> tuple[Result, ...]:  # fmt: skip
+    """Clean every figure of a clip: two dancers in one file.
+
+    Args:
+        clip: the motion, metres, y up.
+        settings: the parameters of all steps.
+        rigs: legs and soles of each figure; found where they are not given.
+        contacts: of the sole points of all figures, in the order of the rigs; detected where they are not given.
+        most: figures that are cleaned, the first ones of the file; all by default.
+
+    Returns:
+        One result a figure, each with the whole corrected clip.
+
+    Raises:
+        NoLegsError: no legs were found, and no rig was given.
+    """
     settings = settings or Settings()
     proper = motion_proper(clip)
-    rig = rig or find_rig(clip, settings.rig, proper)
-    prepared = prepare(clip, settings, (rig,), proper)
+    rigs = (find_rigs(clip, settings.rig, proper) if rigs is None else tuple(rigs))[:most]
+    prepared = prepare(clip, settings, rigs, proper)
     contacts = contacts or find_contacts(prepared, settings)
     corrected, figures = correct(prepared, contacts, settings)
-    return measure_figures(clip, corrected, figures)[0]
+    return measure_figures(clip, corrected, figures)
 
 
 def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], proper: slice) -> Prepared:
@@ -211,8 +234,10 @@ def measure_figures(before: Clip, after: Clip, figures: Sequence[Figure]) -> tup
     return tuple(results)
 
 
-def measure_as_it_is(clip: Clip, prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple[Measures, ...]:
-    """Measure every figure of a clip to which nothing is done.
+def measure_as_it_is(
+    clip: Clip, prepared: Prepared, contacts: Contacts, settings: Settings
+) -> tuple[tuple[Measures, tuple[PlantMeasure, ...]], ...]:
+    """Measure every figure of a clip to which nothing is done, and each of its plants.
 
     Args:
         clip: the clip that came in.
@@ -231,6 +256,5 @@ def measure_as_it_is(clip: Clip, prepared: Prepared, contacts: Contacts, setting
             ground = ground_of(thin.clip(motion.clip(prepared.clip)), rig, distinct, params)
         measured, planted = thin.among(motion.start, len(clip)), motion.contacts_back(within)
         ground = measured.track(motion.track_back(thin.track_back(ground)))
-        found.append(measure(measured.clip(clip), rig, measured.contacts(planted), belt=ground)[0])
+        found.append(measure(measured.clip(clip), rig, measured.contacts(planted), belt=ground))
     return tuple(found)
-

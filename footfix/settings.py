@@ -216,23 +216,3 @@ def _words(kind: Any) -> str:
     if shape is tuple:
         return f"a list of {len(typing.get_args(kind))}" if Ellipsis not in typing.get_args(kind) else "a list"
     return "a mapping" if isinstance(shape, type) and issubclass(shape, Mapping) else str(kind)
-
-
-def as_yaml(layers: Iterable[Layer]) -> str:
-    """The settings that layers make as YAML that can be read back, each value with its origin."""
-    import json
-
-    layers = tuple(layers)
-    came_from = origins(layers)
-    lines: list[str] = []
-    open_groups: list[str] = []
-    for path, value in flat(compose(layers)):
-        *groups, name = path.split(".")
-        shared = 0
-        while shared < min(len(groups), len(open_groups)) and groups[shared] == open_groups[shared]:
-            shared += 1
-        lines.extend(f"{'  ' * depth}{groups[depth]}:" for depth in range(shared, len(groups)))
-        open_groups = groups
-        text = json.dumps(plain(value), ensure_ascii=False)  # JSON is YAML
-        lines.append(f"{'  ' * len(groups)}{name}: {text}  # {came_from.get(path, 'default')}")
-    return "\n".join(lines) + "\n"

@@ -99,15 +99,35 @@ def residuals(
         flexion = leg.flexion + own[K]
         out.append(per_frame * np.maximum(0.0, leg.least - flexion) / (terms._KNEE * deg))
         out += _speeds(of, leg, own)
-        # how far: the line from hip to ankle, the knee, the foot against the line, and the toes
+    for turn, far, sigma in bounds(of):
+        out.append(per_frame * np.maximum(0.0, np.linalg.norm(turn @ x, axis=0) - far) / sigma)
+    return np.concatenate([each.ravel() for each in out])
+
+
+def bounds(of: Problem) -> list[tuple[Floats, Floats, float]]:
+    """FAR: for each bounded turn its matrix (m, U), how far it goes freely (F,), and the standard deviation beyond."""
+    c, size, deg = of.costs, of.leg_length, np.pi / 180.0
+    one = np.eye(of.unknowns)
+    found = [(one[:ROOT], np.full(of.frames, c.root_farthest * size), terms._FAR_ROOT * size)]
+    small = c.unnoticed_turn * np.maximum(of.fault / (c.noticed * size), 1.0)
+    for k in range(len(of.legs)):
+        own = one[of.columns(k)]
         joints = (own[:3], c.line_farthest), (own[3:4], c.ankle_farthest), (own[4:7] - own[:3], c.ankle_farthest)
         for turn, far in (*joints, (own[7:8] / terms._TOES, c.toes_farthest)):
-            small = c.unnoticed_turn * np.maximum(of.fault / (c.noticed * size), 1.0)
-            beyond = np.maximum(0.0, np.linalg.norm(turn, axis=0) - np.minimum(small, far) * deg)
-            out.append(per_frame * beyond / (terms._FAR_TURN * deg))
-    beyond = np.maximum(0.0, np.linalg.norm(x[:ROOT], axis=0) - c.root_farthest * size)
-    out.append(per_frame * beyond / (terms._FAR_ROOT * size))
-    return np.concatenate([each.ravel() for each in out])
+            found.append((turn, np.minimum(small, far) * deg, terms._FAR_TURN * deg))
+    return found
+
+
+def curvature(of: Problem, x: Floats) -> Floats:
+    """(U F, U F) what FAR's second derivatives have beyond J'J: (1 - far / |y|) (1 - y y' / |y|^2) across y."""
+    out = np.zeros((of.frames, of.unknowns, of.frames, of.unknowns))
+    for turn, far, sigma in bounds(of):
+        for f, y in enumerate((turn @ x).T):
+            long = float(np.linalg.norm(y))
+            if long > far[f]:
+                across = (1.0 - far[f] / long) * (np.eye(len(y)) - np.outer(y, y) / long**2)
+                out[f, :, f] += terms._RATE * of.frame_time / sigma**2 * turn.T @ across @ turn
+    return out.reshape(of.frames * of.unknowns, -1)
 
 
 def _slips(of: Problem, pin: Pins, place: Floats, before: Floats, eps: float, static: float) -> list[Floats]:
@@ -115,8 +135,11 @@ def _slips(of: Problem, pin: Pins, place: Floats, before: Floats, eps: float, st
     slip, then = (less * (each[:, 1:] - each[:, :-1] - pin.slip) for each in (place, before))
     long = np.linalg.norm(then, axis=0)
     weight = of.costs.slide / of.leg_length * pin.hold / (long + eps)
-    slow = 1.0 + (static - 1.0) / (1.0 + (long / of.frame_time / (terms._STATIC * of.leg_length)) ** 4)
-    return [np.sqrt(weight * np.stack([slow, np.ones_like(slow), slow])) * slip]
+    flat = np.hypot(then[0], then[2])
+    rounded = flat - eps * np.log(1.0 + flat / eps)
+    more = (static - 1.0) / (1.0 + (rounded / of.frame_time / (terms._STATIC * of.leg_length)) ** 4)
+    static_weight = of.costs.slide / of.leg_length * pin.hold / (flat + eps) * more
+    return [np.sqrt(weight + np.stack([static_weight, 0.0 * flat, static_weight])) * slip]
 
 
 def _speeds(of: Problem, leg: LegTracks, own: Floats) -> list[Floats]:

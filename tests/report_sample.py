@@ -121,4 +121,4 @@ def report_document(frames: int, **more: Any) -> dict[str, Any]:
 
 def motion(frames: int) -> Motion:
     clip = walker(frames)
-    return film(clip, corrected(clip), rig())
+    return film(clip, corrected(clip), rig(), labelled(frames))

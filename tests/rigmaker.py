@@ -11,7 +11,7 @@ from exports import SCHEMES
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.rig.rig import Rig
-from footfix.rig.survey import vector
+from footfix.rig.units import vector
 
 Legs = set[tuple[str, int, int, int, int | None]]
 

@@ -13,13 +13,13 @@ PACKAGE = ROOT / "footfix"
 
 # Lower rooms first: a module may import from its own room and from rooms before it.
 FLOORS = [
-    {"errors", "notes", "version"},
+    {"errors", "notes", "version", "meanings"},
     {"motion"},
-    {"rig"},
+    {"rig", "arguments"},
     {"detect", "enforce", "measure"},
     {"formats"},
     {"settings", "configs"},
-    {"pipeline", "config"},
+    {"pipeline", "config", "listing"},
     {"report"},
     {"job"},
     {"inspection"},

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import re
+import shutil
+import sys
+from pathlib import Path
 
 import pytest
 from conftest import ROOT
+
+from footfix import cli
+from footfix.config import presets
+from footfix.formats.contacts import ENCODERS
 
 
 def test_the_python_lines_of_the_readme_run(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -19,3 +26,30 @@ def test_the_python_lines_of_the_readme_run(tmp_path: object, monkeypatch: pytes
     assert (tmp_path / "walk.clean.bvh").stat().st_size > 1000  # type: ignore[operator]
     result = names["result"]
     assert result.after.slide_mm < result.before.slide_mm  # type: ignore[attr-defined]
+
+
+def test_the_commands_over_many_clips_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    block = next(each for each in re.findall(r"```\n(.*?)```", text, re.S) if "takes -o cleaned" in each)
+    commands = [line.split("   ")[0].split() for line in block.splitlines() if "--dask" not in line]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "takes").mkdir()
+    shutil.copy(ROOT / "sample_data" / "walk_skate.bvh", "takes")
+    for command in commands:
+        if "--shard" in command:  # one clip has no third of sixteen parts
+            command[command.index("--shard") + 1] = "1/1"
+            command.append("--resume")
+        monkeypatch.setattr(sys, "argv", command)
+        assert cli.run() == 0, command
+    assert len(commands) == 5 and (tmp_path / "feet.xml").exists()
+
+
+def test_nothing_is_installed_from_an_index_that_does_not_have_it() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert not re.search(r"pip install ['\"]?footfix(?! @)", text)
+
+
+def test_every_preset_and_kind_of_label_is_named() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert all(f"`{name}`" in text for name in presets())
+    assert "|".join(["json", *ENCODERS]) in text

@@ -36,7 +36,7 @@ def _connect(address: str) -> Any:
     try:
         import distributed
     except ImportError:
-        raise UsageError("--dask needs the package distributed: pip install 'footfix[dask]'") from None
+        raise UsageError("--dask needs the package distributed: pip install distributed") from None
     try:
         dask: Any = distributed  # it declares no types
         return dask.Client(address, timeout=15, set_as_default=False)

@@ -34,12 +34,25 @@ class Past:
     offenders: Mapping[str, list[dict[str, Any]]] = field(default_factory=dict)
 
 
-def recall(folder: Path) -> Past:
-    """What the journals in an output folder say, those of all its shards."""
+def journal_in(folder: Path, tag: str, *, own: bool, ending: str = "clean") -> Path:
+    """Where the journal of a run lies.
+
+    Args:
+        folder: the outputs of the run.
+        tag: of the run.
+        own: whether the folder holds outputs alone. The mark of such a folder keeps its clips from being taken for
+            inputs; where outputs lie beside their inputs, the journal is a hidden file and marks nothing.
+        ending: of the outputs' names beside their inputs, where several commands may write.
+    """
+    return folder / MARK / f"{tag}.jsonl" if own else folder / f".footfix-{ending}-{tag}.jsonl"
+
+
+def recall(folder: Path, ending: str = "clean") -> Past:
+    """What the journals in a folder of outputs say, those of all its shards."""
     begun: set[str] = set()
     hashes: dict[str, Mapping[str, str]] = {}
     offenders: dict[str, list[dict[str, Any]]] = {}
-    for path in sorted((folder / MARK).glob("*.jsonl")):
+    for path in sorted([*(folder / MARK).glob("*.jsonl"), *folder.glob(f".footfix-{ending}-*.jsonl")]):
         for _, entry in _entries(path):
             clip = entry["clip"]
             begun.add(clip)
@@ -60,23 +73,21 @@ def _entries(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
 
 
 class Journal:
-    """The journal of a run, appended to by its parent process alone; nothing at all without a folder."""
+    """The journal of a run, appended to by its parent process alone; nothing at all without a path."""
 
-    def __init__(self, folder: Path | None, tag: str) -> None:
+    def __init__(self, path: Path | None = None) -> None:
         self._handle = -1
-        self._path = Path()
-        if folder is None:
+        self._path = Path() if path is None else path
+        if path is None:
             return
         try:
-            (folder / MARK).mkdir(parents=True, exist_ok=True)
-            path = folder / MARK / f"{tag}.jsonl"
-            self._path = path
+            path.parent.mkdir(parents=True, exist_ok=True)
             self._handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o666)
             size = os.fstat(self._handle).st_size
             if size and path.read_bytes()[-1:] != b"\n":
                 os.write(self._handle, b"\n")  # what a power cut tore stays a line of its own
         except OSError as error:
-            raise OutputError(f"{folder / MARK}: can't be written: {error.strerror or error}") from None
+            raise OutputError(f"{path}: can't be written: {error.strerror or error}") from None
 
     def begin(self, clips: Iterable[str]) -> None:
         """Says, before anything of theirs is written, that these clips' outputs are ours."""

@@ -11,7 +11,7 @@ from pathlib import Path
 from footfix.batch.files import STDIN
 from footfix.batch.inputs import Source
 from footfix.errors import UsageError
-from footfix.formats.suffixes import cleaned_name
+from footfix.formats.suffixes import OTHERS, cleaned_name, is_motion
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,45 @@ class Job:
         return self.stem.with_name(self.stem.name + suffix)
 
 
+def names_file(output: Path | None, found: Sequence[Source], *, folder: bool, ends: Sequence[str] = ()) -> bool:
+    """Whether what -o names is one file, as it is with one clip and a name that ends as its output's does.
+
+    Args:
+        output: what -o names.
+        found: the inputs.
+        folder: whether a folder of inputs was named; its outputs are a folder, too, however many clips it holds.
+        ends: what names of outputs end in, in lower case; motion of any format by default.
+
+    Raises:
+        UsageError: it is a file's name for many clips, another format than the clip's, or that of a folder that is
+            there; or a file is in the way of the folder it names.
+    """
+    if output is None:
+        return False
+    is_file = output.name.lower().endswith(tuple(ends)) if ends else is_motion(output.name)
+    if not is_file:
+        if output.suffix.lower() in OTHERS and not output.is_dir():
+            raise UsageError(f"-o {output}: {output.suffix} is not written; name a folder, or for one clip a .bvh file")
+        if output.is_file():
+            raise UsageError(f"-o {output}: this is a file, not a folder; name a folder, or for one clip a new file")
+        return False
+    if folder or len(found) > 1:
+        if output.is_dir():
+            return False
+        what = "a folder of clips was named" if folder else f"{len(found)} clips were named"
+        raise UsageError(f"-o {output} is the name of one file, but {what}; name a folder")
+    if output.is_dir():
+        raise UsageError(f"-o {output}: a folder of this name is there, and a file can't be; name another one")
+    came = found[0].below.suffix.lower()
+    if not ends and is_motion(found[0].below.name) and came != output.suffix.lower():
+        raise UsageError(f"-o {output}: {found[0].path} comes back in its own format; end the name in {came}")
+    return True
+
+
 def plan(
     found: Sequence[Source], *, output: Path | None, in_place: bool, suffixes: Callable[[Source], Sequence[str]],
-    force: bool, ours: Callable[[str], bool] = lambda name: False, extra: Iterable[Path] = (), dry_run: bool = False,
+    force: bool, ours: Callable[[Job], bool] = lambda job: False, extra: Iterable[Path] = (), extra_ours: bool = False,
+    dry_run: bool = False, one_file: bool = False, ending: str = "clean",
 ) -> tuple[Job, ...]:  # fmt: skip
     """The jobs of a run, checked before any work.
 
@@ -50,19 +86,22 @@ def plan(
         in_place: the corrected file takes the input's place.
         suffixes: of an input's outputs beside the corrected file.
         force: outputs that exist may be overwritten.
-        ours: whether the outputs of a clip, by its name, are those of a run that is being resumed.
+        ours: whether the outputs of a clip are those of a run that is being resumed.
         extra: outputs of the whole run.
+        extra_ours: whether those are, too.
         dry_run: nothing will be written.
+        one_file: `output` is the name of the one clip's output, not of a folder.
+        ending: of the names of outputs beside their input: "loop" for walk.loop.bvh, walk.loop.report.json.
 
     Raises:
         UsageError: two inputs would write one output, an output is there already, is an input, would lie
             outside the output folder, or can't be written.
     """
-    jobs = tuple(_job(source, output, in_place) for source in found)
+    jobs = tuple(_job(source, output, in_place, one_file, ending) for source in found)
     named = {os.path.realpath(source.path): source.path for source in found if source.path != STDIN}
     owners: dict[str, str] = {}
     for source, job in zip(found, jobs, strict=True):
-        free = force or dry_run or ours(job.name)
+        free = force or dry_run or ours(job)
         for each in _outputs(job, suffixes(source)):
             key = os.path.normcase(os.path.realpath(each))
             if key in owners:
@@ -76,15 +115,18 @@ def plan(
             if os.path.lexists(each) and not free and not itself:
                 raise UsageError(f"{each} is there already; --force overwrites it")
     for each in extra:
-        if os.path.lexists(each) and not (force or dry_run or ours("")):
-            raise UsageError(f"{each} is there already; --force overwrites it")
+        if os.path.lexists(each) and not (force or dry_run or extra_ours):
+            elsewhere = ", -o puts all in a folder of its own" if output is None else ""
+            raise UsageError(f"{each} is there already; --force overwrites it{elsewhere}")
     _stay_within(jobs)
     if not dry_run:
         _writable({job.target.parent for job in jobs if job.target is not None})
     return jobs
 
 
-def plan_labels(found: Sequence[Source], *, output: Path | None, suffix: str, force: bool) -> tuple[Job, ...]:
+def plan_labels(
+    found: Sequence[Source], *, output: Path | None, suffix: str, force: bool, one_file: bool = False
+) -> tuple[Job, ...]:
     """The jobs of a run that writes labels only; a job's target is its label file, None for standard output.
 
     Raises:
@@ -92,8 +134,8 @@ def plan_labels(found: Sequence[Source], *, output: Path | None, suffix: str, fo
     """
     jobs = []
     for source in found:
-        job = _job(source, output, in_place=False)
-        target = None if job.stem is None else job.beside(suffix)
+        job = _job(source, output, False, one_file)
+        target = output if one_file else None if job.stem is None else job.beside(suffix)
         jobs.append(Job(job.source, target, job.stem, job.name, job.within))
     owners: dict[Path, str] = {}
     for job in jobs:
@@ -109,8 +151,10 @@ def plan_labels(found: Sequence[Source], *, output: Path | None, suffix: str, fo
     return tuple(jobs)
 
 
-def _job(source: Source, output: Path | None, in_place: bool) -> Job:
+def _job(source: Source, output: Path | None, in_place: bool, one_file: bool, ending: str = "clean") -> Job:
     name = source.below.as_posix()
+    if output is not None and one_file:
+        return Job(source.path, output, output.with_suffix(""), name, output.parent)
     if source.path == STDIN and output is None:
         return Job(source.path, None, None, name)
     if output is not None:
@@ -119,7 +163,9 @@ def _job(source: Source, output: Path | None, in_place: bool) -> Job:
     path = Path(source.path)
     if in_place:  # behind a link it is the file itself that is replaced
         return Job(source.path, Path(os.path.realpath(path)), path.with_suffix(""), name)
-    return Job(source.path, path.with_name(cleaned_name(path.name)), path.with_suffix(""), name)
+    target = path.with_name(cleaned_name(path.name, ending))
+    # what is cleaned keeps the names of its labels and reports; another clip has its own
+    return Job(source.path, target, (path if ending == "clean" else target).with_suffix(""), name)
 
 
 def _outputs(job: Job, suffixes: Sequence[str]) -> Iterator[Path]:

@@ -11,7 +11,8 @@ from typing import Any
 from footfix.batch.files import read_whole, write_whole
 from footfix.batch.task import CONTACTS, REPORT, FileResult
 from footfix.errors import FootfixError, InputError
-from footfix.settings import ReportParams, Settings
+from footfix.report.again import Again, clean_again
+from footfix.settings import Layer, ReportParams, Settings, compose
 
 
 def redraw_one(
@@ -38,6 +39,7 @@ def redraw_one(
             _input(report, path, source, most),
             read_whole(path.with_name(str(report.get("output") or f"{stem}.bvh")), most),
             params,
+            _again(report, path, source),
         )
         folder = output or path.parent
         targets = {folder / (stem + suffix): page for suffix, page in pages.items()}
@@ -62,6 +64,18 @@ def _report(data: bytes, path: Path) -> Mapping[str, Any]:
     if not isinstance(report, dict) or report.get("format") != "footfix-report":
         raise InputError("this is no report of footfix", file=str(path), hint="give the file that ends in .report.json")
     return report
+
+
+def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again | None:
+    """How the clip is cleaned again with the settings of the report."""
+    name, output = (report.get("source") or {}).get("file"), report.get("output")
+    if not name or not output:
+        return None
+    folder = source if source is not None and source.is_dir() else path.parent
+    clip = source if source is not None and source.is_file() else folder / Path(str(name)).name
+    contacts = path.with_name(path.name.removesuffix(REPORT) + CONTACTS)
+    settings = compose([Layer("report", report.get("settings") or {})])
+    return clean_again(clip, path.with_name(str(output)), contacts, settings)
 
 
 def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int) -> bytes:

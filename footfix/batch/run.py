@@ -63,7 +63,7 @@ def run(
     Raises:
         KeyboardInterrupt: the second one; what was finished till then stays.
     """
-    journal = journal or Journal(None, "")
+    journal = journal or Journal()
     stop = Stop()
     _clear_leftovers(tasks)
 

@@ -62,6 +62,7 @@ class FileResult:
         offenders: its worst plants, as small pictures.
         skipped: True where it was done already.
         bug: True where the failure is ours, not the file's.
+        seconds: [s] the clip took; only what is told of a run may hold it, never an output of the clip.
     """
 
     source: str
@@ -75,6 +76,7 @@ class FileResult:
     offenders: tuple[Offender, ...] = ()
     skipped: bool = False
     bug: bool = False
+    seconds: float = 0.0
 
 
 def beside(settings: Settings) -> tuple[str, ...]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,7 +61,12 @@ def check_one(task: Task) -> FileResult:
 
 
 def _guarded(task: Task, work: Any) -> FileResult:
-    """The result of some work, whatever happens: one clip's failure is never that of others."""
+    """The result of some work and the time it took, whatever happens: one clip's failure is never that of others."""
+    begun = time.perf_counter()
+    return replace(_ended(task, work), seconds=time.perf_counter() - begun)
+
+
+def _ended(task: Task, work: Any) -> FileResult:
     source = task.job.source
     try:
         result: FileResult = work(task)
@@ -92,6 +99,7 @@ def _read(task: Task) -> bytes:
 
 def _clean(task: Task) -> FileResult:
     from footfix.job import clean_file
+    from footfix.report.again import clean_again
 
     job = task.job
     data = _read(task)
@@ -100,7 +108,11 @@ def _clean(task: Task) -> FileResult:
     if done is not None:
         return done
     output = None if job.target is None else job.target.name
-    outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output)
+    again = None
+    if job.target is not None and job.source != STDIN:
+        here = Path(task.folder)
+        again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
+    outputs = clean_file(data, job.source, task.settings, labels=task.labels, output=output, again=again)
     report = {**outputs.report, "fingerprint": key}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
     _write(task, files)
@@ -200,7 +212,7 @@ def digest(report: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _detect(task: Task) -> FileResult:
-    from footfix.formats.contacts import encode_csv, encode_npz
+    from footfix.formats.contacts import ENCODERS
     from footfix.job import contacts_json, detect_file
 
     job, kind = task.job, task.extra["kind"]
@@ -208,8 +220,13 @@ def _detect(task: Task) -> FileResult:
     if kind == "json":
         encoded = contacts_json(contacts, entry, rig, task.settings)
     else:
-        encoded = encode_csv(contacts) if kind == "csv" else encode_npz(contacts)
-    report = {"contacts": sum(len(effector.contacts) for effector in contacts.effectors), "notes": notes}
+        encoded = ENCODERS[kind][1](contacts)
+    report = {
+        "contacts": sum(len(effector.contacts) for effector in contacts.effectors),
+        "effectors": {effector.name: len(effector.contacts) for effector in contacts.effectors},
+        "coverage": float(contacts.mask().mean()) if contacts.effectors else 0.0,
+        "notes": notes,
+    }
     if job.target is None or task.dry_run:
         return FileResult(job.source, "done", report=report, data=encoded)
     _write(task, {job.target: encoded})

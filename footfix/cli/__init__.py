@@ -5,8 +5,10 @@ A command's module is imported when it is called, so that `footfix --help` answe
 
 from __future__ import annotations
 
+import difflib
 import gc
 import os
+import shlex
 import signal
 import sys
 from contextlib import suppress
@@ -16,6 +18,7 @@ import click
 
 from footfix.cli.say import say
 from footfix.errors import ExitCode, FootfixError, UsageError
+from footfix.formats.suffixes import is_motion
 from footfix.version import __version__
 
 # Each command lies in the module of its name, as the function of its name.
@@ -24,7 +27,7 @@ COMMANDS = {
     "detect": "Find contacts only, as labels.",
     "check": "Measure clips and hold them against gates; change nothing.",
     "inspect": "Say what is in a file: rig, units, floor, and everything odd about it.",
-    "settings": "Print the settings that hold, each with its origin.",
+    "settings": "Print the settings that hold, each with origin, meaning and unit; list the presets.",
     "report": "Draw the pages of cleaned clips anew, from their report files.",
 }
 
@@ -40,6 +43,18 @@ class Commands(click.Group):
             return None
         command: click.Command = getattr(import_module(f"footfix.cli.{cmd_name}"), cmd_name)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is named first; a clip in its place is most likely to be cleaned."""
+        name = args[0] if args else ""
+        if name and name not in COMMANDS and not name.startswith("-"):
+            if is_motion(name) or os.path.lexists(name):
+                ctx.fail(f"a command comes first: footfix clean {shlex.join(args)}")
+            near = difflib.get_close_matches(name, COMMANDS, n=1)
+            ctx.fail(f"there is no command {name!r}" + (f"; did you mean footfix {near[0]}?" if near else ""))
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
@@ -71,6 +86,7 @@ def _hear_no_more() -> None:
 
 def run() -> int:
     """Does what the command line asks for, and gives what each kind of ending means to a shell: its exit code."""
+    _open_streams()
     _bytes_through()
     # One thread a process: batches run as many processes, and sums come out the same to the last bit.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -106,6 +122,22 @@ def run() -> int:
     finally:
         gc.freeze()  # Python looks through all that is left before it ends, for 20 ms; the system takes it back anyway
     return code if isinstance(code, int) else 0
+
+
+def _open_streams() -> None:
+    """What a shell has closed (`>&-`) leads nowhere, and its number is not given to the next file that is opened."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            if nowhere != number:
+                os.dup2(nowhere, number)
+                os.close(nowhere)
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
 
 
 def _bytes_through() -> None:

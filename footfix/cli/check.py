@@ -9,7 +9,7 @@ import click
 
 from footfix.batch.journal import Journal
 from footfix.batch.work import check_one
-from footfix.cli.options import Common, Many, many, shared
+from footfix.cli.options import Common, Given, Many, given, many, shared
 from footfix.cli.running import (
     code,
     config_for,
@@ -24,30 +24,42 @@ from footfix.errors import ExitCode
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("--max", "most", multiple=True, metavar="NAME=VALUE",
               help="The most a measure may be, such as slide_mm=21. May be repeated.")  # fmt: skip
-@click.option("--labels", type=click.Path(exists=True, path_type=Path), help="Contacts to measure against.")
+@given("Contacts to measure against")
 @click.option("--anew", is_flag=True, help="Detect contacts anew, even where those of a cleaning lie beside the clip.")
 @click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
-@click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
-              help="How results are told.")  # fmt: skip
+@click.option("--format", "style", type=click.Choice(["text", "csv", "json", "github"]), default="text",
+              show_default=True, help="How results are told: a table, a row a clip, one document, or annotations.")
+@click.option("--list", "listed", is_flag=True, help="List every measure with unit and meaning; measure nothing.")
 @many
 @shared
 def check(
-    src: tuple[str, ...], most: tuple[str, ...], labels: Path | None, anew: bool, junit: Path | None, style: str,
+    src: tuple[str, ...], most: tuple[str, ...], given: Given, anew: bool, junit: Path | None, style: str, listed: bool,
     many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Measure clips and hold them against gates; change nothing.
 
     A clip that footfix cleaned is measured against the contacts that lie beside it, others are looked through.
-    Exits with 1 where a clip is over a gate, given by --max or by `gates:` in the config.
+    Exits with 1 where a clip is over a gate, given by --max or by `gates:` in the config. Where neither gives one,
+    share_over_21mm, skating_ratio and penetration_mm are held against bounds that --list gives with their reasons.
+    Plants that cleaning let go are counted apart, as let_go; held_slide_mm and held_over_21mm are of the others.
     """
-    return checked(src, most=most, junit=junit, labels=labels, style=style, anew=anew, many=many, common=common)
+    from footfix.batch import gates
+    from footfix.report import checking
+
+    if listed:
+        defaults = {name: (gate.most, gate.why) for name, gate in gates.DEFAULTS.items()}
+        click.echo(checking.listing(gates.MEASURES, defaults), nl=False)
+        return ExitCode.DONE
+    if style == "json":
+        common = replace(common, as_json=True)
+    return checked(src, most=most, junit=junit, given=given, style=style, anew=anew, many=many, common=common)
 
 
 def checked(
-    src: tuple[str, ...], *, most: tuple[str, ...], junit: Path | None, labels: Path | None, style: str, anew: bool,
+    src: tuple[str, ...], *, most: tuple[str, ...], junit: Path | None, given: Given, style: str, anew: bool,
     many: Many, common: Common,
 ) -> int:  # fmt: skip
     """`footfix check`."""
@@ -58,13 +70,15 @@ def checked(
     found = found_inputs(src, many, own_outputs=True)
     config = config_for(src, many, common, {})
     jobs = [reading(source) for source in found]
-    tasks = [replace(task, extra={"gates": limits, "anew": anew}) for task in tasks_for(jobs, found, config, labels)]
+    tasks = [replace(task, extra={"gates": limits, "anew": anew}) for task in tasks_for(jobs, found, config, given)]
     for task in tasks:
         gates.known(task.settings.gates)
-    outcome = run_tasks(check_one, tasks, many, common, style, Journal(None, ""), lambda result, say: None)
-    rows = [checking.row(result.source, result.status, result.report, result.error) for result in outcome.results]
+    outcome = run_tasks(check_one, tasks, many, common, style, Journal(), lambda result, say: None)
+    rows = [checking.row(each.source, each.status, each.report, each.error, each.seconds) for each in outcome.results]
     if common.as_json:
         print_json(checking.document(rows))
+    elif style == "csv":
+        click.echo(checking.as_csv(rows), nl=False)
     elif style == "github":
         for line in checking.workflow_commands(rows):
             click.echo(line)

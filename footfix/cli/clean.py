@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,13 @@ import click
 
 from footfix.batch import outputs
 from footfix.batch.inputs import Source
-from footfix.batch.journal import Journal, Past, recall
+from footfix.batch.journal import Journal, Past, journal_in, recall
+from footfix.batch.outputs import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
 from footfix.batch.work import clean_one
-from footfix.cli.options import Common, Many, many, shared
+from footfix.cli.closing import wrote
+from footfix.cli.options import Common, Given, Many, given, many, shared
 from footfix.cli.running import (
     Say,
     code,
@@ -36,13 +39,28 @@ if TYPE_CHECKING:
     from footfix.report.summary import Entry
 
 
+@dataclass(frozen=True)
+class Whole:
+    """The outputs of a whole run.
+
+    Args:
+        folder: that they lie in; None where the clips have no folder in common that was named.
+        own: whether the folder holds outputs alone, as one named by -o does.
+        files: "summary" and "index" -> path; none for a single clip.
+    """
+
+    folder: Path | None = None
+    own: bool = False
+    files: Mapping[str, Path] = field(default_factory=dict)
+
+
 @click.command()
-@click.argument("src", nargs=-1)
-@click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for the outputs.")
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
+              help="Folder for the outputs; with one clip also the name of the corrected file, ending in .bvh.")
 @click.option("--in-place", is_flag=True, help="Put the corrected file in the input's place.")
 @click.option("--method", type=click.Choice(["ik", "root", "both"]), help="How plants are held (enforce.method).")
-@click.option("--labels", type=click.Path(exists=True, path_type=Path),
-              help="Contacts to use in place of detection: JSON, CSV or NPZ, or a folder of them.")  # fmt: skip
+@given("Contacts to use in place of detection")
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")
 @click.option("--png", is_flag=True, help="Also draw a picture of the worst plants.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
@@ -54,13 +72,18 @@ if TYPE_CHECKING:
 @many
 @shared
 def clean(
-    src: tuple[str, ...], output: Path | None, in_place: bool, method: str | None, labels: Path | None,
+    src: tuple[str, ...], output: Path | None, in_place: bool, method: str | None, given: Given,
     report: str | None, png: bool, dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many,
     common: Common,
 ) -> int:  # fmt: skip
     """Take the foot skate out of clips.
 
     SRC is a BVH file, a folder, or - for standard input.
+
+    Of one clip, walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html are written beside it;
+    -o FOLDER puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Of one
+    folder, index.html and summary.json are written too: into that folder, or into the one that -o names. Several
+    files or folders get those two with -o only.
     """
     options: dict[str, Any] = {}
     if method:
@@ -70,30 +93,39 @@ def clean(
     if png:
         options.setdefault("report", {})["png"] = True
     return cleaned(
-        src, output=output, in_place=in_place, options=options, labels=labels, dry_run=dry_run, force=force,
+        src, output=output, in_place=in_place, options=options, given=given, dry_run=dry_run, force=force,
         resume=resume, junit=junit, style=style, many=many, common=common,
     )  # fmt: skip
 
 
 def cleaned(
-    src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], labels: Path | None,
+    src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], given: Given,
     dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many, common: Common,
+    work: Callable[[Task], FileResult] = clean_one, ending: str = "clean",
 ) -> int:  # fmt: skip
-    """Settle inputs and outputs, run, and sum up."""
+    """Settle inputs and outputs, run, and sum up; the same for every command that makes a clip of each clip.
+
+    Args:
+        src: what was named.
+        output, in_place, dry_run, force, resume, junit, style: as the options of `clean` say.
+        options: settings that options of the command stand for.
+        given: contacts that were given.
+        many, common: which inputs, on what, and how much is told.
+        work: what makes the outputs of a task.
+        ending: of the names of outputs beside their input, and of the command in JUnit.
+    """
     if output is not None and in_place:
         raise UsageError("-o and --in-place exclude each other")
-    if resume and output is None:
-        raise UsageError("--resume goes on in a folder of outputs; say which with -o")
     found = found_inputs(src, many, leave_out=output)
+    one_file = outputs.names_file(output, found, folder=bool(many.from_file) or _a_folder(src))
     config = config_for(src, many, common, options)
-    kind = config.settings().report.kind
-    past = recall(output) if output is not None and resume else Past()
-    whole = _whole_run(output, many, kind) if output is not None and _several(src, found) else {}
+    whole = whole_run(src, found, None if one_file else output, many, config.settings().report.kind, ending)
+    past = recall(whole.folder, ending) if whole.folder is not None and resume else Past()
     jobs = outputs.plan(
-        found, output=output, in_place=in_place, force=force, dry_run=dry_run,
+        found, output=output, in_place=in_place, force=force, dry_run=dry_run, one_file=one_file,
         suffixes=lambda source: beside(config.settings(Path(source.path))),
-        ours=lambda name: resume and (name == "" or name in past.begun or _reported(output, name)),
-        extra=whole.values(),
+        ours=lambda job: resume and (job.name in past.begun or _reported(job)),
+        extra=whole.files.values(), extra_ours=resume and (whole.own or bool(past.begun)), ending=ending,
     )  # fmt: skip
     if common.as_json and any(job.target is None for job in jobs):
         raise UsageError("--json and a clip on standard output exclude each other; say where the clip goes with -o")
@@ -101,57 +133,85 @@ def cleaned(
     tasks = [
         replace(task, dry_run=dry_run, resume=resume and not force, keep_report=few, tag=many.tag,
                 wrote=past.hashes.get(task.job.name, {}) if task.job.name in past.begun else None)
-        for task in tasks_for(jobs, found, config, labels)
+        for task in tasks_for(jobs, found, config, given)
     ]  # fmt: skip
-    writes = output is not None and not dry_run and (whole or resume)
-    journal = Journal(output if writes else None, many.tag)
+    writes = whole.folder is not None and not dry_run and (whole.files or resume)
+    path = journal_in(whole.folder, many.tag, own=whole.own, ending=ending) if writes and whole.folder else None
+    journal = Journal(path)
     try:
-        outcome = run_tasks(clean_one, tasks, many, common, style, journal, _told_cleaned(common, few))
+        outcome = run_tasks(work, tasks, many, common, style, journal, _told_cleaned(common, few))
         if not outcome.interrupted:
             journal.finish()
     finally:
         journal.close()
-    return _close_clean(outcome, tasks, {} if dry_run else whole, past, junit, style, common)
+    whole = replace(whole, files={}) if dry_run else whole
+    return _close_clean(outcome, tasks, whole, past, junit, style, common, ending)
 
 
 def _close_clean(
-    outcome: Outcome, tasks: Sequence[Task], whole: Mapping[str, Path], past: Past, junit: Path | None, style: str,
-    common: Common,
+    outcome: Outcome, tasks: Sequence[Task], whole: Whole, past: Past, junit: Path | None, style: str, common: Common,
+    ending: str,
 ) -> int:  # fmt: skip
-    """What is told and written at the end of a run of `clean`."""
+    """What is told and written at the end of a run."""
     from footfix.report.summary import table
 
     if common.as_json:
         print_json({"format": "footfix-run", "version": 1, "files": [plain(each) for each in outcome.results]})
     if outcome.interrupted:
         return ExitCode.INTERRUPTED
-    entries = [_entry(task, result) for task, result in zip(tasks, outcome.results, strict=True)]
-    if whole:
-        _write_whole_run(entries, outcome.results, tasks, whole, past)
+    entries = [_entry(task, result, whole) for task, result in zip(tasks, outcome.results, strict=True)]
+    if whole.files:
+        _write_whole_run(entries, outcome.results, tasks, whole.files, past)
     if junit is not None:
-        _write_junit("footfix clean", junit, entries, outcome.results)
-    if len(tasks) > 1 and not common.quiet and style == "text":
+        _write_junit(f"footfix {ending}", junit, entries, outcome.results)
+    if common.quiet or common.as_json:
+        return code(outcome)
+    if len(tasks) > 1 and style == "text":
         say(table(entries))
+    hint = "" if len(tasks) == 1 else "-o FOLDER adds index.html and summary.json"
+    said = wrote(outcome.results, extra=whole.files.values(), hint="" if whole.files else hint, every=common.verbose)
+    if said:
+        say(said)
     return code(outcome)
 
 
-def _several(src: tuple[str, ...], found: Sequence[Source]) -> bool:
-    return len(found) > 1 or any(Path(each).is_dir() for each in src)
+def _a_folder(src: Sequence[str]) -> bool:
+    return any(Path(each).is_dir() for each in src)
 
 
-def _whole_run(output: Path, many: Many, kind: str) -> dict[str, Path]:
-    files = {"summary": output / many.named("summary", ".json")}
+def whole_run(
+    src: Sequence[str], found: Sequence[Source], output: Path | None, many: Many, kind: str,
+    ending: str = "clean",
+) -> Whole:  # fmt: skip
+    """Where the summary and the index of a run go: into -o's folder, or into the one folder that was named.
+
+    Args:
+        src: what was named.
+        found: the inputs.
+        output: the folder of -o.
+        many: the shard, in the names.
+        kind: of the reports; an index stands beside pages only.
+        ending: of the command's outputs; but for "clean" it is in the names, too, where several commands may write
+            into one folder.
+    """
+    folder = output
+    if folder is None and len(src) == 1 and not many.from_file and _a_folder(src):
+        folder = Path(src[0])
+    if folder is None or not (len(found) > 1 or _a_folder(src)):
+        return Whole(folder, output is not None)
+    before = "" if ending == "clean" or output is not None else f"{ending}."
+    files = {"summary": folder / many.named(f"{before}summary", ".json")}
     if kind == "html":
-        files["index"] = output / many.named("index", ".html")
-    return files
+        files["index"] = folder / many.named(f"{before}index", ".html")
+    return Whole(folder, output is not None, files)
 
 
-def _reported(output: Path | None, name: str) -> bool:
+def _reported(job: Job) -> bool:
     """Whether a report with a fingerprint lies there; then the clip decides for itself whether it is done."""
-    assert output is not None
-    path = (output / name).with_suffix("")
+    if job.stem is None:
+        return False
     try:
-        head = json.loads(path.with_name(path.name + REPORT).read_bytes())
+        head = json.loads(job.beside(REPORT).read_bytes())
     except (OSError, ValueError):
         return False
     return isinstance(head, dict) and "fingerprint" in head
@@ -169,18 +229,25 @@ def _told_cleaned(common: Common, few: bool) -> Callable[[FileResult, Say], None
     return told
 
 
-def _entry(task: Task, result: FileResult) -> Entry:
+def _entry(task: Task, result: FileResult, whole: Whole) -> Entry:
     from footfix.report.summary import Entry
 
     kinds: dict[str, str] = {CONTACTS: "contacts", REPORT: "report", PAGE: "page", PICTURE: "picture"}
-    base = task.job.within
+    base = task.job.within or whole.folder
     written: dict[str, str] = {}
     for path in map(Path, result.written):
         kind = next((kinds[suffix] for suffix in kinds if path.name.endswith(suffix)), "bvh")
-        written[kind] = (path.relative_to(base) if base is not None else path).as_posix()
+        written[kind] = path.as_posix() if base is None else _from(base, path)
     order: tuple[str, ...] = ("bvh", "contacts", "report", "page", "picture")
     outputs_of = {kind: written[kind] for kind in order if kind in written}
     return Entry(task.job.name, result.status, result.error, result.line, result.report, outputs_of)
+
+
+def _from(base: Path, path: Path) -> str:
+    """A file's path from a folder; what --in-place has replaced lies where its links lead."""
+    if path.is_relative_to(base):
+        return path.relative_to(base).as_posix()
+    return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(base))).as_posix()
 
 
 def _write_whole_run(
@@ -210,7 +277,8 @@ def _write_junit(suite: str, path: Path, entries: Sequence[Entry], results: Sequ
     from footfix.report.text import released
 
     cases = [
-        Case(entry.source, error=entry.error, output=tuple(released(entry.report)) if entry.report else ())
-        for entry in entries
-    ]
+        Case(entry.source, error=entry.error, output=tuple(released(entry.report)) if entry.report else (),
+             seconds=result.seconds)
+        for entry, result in zip(entries, results, strict=True)
+    ]  # fmt: skip
     write_file(path, junit(suite, cases))

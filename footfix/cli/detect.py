@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,8 @@ from footfix.batch import outputs
 from footfix.batch.journal import Journal
 from footfix.batch.task import FileResult
 from footfix.batch.work import detect_one
-from footfix.cli.options import Common, Many, many, shared
+from footfix.cli.closing import wrote
+from footfix.cli.options import Common, Given, Many, given, many, shared
 from footfix.cli.running import (
     Say,
     code,
@@ -27,57 +28,112 @@ from footfix.cli.running import (
     run_tasks,
     tasks_for,
 )
+from footfix.cli.say import say
 from footfix.errors import ExitCode
 
 
 @click.command()
-@click.argument("src", nargs=-1)
-@click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for the outputs.")
-@click.option("--format", "kind", type=click.Choice(["json", "csv", "npz"]), default="json", show_default=True)
-@click.option(
-    "--method", type=click.Choice(["auto", "threshold", "adaptive", "lyard"]), help="Detector (detect.method)."
-)
-@click.option("--labels", type=click.Path(exists=True, path_type=Path), help="Contacts to keep; the rest is detected.")
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
+              help="Folder for the outputs; with one clip also the name of the label file, ending in its format.")
+@click.option("--format", "kind", type=click.Choice(["json", "csv", "frames", "npz", "npy"]),
+              help="json; csv: a row a contact; frames: CSV with a row a frame; npz: mask, names, confidence and "
+              "intervals; npy: the mask (F, 4) alone. By default as -o ends, else json.")
+@click.option("--method", type=click.Choice(["auto", "threshold", "adaptive", "lyard"]),
+              help="Detector (detect.method).")
+@given("Contacts to keep; the rest is detected")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @many
 @shared
 def detect(
-    src: tuple[str, ...], output: Path | None, kind: str, method: str | None, labels: Path | None, force: bool,
+    src: tuple[str, ...], output: Path | None, kind: str | None, method: str | None, given: Given, force: bool,
     many: Many, common: Common,
 ) -> int:  # fmt: skip
-    """Find contacts only, as labels."""
+    """Find contacts only, as labels.
+
+    Labels are written beside each clip, as walk.contacts.json, or into -o's folder; those of several clips are summed
+    up in a table: plants of each effector, and the share of its frames in which an effector is planted.
+    """
     options = {"detect": {"method": method}} if method else {}
     return detected(
-        src, output=output, kind=kind, options=options, labels=labels, force=force, many=many, common=common
-    )
+        src, output=output, kind=kind, options=options, given=given, force=force, many=many, common=common
+    )  # fmt: skip
 
 
 def detected(
-    src: tuple[str, ...], *, output: Path | None, kind: str, options: Mapping[str, Any], labels: Path | None,
+    src: tuple[str, ...], *, output: Path | None, kind: str | None, options: Mapping[str, Any], given: Given,
     force: bool, many: Many, common: Common,
 ) -> int:  # fmt: skip
     """`footfix detect`."""
+    from footfix.formats.contacts import ENDS
+
     found = found_inputs(src, many, leave_out=output)
     config = config_for(src, many, common, options)
-    jobs = outputs.plan_labels(found, output=output, suffix=f".contacts.{kind}", force=force or common.as_json)
+    folder = bool(many.from_file) or any(Path(each).is_dir() for each in src)
+    one_file = outputs.names_file(output, found, folder=folder, ends=tuple(_SHORT))
+    if kind is None:
+        named = "" if output is None or not one_file else output.name.lower()
+        kind = next((each for end, each in _SHORT.items() if named.endswith(end)), "json")
+    jobs = outputs.plan_labels(
+        found, output=output, suffix=ENDS[kind], force=force or common.as_json, one_file=one_file
+    )  # fmt: skip
     tasks = [
         replace(task, extra={"kind": kind}, dry_run=common.as_json, tag=many.tag)
-        for task in tasks_for(jobs, found, config, labels)
+        for task in tasks_for(jobs, found, config, given)
     ]
+    outcome = run_tasks(detect_one, tasks, many, common, "text", Journal(), _told_detected(common, len(tasks) == 1))
+    if common.as_json:
+        print_json(one_or_many([_document(result, kind) for result in outcome.results]))
+    if outcome.interrupted:
+        return ExitCode.INTERRUPTED
+    if len(tasks) > 1 and not common.quiet and not common.as_json:
+        click.echo(_table(outcome.results))
+        say(wrote(outcome.results, every=common.verbose) or "nothing was written")
+    return code(outcome)
 
+
+# What the name of one label file may end in -> its format; the longer ends come first.
+_SHORT = {".frames.csv": "frames", ".csv": "csv", ".json": "json", ".npz": "npz", ".npy": "npy"}
+
+
+def _told_detected(common: Common, alone: bool) -> Callable[[FileResult, Say], None]:
     def told(result: FileResult, say: Say) -> None:
         if common.as_json:
             return
         if result.data:
             sys.stdout.buffer.write(result.data)
-        elif not common.quiet and not result.error and (len(tasks) == 1 or common.verbose):
+        elif not common.quiet and not result.error and alone:
             say(f"{result.source}: {result.report['contacts']} contacts -> {', '.join(result.written)}")
         for note in result.report.get("notes", ()) if not common.quiet else ():
             if common.verbose or note["severity"] != "note":
-                say(f"  {note['severity']}: {note['text']}")
+                say(f"  {note['severity']}: {'' if alone else result.source + ': '}{note['text']}")
 
-    outcome = run_tasks(detect_one, tasks, many, common, "text", Journal(None, ""), told)
-    if common.as_json:
-        files = [json.loads(result.data) if result.data else plain(result) for result in outcome.results]
-        print_json(one_or_many(files))
-    return ExitCode.INTERRUPTED if outcome.interrupted else code(outcome)
+    return told
+
+
+def _document(result: FileResult, kind: str) -> Any:
+    """What --json prints of a clip: its contacts file; of another format, what was found."""
+    if result.data and kind == "json":
+        return json.loads(result.data)
+    return plain(result)
+
+
+def _table(results: Sequence[FileResult]) -> str:
+    """Clips, plants of each effector, and coverage; clips whose effectors have other names have tables of their own."""
+    from footfix.report.text import printable
+
+    lines: list[str] = []
+    header: list[str] = []
+    width = max(len(printable(result.source)) for result in results)
+    for result in results:
+        where = f"{printable(result.source):<{width}}"
+        if result.error:
+            lines.append(f"{where}  failed")
+            continue
+        names = list(result.report["effectors"])
+        if names != header:
+            header = names
+            lines.append(f"{'clip':<{width}}  {'  '.join(names)}  planted")
+        counts = "  ".join(f"{count:>{len(name)}}" for name, count in result.report["effectors"].items())
+        lines.append(f"{where}  {counts}  {100.0 * result.report['coverage']:5.0f} %")
+    return "\n".join(lines)

@@ -29,9 +29,10 @@ from footfix.errors import ExitCode, UsageError
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("--repair", is_flag=True, help="Write what a strict reader wants, and say what was changed.")
-@click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for repaired files.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
+              help="Folder for repaired files; with one file also a name for it.")  # fmt: skip
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @many
 @shared
@@ -48,8 +49,8 @@ def inspected(src: tuple[str, ...], *, many: Many, common: Common) -> int:
 
     found = found_inputs(src, many, own_outputs=True)
     config = config_for(src, many, common, {})
-    tasks = tasks_for([reading(source) for source in found], found, config, None)
-    outcome = run_tasks(inspect_one, tasks, many, common, "text", Journal(None, ""), lambda result, say: None)
+    tasks = tasks_for([reading(source) for source in found], found, config)
+    outcome = run_tasks(inspect_one, tasks, many, common, "text", Journal(), lambda result, say: None)
     if common.as_json:
         print_json(one_or_many([dict(each.report) if each.report else plain(each) for each in outcome.results]))
     else:
@@ -65,7 +66,11 @@ def repaired(src: tuple[str, ...], *, output: Path | None, force: bool, many: Ma
     config = config_for(src, many, common, {})
     if output is None and any(source.path != STDIN for source in found):
         raise UsageError("--repair writes files: say where with -o")
-    jobs = outputs.plan(found, output=output, in_place=False, suffixes=lambda source: (), force=force)
+    folder = bool(many.from_file) or any(Path(each).is_dir() for each in src)
+    one_file = outputs.names_file(output, found, folder=folder)
+    jobs = outputs.plan(
+        found, output=output, in_place=False, suffixes=lambda source: (), force=force, one_file=one_file
+    )  # fmt: skip
 
     def told(result: FileResult, say: Say) -> None:
         if result.data:
@@ -78,7 +83,7 @@ def repaired(src: tuple[str, ...], *, output: Path | None, force: bool, many: Ma
             place = f" line {note['line']}:" if "line" in note else ""
             say(f"  {note['severity']} [{note['id']}]{place} {note['text']}")
 
-    outcome = run_tasks(repair_one, tasks_for(jobs, found, config, None), many, common, "text", Journal(None, ""), told)
+    outcome = run_tasks(repair_one, tasks_for(jobs, found, config), many, common, "text", Journal(), told)
     if common.as_json:
         print_json(one_or_many([plain(each) for each in outcome.results]))
     return ExitCode.INTERRUPTED if outcome.interrupted else code(outcome)

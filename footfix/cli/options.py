@@ -34,19 +34,65 @@ class Common:
     verbose: bool
 
 
+def _presets(context: click.Context, option: click.Parameter, begun: str) -> list[str]:
+    """The presets whose names begin so, for the completion of a shell."""
+    from footfix.config import presets
+
+    return [name for name in presets() if name.startswith(begun)]
+
+
 def shared(command: Command) -> Command:
     """The options that every command on clips takes; they arrive together as `common: Common`."""
     return _gathered(
         command, Common, "common",
         click.option("--config", type=click.Path(exists=True, dir_okay=False, path_type=Path),
                      help="Settings file; without it footfix.yaml is looked for from the inputs upward."),
-        click.option("--preset", metavar="NAME", help="Packed settings: mocap, video, ml-generated, ..."),
+        click.option("--preset", metavar="NAME", shell_complete=_presets,
+                     help="Packed settings: animals, game-retarget, ml-generated, mocap, video; "
+                     "`footfix settings --presets` explains them."),
         click.option("--set", "sets", multiple=True, metavar="NAME=VALUE",
                      help="One setting, such as detect.method=threshold. May be repeated."),
         click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout."),
         click.option("-q", "--quiet", is_flag=True, help="Only errors."),
         click.option("-v", "--verbose", is_flag=True, help="All measures and notes."),
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Given:
+    """Contacts that are given.
+
+    Args:
+        labels: a label file, or a folder of them; None for none.
+        order: effector names of the columns of an array, () for the usual ones.
+    """
+
+    labels: Path | None = None
+    order: tuple[str, ...] = ()
+
+
+def given(purpose: str) -> Callable[[Command], Command]:
+    """The options for contacts that are given, for a purpose in words; they arrive together as `given: Given`."""
+
+    def decorate(command: Command) -> Command:
+        return _gathered(
+            command, Given, "given",
+            click.option("--labels", type=click.Path(exists=True, path_type=Path),
+                         help=f"{purpose}: JSON, CSV, NPZ or NPY, or a folder with a file for each clip."),
+            click.option("--order", default="", metavar="NAMES", callback=_order,
+                         help="Effectors of the columns of an array, left to right; by default "
+                         "left_heel,left_toe,right_heel,right_toe, as HumanML3D and LAFAN1 have them."),
+        )  # fmt: skip
+
+    return decorate
+
+
+def _order(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:
+    if not value:
+        return ()
+    from footfix.formats.contacts import order_from
+
+    return order_from(value)
 
 
 @dataclass(frozen=True)

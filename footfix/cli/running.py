@@ -17,7 +17,7 @@ from footfix.batch.journal import Journal
 from footfix.batch.outputs import Job
 from footfix.batch.run import Crew, Outcome, run
 from footfix.batch.task import FileResult, Task
-from footfix.cli.options import Common, Many
+from footfix.cli.options import Common, Given, Many
 from footfix.cli.progress import Progress
 from footfix.errors import ExitCode, UsageError
 
@@ -86,40 +86,46 @@ def config_near(named: Sequence[str], common: Common, options: Mapping[str, Any]
     )
 
 
-def tasks_for(jobs: Sequence[Job], found: Sequence[Source], config: Config, labels: Path | None) -> list[Task]:
-    given = labels_for(labels, found)
+def tasks_for(
+    jobs: Sequence[Job], found: Sequence[Source], config: Config, given: Given | None = None
+) -> list[Task]:  # fmt: skip
+    labels = labels_for(given or Given(), found)
     return [
         Task(
             job,
             config.settings(None if job.source == STDIN else Path(job.source)),
-            labels=given.get(job.source),
+            labels=labels.get(job.source),
             folder=str(Path.cwd()),
         )
         for job in jobs
     ]
 
 
-def labels_for(path: Path | None, found: Sequence[Source]) -> dict[str, Labels]:
+def labels_for(given: Given, found: Sequence[Source]) -> dict[str, Labels]:
     """For each input the labels given for it: one file for one clip, or a folder with a file for each."""
+    path = given.labels
     if path is None:
         return {}
-    from footfix.formats.contacts import decode
+    from footfix.formats.contacts import ENDS, decode
+
+    def read(file: Path) -> Labels:
+        return decode(read_whole(file, 1 << 30), name=str(file), order=given.order)
 
     if path.is_file():
         if len(found) > 1:
             raise UsageError(f"{path} labels one clip, but {len(found)} are named; give a folder of label files")
-        return {found[0].path: decode(read_whole(path, 1 << 30), name=str(path))}
-    given = {}
+        return {found[0].path: read(path)}
+    ends = (*ENDS.values(), ".npy", ".npz")
+    labels = {}
     for source in found:
         stem = source.below.with_suffix("")
         places = [(path / folder / stem.name) for folder in dict.fromkeys((stem.parent, Path()))]
-        kinds = ("json", "csv", "npz")
-        names = (place.with_name(f"{place.name}.contacts.{kind}") for place in places for kind in kinds)
+        names = (place.with_name(place.name + end) for place in places for end in ends)
         file = next((each for each in names if each.is_file()), None)
         if file is None:
-            raise UsageError(f"{path} holds no {stem.as_posix()}.contacts.json (.csv, .npz) for {source.path}")
-        given[source.path] = decode(read_whole(file, 1 << 30), name=str(file))
-    return given
+            raise UsageError(f"{path} holds no {stem.as_posix()}.contacts.json (.csv, .npz, .npy) for {source.path}")
+        labels[source.path] = read(file)
+    return labels
 
 
 def run_tasks(

@@ -6,23 +6,43 @@ from pathlib import Path
 
 import click
 
+from footfix import listing
 from footfix import settings as composed
 from footfix.cli.options import Common, shared
-from footfix.cli.running import (
-    config_near,
-    print_json,
-)
+from footfix.cli.running import config_near, print_json
+from footfix.config import presets as packed
 
 
 @click.command()
-@click.argument("src", nargs=-1)
+@click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
+@click.option("--presets", is_flag=True, help="List the presets instead: what each is for, what it changes and why.")
 @shared
-def settings(src: tuple[str, ...], common: Common) -> int:
-    """Print the settings that hold, each with its origin, as YAML that --config takes."""
+def settings(src: tuple[str, ...], presets: bool, common: Common) -> int:
+    """Print the settings that hold, each with its origin, meaning and unit, as YAML that --config takes.
+
+    With SRC, those that hold for this file, as footfix.yaml may give some files settings of their own.
+    """
+    if presets:
+        return listed(common)
     chosen = config_near(src or (".",), common, {})
     path = Path(src[0]) if src else None
     if common.as_json:
         print_json(composed.plain(chosen.settings(path)))
     else:
-        click.echo(composed.as_yaml(chosen.stack(path)), nl=False)
+        click.echo(listing.as_yaml(chosen.stack(path)), nl=False)
+    return 0
+
+
+def listed(common: Common) -> int:
+    """`footfix settings --presets`."""
+    if common.as_json:
+        print_json({
+            name: {
+                "for": listing.preset_summary(name),
+                "settings": {each.path: composed.plain(each.value) for each in listing.preset_changes(name)},
+            }
+            for name in packed()
+        })  # fmt: skip
+    else:
+        click.echo(listing.describe_presets(), nl=False)
     return 0

@@ -26,7 +26,7 @@ class AdaptiveParams:
     """G's one number, and how cycles are found.
 
     Args:
-        delta: between the lowest place (0) and the mean of the window's ends (1) (G eq. 8).
+        delta: between the lowest place (0) and the mean of the window's ends (1) (G eq. 8) [share].
         smooth: [s] window over the heights.
         cycles: what counts as a cycle.
     """

@@ -22,11 +22,11 @@ class AutoParams:
     """What the path through a clip costs, and what no foot does.
 
     Args:
-        switch: nats that a landing or a leaving costs; dearer means fewer and longer contacts.
-        roll: nats that a change between heel, flat and toe costs.
+        switch: what a landing or a leaving costs; dearer means fewer and longer contacts [nats].
+        roll: what a change between heel, flat and toe costs [nats].
         rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
         highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
-        steep: [leg lengths] about it, for each nat.
+        steep: [leg lengths] of height beyond it for each nat that standing costs.
         kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """

@@ -18,9 +18,9 @@ class CycleParams:
     Args:
         smooth: [s] window over the feet's distance.
         stride: [leg lengths] by which one foot must pass the other, and back.
-        shortest, longest: [s] of a cycle.
-        lopsided: how far from the middle of the cycle, as a share of it, the left foot may strike.
-        uneven: how much longer a cycle may be than the one before it.
+        shortest, longest: [s] a cycle lasts, at the least and at most.
+        lopsided: how far from the middle of the cycle the left foot may strike, of its length [share].
+        uneven: how much longer a cycle may be than the one before it [factor].
     """
 
     smooth: float = 0.15

@@ -28,16 +28,17 @@ class DoubtParams:
     """When to speak.
 
     Args:
-        quick, slow: how many times longer than usual for their length steps may last, at the least and at most.
-        floating: [g] who falls no faster than this while both feet are off the floor falls in slow motion.
-        slow_fall: how many times longer steps last, at the least, of somebody who comes down that slowly.
-        slow_few: the same, of fewer cycles than say something by themselves.
-        stride: [m] steps of that are no shorter than this.
+        quick, slow: how many times longer than usual for their length steps may last, at the least and at
+            most [factor].
+        floating: who falls no faster than this while both feet are off the floor falls in slow motion [g].
+        slow_fall: how many times longer steps last, at the least, of somebody who comes down that slowly [factor].
+        slow_few: the same, of fewer cycles than say something by themselves [factor].
+        stride: steps of that are no shorter than this [m].
         shortest, longest: [s] cycles between these are plausible whatever the length of the steps.
-        cycles: fewer than this many say nothing.
-        uneven: nor do cycles that usually differ by more than this share of their length.
+        cycles: fewer than this many say nothing [count].
+        uneven: nor do cycles that usually differ by more than this, of their length [share].
         unsure: [s] a stretch that could be contact or not is told from this length on.
-        most: stretches told of one foot.
+        most: stretches told of one foot [count].
     """
 
     quick: float = 0.4

@@ -22,7 +22,7 @@ class LyardParams:
             every point slower than this is static.
         fall: [g] in flight the pelvis falls faster than this, and no sole point is low.
         low: [leg lengths] above the lowest place nearby; what is higher is not on the floor.
-        nearby: [s] to both sides.
+        nearby: [s] how far to both sides that place is looked for.
     """
 
     step: float = 0.04

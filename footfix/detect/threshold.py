@@ -17,12 +17,12 @@ class ThresholdParams:
     """What counts as low and slow (K §5.1).
 
     Args:
-        height: share of a sole point's own vertical range, above its lowest place (K: 0.1 to 0.2).
-        speed: bound on its speed, as a share of the mean speed of the body (K gives no number).
+        height: of a sole point's own vertical range, above its lowest place (K: 0.1 to 0.2) [share].
+        speed: bound on its speed, of the mean speed of the body (K gives no number) [share].
         least_speed: [sqrt(g leg)] the bound is never lower than this; a body that stands has no speed.
         smooth: [s] window of the smoothing (K: 12 frames at 120 fps).
-        degree: of its polynomial (K).
-        vote: N_f as a share of the neighbouring plant's length (K: a quarter).
+        degree: of its polynomial (K) [count].
+        vote: N_f, of the neighbouring plant's length (K: a quarter) [share].
     """
 
     height: float = 0.15

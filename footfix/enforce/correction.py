@@ -39,7 +39,7 @@ class Correction:
 
 
 def apply(clip: Clip, correction: Correction) -> Clip:
-    """The corrected clip. Frames and joints that the correction leaves alone keep their very numbers."""
+    """Correct a clip. Frames and joints that the correction leaves alone keep their very numbers."""
     places: dict[int, Floats] = {}
     moved = np.any(correction.root_shift != 0.0, axis=1)
     if np.any(moved):

@@ -27,7 +27,7 @@ class Footplant:
         target: (x, y, z) [m] where it stands after all.
         outcome: "kept" (it stood well enough), "pinned" (it stands), "partly" (it stands in some of its frames,
             and slides in others), "released" (it slides in most of them, for the reason given).
-        reason: for a person, when it is neither kept nor pinned.
+        reason: for a person, where it does not stand throughout.
         residual: [m] farthest horizontal distance from its target over the whole contact.
         held: the frames in which it stands, as stretches `[start, end)`.
     """

@@ -14,7 +14,7 @@ import numpy as np
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import Pose
-from footfix.motion.segments import centres, segments
+from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm
 from footfix.notes import Note
 from footfix.rig.rig import Rig
@@ -25,18 +25,27 @@ _OUTLIERS = 2  # and no more than so many one after the other may not
 
 @dataclass(frozen=True, kw_only=True)
 class GroundParams:
-    """What makes a ground. Speeds in leg lengths a second."""
+    """What makes a ground.
 
-    belt: float = 0.15  # [leg lengths/s] planted feet that all move so fast, in a figure that stays, are on a belt
-    belt_spread: float = 0.3  # share of the belt's speed by which they may differ from it
-    belt_plants: int = 8  # plants in a row that make a belt, where the figure is not on it all the time,
-    belt_walk: float = 0.5  # [leg lengths/s] and that they move at least as fast
-    lift: float = 0.0055  # [leg lengths] all plants are off the floor, for the whole figure to be raised or lowered
-    agree: float = 0.8  # share of plants that must agree, within half of that
+    Args:
+        belt: planted feet that all move so fast, in a figure that stays, are on a belt [leg lengths/s].
+        belt_spread: by how much of the belt's speed they may differ from it [share].
+        belt_plants: plants in a row that make a belt, where the figure is not on it all the time [count].
+        belt_walk: these move at least as fast [leg lengths/s].
+        lift: all plants are off the floor by this, for the whole figure to be raised or lowered [leg lengths].
+        agree: how many of the plants must agree, within half of that [share].
+    """
+
+    belt: float = 0.15
+    belt_spread: float = 0.3
+    belt_plants: int = 8
+    belt_walk: float = 0.5
+    lift: float = 0.0055
+    agree: float = 0.8
 
 
 @dataclass(frozen=True)
-class _Ride:
+class _Drift:
     """How a plant of a leg moves over the floor: frames `[start, end)`, velocity (3,) and steps [m/s], time [s]."""
 
     leg: int
@@ -67,44 +76,44 @@ def belt(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: Gr
 
 
 def _velocity(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: GroundParams) -> Floats:
-    rides = sorted(_rides(rig, pose, contacts, frame_time), key=lambda ride: ride.start + ride.end)
+    drifts = sorted(_drifts(rig, pose, contacts, frame_time), key=lambda drift: drift.start + drift.end)
     hips = np.mean([pose.position(leg.hip) for leg in rig.legs], axis=0)
     frames = len(hips)
     velocity = np.zeros((frames, 3))
-    if len(rides) < 4:
+    if len(drifts) < 4:
         return velocity
     travel = (hips[-1] - hips[0]) / (frames * frame_time)
-    along = _go_along(rides, travel, params.belt * rig.leg_length, params)
+    along = _go_along(drifts, travel, params.belt * rig.leg_length, params)
     if along is not None:
-        return velocity + _usual_step(rides, along)
-    if len(rides) < params.belt_plants:
+        return velocity + _usual_step(drifts, along)
+    if len(drifts) < params.belt_plants:
         return velocity
-    on_belt = np.zeros(len(rides), dtype=np.bool_)
+    on_belt = np.zeros(len(drifts), dtype=np.bool_)
     slow = (1.0 - params.belt_spread) * params.belt_walk * rig.leg_length
-    quick = norm(np.array([ride.velocity for ride in rides])) > slow
+    quick = norm(np.array([drift.velocity for drift in drifts])) > slow
     many = np.convolve(quick, np.ones(params.belt_plants), mode="valid") >= _MOST * params.belt_plants
     for k in np.flatnonzero(many).tolist():
-        some = rides[k : k + params.belt_plants]
-        start, end = min(ride.start for ride in some), max(ride.end for ride in some)
+        some = drifts[k : k + params.belt_plants]
+        start, end = min(drift.start for drift in some), max(drift.end for drift in some)
         travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)
         along = _go_along(some, travel, params.belt_walk * rig.leg_length, params)
-        if along is not None and len({ride.leg for ride in some}) > 1:
+        if along is not None and len({drift.leg for drift in some}) > 1:
             on_belt[k : k + params.belt_plants] |= along
     for first, last in runs(_without_gaps(on_belt, _OUTLIERS)):
-        some = rides[first:last]
+        some = drifts[first:last]
         along = np.ones(len(some), dtype=np.bool_)
-        velocity[min(ride.start for ride in some) : max(ride.end for ride in some)] = _usual_step(some, along)
+        velocity[min(drift.start for drift in some) : max(drift.end for drift in some)] = _usual_step(some, along)
     return velocity
 
 
-def _usual_step(rides: Sequence[_Ride], along: Bools) -> Floats:
-    """(3,) [m/s] what most steps of the plants that go along go by: of a cleaned clip, the very speed of its belt."""
-    steps = np.concatenate([ride.steps for ride, goes in zip(rides, along.tolist(), strict=True) if goes])
+def _usual_step(drifts: Sequence[_Drift], along: Bools) -> Floats:
+    """Find (3,) [m/s] the step that most plants on the belt make: of a cleaned clip, the very speed of its belt."""
+    steps = np.concatenate([drift.steps for drift, goes in zip(drifts, along.tolist(), strict=True) if goes])
     return np.asarray(np.median(steps, axis=0) * [1.0, 0.0, 1.0])
 
 
 def _without_gaps(mask: Bools, longest: int) -> Bools:
-    """(N,) the mask, True in its inner gaps that are no longer than that, too."""
+    """Fill the inner gaps of a mask (N,) that are no longer than that."""
     out = mask.copy()
     for start, end in runs(~mask):
         if start > 0 and end < len(mask) and end - start <= longest:
@@ -112,8 +121,8 @@ def _without_gaps(mask: Bools, longest: int) -> Bools:
     return out
 
 
-def _rides(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list[_Ride]:
-    rides = []
+def _drifts(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list[_Drift]:
+    drifts = []
     for sole, effector in zip(rig.soles, contacts.effectors, strict=True):
         track = pose.point(sole.joint, np.array(sole.offset))
         for c in effector.contacts:
@@ -121,24 +130,24 @@ def _rides(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list[
                 seconds = (c.end - c.start - 1) * frame_time
                 velocity = (track[c.end - 1] - track[c.start]) * [1.0, 0.0, 1.0] / seconds
                 steps = np.diff(track[c.start : c.end], axis=0) / frame_time
-                rides.append(_Ride(sole.leg, c.start, c.end, velocity, steps, seconds))
-    return rides
+                drifts.append(_Drift(sole.leg, c.start, c.end, velocity, steps, seconds))
+    return drifts
 
 
-def _centre(rides: Sequence[_Ride]) -> Floats:
-    points, weights = np.array([ride.velocity for ride in rides]), np.array([ride.seconds for ride in rides])
-    return np.asarray(centres(points, segments([(0, len(points))]), weights)[0])
+def _centre(drifts: Sequence[_Drift]) -> Floats:
+    points, weights = np.array([drift.velocity for drift in drifts]), np.array([drift.seconds for drift in drifts])
+    return np.asarray(geometric_medians(points, segments([(0, len(points))]), weights)[0])
 
 
-def _go_along(rides: Sequence[_Ride], travel: Floats, least: float, params: GroundParams) -> Bools | None:
-    """(N,) which of these plants go along with what is their common velocity, `least` [m/s] or more.
+def _go_along(drifts: Sequence[_Drift], travel: Floats, least: float, params: GroundParams) -> Bools | None:
+    """Tell (N,) which of these plants go along with what is their common velocity, `least` [m/s] or more.
 
     None where not most of them do, or the hips, which go on by `travel` (3,) [m/s], don't stay.
     """
-    common = _centre(rides)
+    common = _centre(drifts)
     speed = float(np.linalg.norm(common))
-    near = np.array([float(np.linalg.norm(ride.velocity - common)) < params.belt_spread * speed for ride in rides])
-    most = float(np.average(near, weights=[ride.seconds for ride in rides])) >= _MOST
+    near = np.array([float(np.linalg.norm(drift.velocity - common)) < params.belt_spread * speed for drift in drifts])
+    most = float(np.average(near, weights=[drift.seconds for drift in drifts])) >= _MOST
     stays = float(np.hypot(travel[0], travel[2])) < params.belt_spread * speed
     return near if stays and most and speed > least else None
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant, Outcome
 from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks, posed
-from footfix.enforce.pins import Floors, core
+from footfix.enforce.pins import FEWEST, Floors, core
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.rig.rig import Rig
@@ -32,17 +32,17 @@ class CorrectedLeg:
 
     @classmethod
     def of_state(cls, leg: LegTracks, root: Floats, x: Floats) -> CorrectedLeg:
-        """The leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
+        """Make the leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
         places = posed(leg, root, x, derive=False).places
         return cls(leg.hip + root, places[ANKLE], places[HEEL], places[TOE])
 
     @classmethod
     def of_tracks(cls, leg: LegTracks) -> CorrectedLeg:
-        """The leg as it is."""
+        """Make the leg as it is."""
         return cls(leg.hip, leg.ankle, leg.place(HEEL), leg.place(TOE))
 
     def point(self, plant: Footplant) -> Floats:
-        """(3, F) [m] what a plant holds."""
+        """Compute (3, F) [m] what a plant holds."""
         return self.heel if plant.part == "heel" else self.toe
 
 
@@ -77,36 +77,36 @@ def outcomes(
         inner = core(plant, frame_time)
         within = strays[inner[0] - plant.start : inner[1] - plant.start].max()
         kept, turns = keep[plant.id] and plant.asked is None, legs[plant.leg].turns
-        outcome, reason = _outcome(kept, still, far, float(within), rig.leg_length, turns)
+        outcome, reason = _outcome(kept, still, float(within), rig.leg_length, turns)
         if outcome in ("partly", "released") and turns:
             reason += _price(plant, legs[plant.leg], after[plant.leg], track - place, frame_time)
         found.append(replace(plant, target=(x, y, z), outcome=outcome, reason=reason, residual=far, held=held))
     return tuple(found)
 
 
-def _outcome(
-    keep: bool, still: Bools, far: float, within: float, leg_length: float, turns: bool
-) -> tuple[Outcome, str]:
-    if keep:
-        return "kept", ""
+def _outcome(keep: bool, still: Bools, within: float, leg_length: float, turns: bool) -> tuple[Outcome, str]:
+    frames = len(still) + 1
     if within <= _PINNED * leg_length:
-        return "pinned", ""
-    if not turns:
+        return "kept" if keep else "pinned", ""
+    if keep and frames < FEWEST:
+        return "kept", f"{frames} {'frame is' if frames == 1 else 'frames are'} too few to hold"
+    if not (keep or turns):
         return "released", "the file has no rotation channels for a joint of this leg"
     share = float(still.mean()) if len(still) else 0.0
-    slides = f"it slides by {1000.0 * far:.0f} mm, in {np.count_nonzero(~still)} of {len(still)} frames"
-    if share >= _MOST:
-        return "partly", slides
-    return "released", slides
+    # No millimetres here: those of the measures stand beside the reason, and they are of what is seen.
+    held = np.count_nonzero(still)
+    if keep or share >= _MOST:
+        return "kept" if keep else "partly", f"at rest in {held} of {len(still)} frames"
+    return "released", f"at rest in {f'only {held}' if held else 'none'} of {len(still)} frames"
 
 
 def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats, frame_time: float) -> str:
     """Say what holding a plant throughout would ask of its knee; `strays` (n, 3) [m] from its place."""
-    ease = max(1, round(_EASE / frame_time))
+    ease = max(1, round(_EASE / frame_time)) + 1  # frames, in the last of which nothing is left to lack
     first, last = max(plant.start - ease, 0), min(plant.end + ease, after.ankle.shape[1])
     lacks = np.zeros((last - first, 3))  # [m] what would bring the foot to its place
     lacks[plant.start - first : plant.end - first] = -strays * [1.0, 0.0, 1.0]
-    fade = np.linspace(1.0, 0.0, ease + 2)[1:-1, None]
+    fade = np.linspace(1.0, 0.0, ease + 1)[1:, None]
     before, behind = plant.start - first, last - plant.end
     lacks[:before] = -strays[:1] * [1.0, 0.0, 1.0] * fade[:before][::-1]
     lacks[len(lacks) - behind :] = -strays[-1:] * [1.0, 0.0, 1.0] * fade[:behind]
@@ -124,11 +124,11 @@ def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats
         return f"; to hold it throughout, the leg would be {1000.0 * beyond:.0f} mm too short"
     if speed < _NOTICED:
         return ""
-    side = leg.leg.name
+    side = leg.leg.name.replace("_", " ")
     return f"; to hold it throughout, the {side} knee would turn {speed:.0f} degrees/s faster at frame {first + at + 1}"
 
 
 def _flexion(distance: Floats, thigh: Floats, shank: Floats) -> Floats:
-    """(n,) [rad] of a knee whose leg is so long from hip to ankle (n,) [m], by the law of cosines."""
+    """Compute (n,) [rad] of a knee whose leg is so long from hip to ankle (n,) [m], by the law of cosines."""
     cosine = (distance**2 - thigh**2 - shank**2) / np.maximum(2.0 * thigh * shank, 1e-12)
     return np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -22,28 +22,40 @@ from footfix.rig.rig import Rig
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
 _RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
-_FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
+FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
 _KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
 _RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
 _LASTS = 0.06  # [s] that it rests at a time
 _AROUND = 0.35  # [s] before and after a plant in which the figure is led to it
-_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too, unless it
-_STRAYS = 0.0114  # [leg lengths] strays farther than this: it rests, and was taken away before its contact ends
+_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
 
 @dataclass(frozen=True, kw_only=True)
 class PinParams:
-    """When a plant is corrected, and what of it is held. Lengths in leg lengths."""
+    """When a plant is corrected, and what of it is held.
 
-    keep_slide: float = 0.0022  # [leg lengths] a plant that slides no farther (2 mm of a grown-up), and
-    keep_height: float = 0.0055  # [leg lengths] that is no farther than this from its floor, stays as it is
-    edge: float = 0.015  # [s] at both ends of a detected contact in which the foot may still land or leave
-    edge_weight: float = 0.05  # of a pin's weight at the outermost frame of these
-    ankle: float = 0.4  # weight of the ankle against that of the toe joint, while heel and toe stand
-    tip: float = 0.3  # weight of the toes' tip against that of the toe joint
-    near: float = 0.067  # [leg lengths] a plant nearer than this to the floor stands on it, else on a step of its own
-    sink: float = 0.0033  # [leg lengths] how deep a point may be in the floor, if it was not captured deeper
-    asked: float = 0.12  # [leg lengths] a place that labels ask for farther away is not taken, unless forced
+    Args:
+        keep_slide: a plant that slides no farther (2 mm of a grown-up) and is as near to its floor as below stays as
+            it is [leg lengths].
+        keep_height: distance from its floor up to which it may stay as it is [leg lengths].
+        edge: time at both ends of a detected contact in which the foot may still land or leave [s].
+        edge_weight: weight of a pin at the outermost frame of these, of its own [share].
+        ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
+        tip: weight of the toes' tip against that of the toe joint [share].
+        near: a plant nearer than this to the floor stands on it, else on a step of its own [leg lengths].
+        sink: how deep a point may be in the floor, if it was not captured deeper [leg lengths].
+        asked: a place that labels ask for farther away is not taken, unless forced [leg lengths].
+    """
+
+    keep_slide: float = 0.0022
+    keep_height: float = 0.0055
+    edge: float = 0.015
+    edge_weight: float = 0.05
+    ankle: float = 0.4
+    tip: float = 0.3
+    near: float = 0.067
+    sink: float = 0.0033
+    asked: float = 0.12
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +219,7 @@ def kept(
     """Tell for each plant whether it stands well enough as it is.
 
     It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in most of its
-    frames as only what a program has put to rest does, and is not far away in the others.
+    frames as only what a program has put to rest does.
 
     Args:
         plants: of the clip.
@@ -219,7 +231,7 @@ def kept(
         heights: whether heights count.
         params: the tolerances.
     """
-    found = [not plant.force and plant.end - plant.start < _FEWEST for plant in plants]
+    found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
         point = _point(own[0])
@@ -227,7 +239,6 @@ def kept(
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         still = _still(cores, track, level, leg_length, heights, params)
         rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
-        rests &= _still(cores, track, level, leg_length, False, replace(params, keep_slide=_STRAYS))
         for plant, keep in zip(own, (still | rests).tolist(), strict=True):
             found[plant.id] |= keep
     return tuple(found)
@@ -256,13 +267,14 @@ def faults(
     found = np.zeros(len(ground))
     around = round(_AROUND / frame_time)
     for plant in plants:
-        if keep[plant.id]:
+        wanted = plant.force or plant.asked is not None
+        if keep[plant.id] and not wanted:
             continue
         a, b = core(plant, frame_time, edge)
         track = legs[plant.leg].place(_point(plant))[:, a:b] - ground[a:b].T
         slide = float(np.hypot(*(track - np.median(track, axis=1, keepdims=True))[[0, 2]]).max())
         high = abs(float(np.median(track[1])) - floors.plants[plant.id]) if heights else 0.0
-        fault = np.inf if plant.force or plant.asked else max(slide, high)
+        fault = np.inf if wanted else max(slide, high)
         near = slice(max(plant.start - around, 0), plant.end + around)
         found[near] = np.maximum(found[near], fault)
     return found
@@ -290,29 +302,13 @@ def _still(
 
 def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
     """(S,) whether a track (F, 3) [m] rests in each span as only what a program has put to rest does."""
-    return _where_it_rests(spans, track, frame_time, leg_length)[0]
-
-
-def _where_it_rests(
-    spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float
-) -> tuple[Bools, Bools]:
-    """(S,) whether a track (F, 3) [m] rests in each span, and (N,) in which of the spans' frames it does."""
     parts = segments(spans)
     step = np.full(len(parts.frames), np.inf)
     step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
     step[parts.starts] = np.inf
     rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
     count = parts.mean(rest.astype(np.float64)) * parts.lengths
-    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1)), rest
-
-
-def _put_to_rest(plant: Footplant, track: Floats, frame_time: float, leg_length: float) -> Floats | None:
-    """(3,) [m] where a program put a plant to rest that strays from there before or after; None of any other."""
-    rests, frames = _where_it_rests([(plant.start, plant.end)], track, frame_time, leg_length)
-    places = track[plant.frames]
-    if not rests[0] or np.hypot(*(places - np.median(places, axis=0))[:, [0, 2]].T).max() <= _STRAYS * leg_length:
-        return None
-    return np.asarray(np.median(places[frames], axis=0))
+    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1))
 
 
 def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
@@ -405,9 +401,6 @@ def _pins(
                 place[:, a:b], placed[a:b] = track[:, a:b], _KEPT
         elif point != TIP:
             level[a:b] = floors.plants[plant.id]
-            there = _put_to_rest(plant, track.T - ground, frame_time, rig.leg_length)
-            if there is not None:
-                place[:, a:b], placed[a:b], level[a:b] = there[:, None] + ground[a:b].T, _KEPT, there[1]
         if plant.asked is not None and point != TIP:
             up = floors.plants[plant.id] - rig.floor - step[plant.start]
             place[:, a:b] = np.array(plant.asked)[:, None] + np.array([0.0, up, 0.0])[:, None]

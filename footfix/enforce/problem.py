@@ -36,28 +36,51 @@ _GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults ar
 
 @dataclass(frozen=True, kw_only=True)
 class CostParams:
-    """What each departure from the capture costs: standard deviations, each of which costs as much as another."""
+    """What each departure from the capture costs: standard deviations, each of which costs as much as another.
 
-    slide: float = 11000.0  # cost of a leg length of slide; more holds more, at the price of the joints' speed
-    root: float = 0.09  # [leg lengths] of the root over the floor
-    root_height: float = 0.055  # [leg lengths] of the root up and down
-    root_acceleration: float = 1.1  # [leg lengths/s^2]
-    root_farthest: float = 0.06  # [leg lengths] beyond this the root hardly goes
-    line: float = 5.0  # [degrees] of the line from hip to ankle
-    knee: float = 3.0  # [degrees] of the knee's flexion
-    foot: float = 4.5  # [degrees] of the foot in the world
-    toes: float = 10.0  # [degrees] of the toes' bend
-    line_acceleration: float = 200.0  # [degrees/s^2]
-    knee_acceleration: float = 200.0  # [degrees/s^2]
-    foot_acceleration: float = 300.0  # [degrees/s^2]
-    toes_acceleration: float = 500.0  # [degrees/s^2]
-    line_farthest: float = 12.0  # [degrees] beyond this the line from hip to ankle hardly turns
-    ankle_farthest: float = 25.0  # [degrees] beyond this the foot hardly turns against the shank, and the knee
-    toes_farthest: float = 40.0  # [degrees] beyond this the toes hardly bend
-    noticed: float = 0.023  # [leg lengths] a fault that viewers notice: 21 mm (Prazak & O'Sullivan 2011)
-    unnoticed_turn: float = 2.0  # [degrees] a joint hardly turns farther for a smaller one, and in proportion for more
-    speed: float = 130.0  # [degrees/s] by which a joint may turn faster than captured
-    level: float = 0.0045  # [leg lengths] of a plant from its floor, in a tenth of a second
+    Args:
+        slide: cost of slide; more holds more, at the price of the joints' speed [1/leg length].
+        root: of the root over the floor [leg lengths].
+        root_height: of the root up and down [leg lengths].
+        root_acceleration: of the root's acceleration [leg lengths/s^2].
+        root_farthest: beyond this the root hardly goes [leg lengths].
+        line: of the line from hip to ankle [degrees].
+        knee: of the knee's flexion [degrees].
+        foot: of the foot in the world [degrees].
+        toes: of the toes' bend [degrees].
+        line_acceleration: of that line's acceleration [degrees/s^2].
+        knee_acceleration: of that of the knee's flexion [degrees/s^2].
+        foot_acceleration: of that of the foot [degrees/s^2].
+        toes_acceleration: of that of the toes' bend [degrees/s^2].
+        line_farthest: beyond this the line from hip to ankle hardly turns [degrees].
+        ankle_farthest: beyond this the foot hardly turns against the shank, and the knee hardly bends [degrees].
+        toes_farthest: beyond this the toes hardly bend [degrees].
+        noticed: a fault that viewers notice: 21 mm of a grown-up (Prazak & O'Sullivan 2011) [leg lengths].
+        unnoticed_turn: farther than this a joint hardly turns for a smaller fault; for more, in proportion [degrees].
+        speed: by which a joint may turn faster than captured [degrees/s].
+        level: of a plant from its floor, in a tenth of a second [leg lengths].
+    """
+
+    slide: float = 11000.0
+    root: float = 0.09
+    root_height: float = 0.055
+    root_acceleration: float = 1.1
+    root_farthest: float = 0.06
+    line: float = 5.0
+    knee: float = 3.0
+    foot: float = 4.5
+    toes: float = 10.0
+    line_acceleration: float = 200.0
+    knee_acceleration: float = 200.0
+    foot_acceleration: float = 300.0
+    toes_acceleration: float = 500.0
+    line_farthest: float = 12.0
+    ankle_farthest: float = 25.0
+    toes_farthest: float = 40.0
+    noticed: float = 0.023
+    unnoticed_turn: float = 2.0
+    speed: float = 130.0
+    level: float = 0.0045
 
 
 # Bounds, as standard deviations of what is beyond them.
@@ -210,13 +233,14 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
     return (System(out.rows, out.gradient + product(out.near, x), out.main, out.next, out.near, cost),)
 
 
-def objective(problem: Problem, x: Floats, eps: float, *, root: bool = True) -> float:
+def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> float:
     """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
 
     Args:
         problem: the clip's.
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
+        static: times as much as sliding what hardly moves is held.
         root: whether what the root costs by itself counts.
     """
     rows = np.arange(0 if root else ROOT, len(x))
@@ -226,7 +250,8 @@ def objective(problem: Problem, x: Floats, eps: float, *, root: bool = True) -> 
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
         at = posed(leg, x[:ROOT], own, derive=False)
-        cost += sum(_pull(problem, pin, p, eps, 1.0).cost for p, pin in zip(at.places, problem.pins[k], strict=True))
+        pulls = (_pull(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True))
+        cost += sum(pull.cost for pull in pulls)
         cost += _bounds(problem, k, own, 0, None)
     return cost
 
@@ -272,9 +297,13 @@ def _pull(problem: Problem, pin: Pins, place: Floats, eps: float, static: float)
     slip = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
     long = np.sqrt(slip[0] ** 2 + (_UPRIGHT * slip[1]) ** 2 + slip[2] ** 2)
     c = problem.costs.slide / size * pin.hold
-    cost = float(np.sum(c * (long - eps * np.log1p(long / eps))))  # what the reweighting descends on
-    slow = 1.0 + (static - 1.0) / (1.0 + (long / (_STATIC * size * problem.frame_time)) ** 4)
-    step = c / (long + eps) * np.stack([slow, np.full(len(slow), _UPRIGHT**2), slow])
+    cost = float(np.sum(c * _smooth(long, eps)))  # what the reweighting descends on
+    step = c / (long + eps) * np.array([[1.0], [_UPRIGHT**2], [1.0]])
+    if static > 1.0:  # over the floor only
+        flat, still = np.hypot(slip[0], slip[2]), _STATIC * size * problem.frame_time
+        more, total = _friction(_smooth(flat, eps) / still)
+        cost += float(np.sum(c * (static - 1.0) * still * total))
+        step += c * (static - 1.0) * more / (flat + eps) * np.array([[1.0], [0.0], [1.0]])
     force[:, 1:] += step * slip
     force[:, :-1] -= step * slip
     stiff[:, 1:] += step
@@ -291,6 +320,22 @@ def _pull(problem: Problem, pin: Pins, place: Floats, eps: float, static: float)
     away = place - pin.place
     cost += 0.5 * float(np.sum(asked * away**2))
     return Pull(cost, force + asked * away, stiff + asked, step)
+
+
+def _smooth(slip: Floats, eps: float) -> Floats:
+    """Round the corner of |slip| at zero, so that its derivative is slip / (slip + eps)."""
+    return np.asarray(slip - eps * np.log1p(slip / eps))
+
+
+def _friction(slip: Floats) -> tuple[Floats, Floats]:
+    """Tell how much more static friction holds than kinetic, and its integral, by slip in units of what it holds.
+
+    1 / (1 + u^4) is nearly 1 for what stands and nearly 0 for what slides.
+    """
+    root, u = np.sqrt(2.0), slip
+    logs = np.log((u * u + root * u + 1.0) / (u * u - root * u + 1.0))
+    turns = 2.0 * (np.arctan(root * u + 1.0) + np.arctan(root * u - 1.0))
+    return 1.0 / (1.0 + u**4), (logs + turns) / (4.0 * root)
 
 
 def _near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
@@ -394,9 +439,13 @@ def _beyond(
     if not len(over):
         return 0.0
     weight = _RATE * problem.frame_time / sigma**2
-    row, beyond = turn.T @ (turned[:, over] / size[over]), size[over] - far[over]
+    along, beyond = turned[:, over] / size[over], size[over] - far[over]
+    row = turn.T @ along
     if out is not None:
         out.gradient[own, over] += weight * beyond * row
+        # across the turn, too: its length is curved, and a step aside would lead out of bounds again
+        aside = beyond / size[over]
         main = out.main[own, own]
-        main[..., over] += weight * np.einsum("if,jf->ijf", row, row)
+        block = (1.0 - aside) * np.einsum("if,jf->ijf", row, row) + aside * (turn.T @ turn)[..., None]
+        main[..., over] += weight * block
     return 0.5 * weight * float(np.sum(beyond**2))

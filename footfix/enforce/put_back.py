@@ -68,13 +68,13 @@ def _repeated(plant: Footplant, thin: Doubled) -> Footplant:
 
 
 def _moved(plant: Footplant, by: int) -> Footplant:
-    """The plant `by` frames later."""
+    """Move a plant `by` frames later."""
     held = tuple((start + by, end + by) for start, end in plant.held)
     return replace(plant, start=plant.start + by, end=plant.end + by, held=held)
 
 
 def _correction(found: Correction, clip: Clip, crop: Crop) -> Correction:
-    """The correction of the motion with its first and last change led over to what stands before and after it."""
+    """Lead the first and last change of the motion over to what stands before and after it."""
     start, end = crop.start, crop.end
     shift = np.zeros((crop.frames, 3))  # [m]
     shift[crop.within] = found.root_shift
@@ -95,7 +95,7 @@ def _correction(found: Correction, clip: Clip, crop: Crop) -> Correction:
 
 
 def _way_over(clip: Clip, rest: int, motion: int, between: slice) -> Floats:
-    """For frames between a rest pose and the motion, how far on that way each one is, from 0 to 1."""
+    """Measure how far on the way from a rest pose to the motion each frame between them is, from 0 to 1."""
 
     def far(other: int) -> Floats:  # [rad] from another frame, root mean square over the joints
         turns = rotation.multiply(clip.rotations[between], rotation.inverse(clip.rotations[[other]]))

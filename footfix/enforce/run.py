@@ -48,13 +48,29 @@ _FEWEST = 4  # frames, of which accelerations can be told
 
 @dataclass(frozen=True, kw_only=True)
 class EnforceParams:
-    """How footplants are enforced."""
+    """How footplants are enforced.
 
-    method: Literal["ik", "root", "both"] = "ik"  # the legs, the root's translation alone, or shared between them
-    solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"  # one least squares, or a paper's own way
-    cycle: Literal["find", "yes", "no"] = "find"  # whether the last frame leads to the first, over a closed seam
-    heights: Literal["floor", "keep"] = "floor"  # plants are drawn to their floor, or keep the height they have
-    strength: float = 1.0  # 0 to 1: how much of the correction is applied
+    Args:
+        method: "ik" bends the legs, "root" moves the root alone, "both" gives the root what planted feet share and
+            the legs the rest.
+        solver: "whole_clip" is one least squares, "glardon" and "kim_neff" the papers' own ways.
+        cycle: whether the last frame leads to the first, over a closed seam: "find", "yes" or "no".
+        heights: "floor" draws plants to their floor, "keep" leaves them the height they have.
+        strength: how much of the correction is applied, 0 to 1 [share].
+        pins: when a plant is corrected, and what of it is held.
+        costs: what each departure from the capture costs.
+        ground: belts, and figures that float or are sunk.
+        style: how planted feet stand otherwise than captured.
+        glardon: the solver of that name.
+        kim_neff: the solver of that name.
+        root: method "root".
+    """
+
+    method: Literal["ik", "root", "both"] = "ik"
+    solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"
+    cycle: Literal["find", "yes", "no"] = "find"
+    heights: Literal["floor", "keep"] = "floor"
+    strength: float = 1.0
     pins: PinParams = field(default_factory=PinParams)
     costs: CostParams = field(default_factory=CostParams)
     ground: GroundParams = field(default_factory=GroundParams)

@@ -116,8 +116,9 @@ def descend(
             problem = settled(problem, x)
         found = systems(problem, x, here, static=static, root=root)
         step = _step(problem, found, free, fixed)
-        for _ in range(_HALVINGS if static == 1.0 else 0):  # one-sided terms may come in along the way
-            if objective(problem, x + step, here, root=root) <= sum(each.cost for each in found):
+        cost = sum(each.cost for each in found)
+        for _ in range(_HALVINGS):  # one-sided terms may come in along the way
+            if objective(problem, x + step, here, static=static, root=root) <= cost:
                 break
             step = 0.5 * step
         x = x + step

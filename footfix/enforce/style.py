@@ -19,11 +19,15 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 @dataclass(frozen=True, kw_only=True)
 class StyleParams:
-    """How planted feet stand otherwise than captured."""
+    """How planted feet stand otherwise than captured.
 
-    toe_out: Mapping[str, float] = field(default_factory=dict)  # leg name -> [degrees] outwards, about the heel
+    Args:
+        toe_out: leg name -> how far the foot turns outwards, about the heel [degrees].
+        offset: sole point name -> outwards, up and forwards, as the foot stands [leg lengths].
+    """
+
+    toe_out: Mapping[str, float] = field(default_factory=dict)
     offset: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    # sole point name -> outwards, up, forwards, as the foot stands [leg lengths]
 
 
 def styled(
@@ -65,6 +69,6 @@ def _moved(plant: Footplant, leg: LegTracks, rig: Rig, height: float, params: St
 
 
 def _level(vector: Floats) -> Floats:
-    """(3,) the direction of a vector over the floor."""
+    """Find (3,) the direction of a vector over the floor."""
     level = vector * [1.0, 0.0, 1.0]
     return np.asarray(level / max(float(np.linalg.norm(level)), 1e-300))

@@ -17,7 +17,7 @@ _AXES = "XYZ"
 
 
 def to_bvhio(document: Document, clip: Clip | None = None, *, root: int = 0) -> Any:
-    """A `bvhio.BvhContainer` of one figure.
+    """Make a `bvhio.BvhContainer` of one figure.
 
     Args:
         document: the file; its units and axes are kept.
@@ -59,7 +59,7 @@ def to_bvhio(document: Document, clip: Clip | None = None, *, root: int = 0) -> 
 
 
 def from_bvhio(container: Any) -> Document:
-    """A document of a `bvhio.BvhContainer`, in its units and axes.
+    """Make a document of a `bvhio.BvhContainer`, in its units and axes.
 
     Joints with children lose the End Site that bvhio gives to every joint; a joint is movable in place if it has
     position channels.

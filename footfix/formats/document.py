@@ -59,7 +59,7 @@ class Document(Protocol):
         """The motion in metres, y up, by the unit and axis it is believed to have."""
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
-        """The same file, with another belief about its unit and its upward axis."""
+        """Give the same file another belief about its unit and its upward axis."""
 
 
 def open_document(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document:

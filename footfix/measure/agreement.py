@@ -51,7 +51,7 @@ class Frames:
 
 
 def frames(found: Bools, true: Bools, *, known: Bools | None = None, tolerance: int = 0) -> Frames:
-    """Agreement of two masks, frame by frame.
+    """Count how two masks agree, frame by frame.
 
     Args:
         found, true: (F,) in contact.
@@ -66,7 +66,7 @@ def frames(found: Bools, true: Bools, *, known: Bools | None = None, tolerance: 
 
 
 def _near_edge(mask: Bools, tolerance: int) -> Bools:
-    """(F,) the frames less than or just `tolerance` frames from a start or an end, on either side of it."""
+    """Find (F,) the frames less than or just `tolerance` frames from a start or an end, on either side of it."""
     near = np.zeros(len(mask), dtype=np.bool_)
     for edge in (np.flatnonzero(np.diff(mask.astype(np.int8))) + 1).tolist():
         near[max(edge - tolerance, 0) : edge + tolerance] = True
@@ -74,7 +74,7 @@ def _near_edge(mask: Bools, tolerance: int) -> Bools:
 
 
 def edges(mask: Bools, frame_time: float) -> tuple[Floats, Floats]:
-    """Times [s] of strikes and offs of a mask (F,); contacts that are cut by the clip have none there.
+    """Find the times [s] of strikes and offs of a mask (F,); contacts that are cut by the clip have none there.
 
     A foot that is not in contact in one frame, and is in the next, has landed between the two: the time is
     halfway.
@@ -105,12 +105,12 @@ class Events:
         return float(np.median(np.abs(self.errors))) if len(self.errors) else float("nan")
 
     def quantile(self, share: float) -> float:
-        """[s] the absolute error that this share of the pairs keeps within."""
+        """Find [s] the absolute error that this share of the pairs keeps within."""
         return float(np.quantile(np.abs(self.errors), share)) if len(self.errors) else float("nan")
 
 
 def events(found: Floats, true: Floats, *, window: float = 0.15) -> Events:
-    """Pairs events one to one, the nearest first.
+    """Pair events one to one, the nearest first.
 
     Args:
         found, true: [s] times, in order.
@@ -127,18 +127,18 @@ def events(found: Floats, true: Floats, *, window: float = 0.15) -> Events:
 
 
 def together(parts: list[Events]) -> Events:
-    """The events of several clips as one."""
+    """Join the events of several clips."""
     errors = np.concatenate([part.errors for part in parts]) if parts else np.zeros(0)
     return Events(errors, sum(part.missed for part in parts), sum(part.extra for part in parts))
 
 
 def feet(mask: Bools) -> Bools:
-    """(F, legs) whether heel or toe of each foot is in contact, of a mask (F, 2 legs) of heel and toe by turns."""
+    """Tell (F, legs) whether heel or toe of each foot is in contact, of a mask (F, 2 legs) of heel and toe by turns."""
     return np.asarray(mask[:, 0::2] | mask[:, 1::2])
 
 
 def calibration(confidence: Floats, right: Bools, bins: int = 5) -> list[tuple[float, float, int]]:
-    """Whether confidences mean what they say: for each bin mean confidence, share that was right, and how many.
+    """Tell whether confidences mean what they say: for each bin mean confidence, share that was right, and how many.
 
     Args:
         confidence: (n,) of contacts.

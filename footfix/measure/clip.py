@@ -26,24 +26,27 @@ class Measures:
     literature know no ground that moves; on a belt they are None.
 
     Args:
-        plants: contacts counted.
-        plants_over_21mm: how many of them slide farther than viewers notice (Prazak 2011).
-        share_over_21mm: the same as a share of the plants.
-        tip_over_21mm: share of the toe plants whose tip slides farther than that, None where no foot has a tip.
-        slide_mm: the worst plant's slide.
-        slide_median_mm: the median plant's.
-        yaw_deg: the worst plant's turn about the vertical.
-        coverage: share of effector-frames in contact.
-        skate_cm_s: mean horizontal speed of planted feet: of the plants' means, by their lengths.
-        skate_worst_cm_s: highest horizontal speed of a planted foot.
-        penetration_mm: deepest of all planted points below their floor.
-        float_mm: highest of all planted points above their floor.
-        skating_ratio: GMD / OmniControl's foot skating ratio of the toe joints, over all frames.
-        weighted_skate_cm_s: mean of v (2 - 2^(h / H)) over sole points and frames, H = 3.3 cm.
-        phys_penetrate_mm, phys_float_mm, phys_skate_mm: PhysDiff's three, over the sole points.
+        plants: contacts counted [count].
+        plants_over_21mm: how many of them slide farther than viewers notice (Prazak 2011) [count].
+        share_over_21mm: the same, of all plants [share].
+        tip_over_21mm: toe plants whose tip slides farther than that, of all toe plants; None where no foot has a tip
+            [share].
+        slide_mm: the worst plant's slide: farthest horizontal distance of what is seen from its median place [mm].
+        slide_median_mm: the median plant's [mm].
+        yaw_deg: the worst plant's turn about the vertical [deg].
+        coverage: effector-frames in contact, of all [share].
+        skate_cm_s: mean horizontal speed of planted feet: of the plants' means, by their lengths [cm/s].
+        skate_worst_cm_s: highest horizontal speed of a planted foot [cm/s].
+        penetration_mm: deepest of all planted points below their floor [mm].
+        float_mm: highest of all planted points above their floor [mm].
+        skating_ratio: GMD / OmniControl's foot skating ratio of the toe joints, over all frames [share].
+        weighted_skate_cm_s: mean of v (2 - 2^(h / H)) over sole points and frames, H = 3.3 cm [cm/s].
+        phys_penetrate_mm: PhysDiff's mean depth of the lowest sole point below the floor, over all frames [mm].
+        phys_float_mm: PhysDiff's mean height of the lowest sole point above the floor, over all frames [mm].
+        phys_skate_mm: PhysDiff's mean step from frame to frame of sole points that are on the floor [mm].
         jitter_100m_s3: mean third difference of joint positions [10^2 m/s^3].
-        peak_acceleration_m_s2: 99.9th percentile of knee and ankle acceleration relative to the pelvis.
-        peak_knee_speed_deg_s: 99.9th percentile of the knees' angular speed.
+        peak_acceleration_m_s2: 99.9th percentile of knee and ankle acceleration relative to the pelvis [m/s^2].
+        peak_knee_speed_deg_s: 99.9th percentile of the knees' angular speed [deg/s].
     """
 
     plants: int
@@ -134,12 +137,12 @@ def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> di
 
 
 def _horizontal_steps(track: Floats) -> Floats:
-    """(F - 1,) [m] how far a track (F, 3) [m] goes over the floor from frame to frame."""
+    """Measure (F - 1,) [m] how far a track (F, 3) [m] goes over the floor from frame to frame."""
     return np.asarray(np.hypot(np.diff(track[:, 0]), np.diff(track[:, 2])))
 
 
 def skating_ratio(toes: Sequence[Floats], rests: Sequence[float], frame_time: float) -> float:
-    """Share of all frames in which a toe skates.
+    """Measure the share of all frames in which a toe skates.
 
     A toe skates where it is less than 5 cm over where it rests, now and in the next frame, and faster than 0.5 m/s
     now and in the mean of 5 frames. Source: GMD (Karunratanakul 2023, `calculate_skating_ratio`) and OmniControl
@@ -165,7 +168,7 @@ def skating_ratio(toes: Sequence[Floats], rests: Sequence[float], frame_time: fl
 
 
 def _at_rate(track: Floats, frame_time: float, fps: float) -> Floats:
-    """A track (F, 3) at another frame rate, by straight lines between its frames."""
+    """Resample a track (F, 3) to another frame rate, by straight lines between its frames."""
     if not len(track):
         return track
     frames = int(np.floor((len(track) - 1) * frame_time * fps + 1e-6)) + 1
@@ -174,7 +177,7 @@ def _at_rate(track: Floats, frame_time: float, fps: float) -> Floats:
 
 
 def weighted_skate(tracks: Sequence[Floats], floor: float, frame_time: float, height: float = 0.033) -> float:
-    """Mean of v (2 - 2^(h / H)) over sole points and frames [cm/s], for 0 <= h < H; below the floor h is 0.
+    """Measure the mean of v (2 - 2^(h / H)) over sole points and frames [cm/s], for 0 <= h < H; below the floor h is 0.
 
     Source: Mode-adaptive neural networks (Zhang 2018), H = 3.3 cm as in later code.
     """
@@ -189,7 +192,7 @@ def weighted_skate(tracks: Sequence[Floats], floor: float, frame_time: float, he
 
 
 def physdiff(tracks: Sequence[Floats], floor: float, tolerance: float = 0.005) -> tuple[float, float, float]:
-    """Penetrate, float and skate [mm] of PhysDiff (Yuan 2023), over the sole points in place of vertices.
+    """Measure penetrate, float and skate [mm] of PhysDiff (Yuan 2023), over the sole points in place of vertices.
 
     Penetrate and float are the mean depth and height of the lowest point beyond the tolerance [m], skate
     the mean horizontal step of points at or below the floor in both of two frames.
@@ -208,22 +211,29 @@ def physdiff(tracks: Sequence[Floats], floor: float, tolerance: float = 0.005) -
 
 
 def jitter(clip: Clip, block: int = 4096) -> float:
-    """Mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
+    """Measure the mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
 
     Source: DNO (Karunratanakul 2024); others divide by 10 in place of 100. Taken in blocks of frames, so that
     an hour of motion needs no more memory than a minute.
     """
     total, count = 0.0, 0
     for start in range(0, len(clip) - 3, block):
-        place = places(clip.frames(slice(start, start + block + 3)))
-        jerk = place[3:] - place[:-3] + 3.0 * (place[1:-2] - place[2:-1])
-        total += float(np.sum(np.sqrt(jerk[..., 0] ** 2 + jerk[..., 1] ** 2 + jerk[..., 2] ** 2)))
-        count += jerk.shape[0] * jerk.shape[1]
+        more = jerks(places(clip.frames(slice(start, start + block + 3))))
+        total, count = total + more[0], count + more[1]
     return total / count / clip.frame_time**3 / 100.0 if count else 0.0
 
 
+def jerks(place: Floats) -> tuple[float, int]:
+    """Add up the lengths of third differences of places (F, J, 3) [m], and count them."""
+    if len(place) < 4:
+        return 0.0, 0
+    jerk = place[3:] - place[:-3] + 3.0 * (place[1:-2] - place[2:-1])
+    total = float(np.sum(np.sqrt(jerk[..., 0] ** 2 + jerk[..., 1] ** 2 + jerk[..., 2] ** 2)))
+    return total, jerk.shape[0] * jerk.shape[1]
+
+
 def peak_acceleration(rig: Rig, pose: Pose, frame_time: float) -> float:
-    """99.9th percentile of the acceleration of knees and ankles relative to the pelvis [m/s^2]."""
+    """Measure the 99.9th percentile of the acceleration of knees and ankles relative to the pelvis [m/s^2]."""
     pelvis = pose.position(rig.pelvis)
     joints = [joint for leg in rig.legs for joint in (leg.knee, leg.ankle)]
     if len(pelvis) < 3 or not joints:
@@ -233,7 +243,7 @@ def peak_acceleration(rig: Rig, pose: Pose, frame_time: float) -> float:
 
 
 def peak_knee_speed(rig: Rig, pose: Pose, frame_time: float) -> float:
-    """99.9th percentile of the angular speed at which the knees bend and stretch [deg/s]."""
+    """Measure the 99.9th percentile of the angular speed at which the knees bend and stretch [deg/s]."""
     speeds = []
     for leg in rig.legs:
         thigh = pose.position(leg.hip) - pose.position(leg.knee)

@@ -60,14 +60,14 @@ class PlantMeasure:
 
 
 def slide(track: Floats, plants: Segments) -> Floats:
-    """(S,) [m] farthest horizontal distance of a track (F, 3) [m] from its median place in each plant."""
+    """Measure (S,) [m] the farthest horizontal distance of a track (F, 3) [m] from its median place in each plant."""
     x, z = track[plants.frames, 0], track[plants.frames, 2]
     away = np.hypot(x - plants.median(x)[plants.owner], z - plants.median(z)[plants.owner])
     return plants.largest(away)
 
 
 def yaw(turns: Floats, plants: Segments) -> Floats:
-    """(S,) [rad] farthest turn of rotations (F, 4) about the vertical from their median heading in each plant.
+    """Measure (S,) [rad] the farthest turn of rotations (F, 4) about the vertical from their median in each plant.
 
     Each frame is held against the plant's middle one, in the world; of that turn, the twist about the
     vertical counts, so a foot that only rolls from heel to toe does not turn.
@@ -81,13 +81,13 @@ def yaw(turns: Floats, plants: Segments) -> Floats:
 
 
 def travel(track: Floats, plants: Segments) -> Floats:
-    """(S,) [m] horizontal distance of a track (F, 3) [m] from its first place to its last in each plant."""
+    """Measure (S,) [m] the horizontal distance of a track (F, 3) [m] from its first place to its last in each plant."""
     first, last = (track[plants.frames[at]] for at in (plants.starts, plants.starts + plants.lengths - 1))
     return np.asarray(np.hypot(last[:, 0] - first[:, 0], last[:, 2] - first[:, 2]))
 
 
 def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, Floats]:
-    """(S,), (S,) [m/s] mean and highest horizontal speed of a track (F, 3) [m] from frame to frame in each plant."""
+    """Measure (S,), (S,) [m/s] mean and highest horizontal speed of a track (F, 3) [m] in each plant."""
     steps = np.zeros(len(plants.frames))
     steps[1:] = np.hypot(*np.diff(track[plants.frames][:, [0, 2]], axis=0).T) / frame_time
     follows = np.diff(plants.frames, prepend=-2) == 1
@@ -98,7 +98,7 @@ def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, 
 
 
 def floor_levels(heights: Floats, plants: Segments, rig: Rig) -> Floats:
-    """(S,) [m] the height of the floor under each plant.
+    """Find (S,) [m] the height of the floor under each plant.
 
     Args:
         heights: (F,) [m] of the sole point.

@@ -17,7 +17,7 @@ from footfix.motion.segments import Segments, segments
 from footfix.rig.rig import Rig
 
 _TRIMMED = 5  # frames from which on the first and the last one, in which a foot still lands or leaves, do not count
-_FEWEST = 3  # frames that heel and toe must stand together for the ankle to be looked at
+FEWEST = 3  # frames that heel and toe must stand together for the ankle to be looked at
 _NO_TIP = 0.01  # [m] what ends no farther from the toe joint has no tip of its own
 
 
@@ -90,7 +90,7 @@ def _heel(plants: Segments, together: Bools, ankle: Floats, point: Floats) -> tu
     if not len(plants):
         return plants, point
     both = together[plants.frames]  # (N,)
-    flat = (np.add.reduceat(both.astype(np.intp), plants.starts) >= _FEWEST)[plants.owner]  # (N,)
+    flat = (np.add.reduceat(both.astype(np.intp), plants.starts) >= FEWEST)[plants.owner]  # (N,)
     track = point.copy()
     track[plants.frames[flat]] = ankle[plants.frames[flat]]
     return plants.kept(both | ~flat), track

@@ -13,13 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from footfix.errors import ArgumentError
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Bools = NDArray[np.bool_]
 
 
 def frozen(array: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
-    """A read-only view of an array (a copy only where the type differs)."""
+    """Make a read-only view of an array (a copy only where the type differs)."""
     view = np.asarray(array, dtype=dtype).view()
     view.flags.writeable = False
     return view
@@ -28,6 +30,11 @@ def frozen(array: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
 @dataclass(frozen=True, eq=False)
 class Skeleton:
     """Joints, their tree and their rest offsets.
+
+    Examples:
+        >>> leg = Skeleton(("hip", "knee", "ankle"), [-1, 0, 1], [[0, 0, 0], [0, -0.45, 0], [0, -0.42, 0]])
+        >>> leg.children
+        ((1,), (2,), ())
 
     Args:
         names: joint names as in the file; they may repeat, the index is the identity.
@@ -51,7 +58,9 @@ class Skeleton:
         n = len(self.names)
         parents = frozen(self.parents, np.intp)
         if parents.shape != (n,) or np.any(parents >= np.arange(n)) or np.any(parents < -1):
-            raise ValueError("parents must be (J,), each before its children, -1 for a root")
+            raise ArgumentError(f"parents must be ({n},), one a name, each before its children, -1 for a root")
+        if np.size(self.offsets) != 3 * n:
+            raise ArgumentError(f"offsets must be ({n}, 3), one a joint, not {np.shape(self.offsets)}")
         freeze = object.__setattr__
         freeze(self, "names", tuple(self.names))
         freeze(self, "parents", parents)
@@ -76,7 +85,7 @@ class Skeleton:
         return tuple(tuple(each) for each in lists)
 
     def with_ancestors(self, joints: Iterable[int]) -> tuple[int, ...]:
-        """Some joints and all above them, in the order of the file, each once."""
+        """List some joints and all above them, in the order of the file, each once."""
         wanted = set(joints)
         for joint in range(max(wanted, default=-1), -1, -1):  # parents stand before children
             if joint in wanted:
@@ -84,7 +93,7 @@ class Skeleton:
         return tuple(sorted(wanted - {-1}))
 
     def ancestors(self, joint: int) -> tuple[int, ...]:
-        """The joint, its parent, and so on up to its root."""
+        """List the joint, its parent, and so on up to its root."""
         path = []
         while joint >= 0:
             path.append(joint)
@@ -94,12 +103,22 @@ class Skeleton:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion: for each frame the local place and rotation of each joint.
+    """A motion: for each frame the place and rotation of each joint in the frame of its parent, y up.
+
+    Positions are parent-local, as BVH channels are, and not where joints are in the world: that is
+    `footfix.global_positions(clip)`. Who has only world positions cleans them with `footfix.clean_positions`.
+
+    Examples:
+        >>> leg = Skeleton(("hip", "knee"), [-1, 0], [[0, 0, 0], [0, -0.45, 0]])
+        >>> at_rest = np.tile([0.0, 0.0, 0.0, 1.0], (60, 2, 1))
+        >>> clip = Clip(leg, np.tile(leg.offsets, (60, 1, 1)), at_rest, frame_time=1 / 60)
+        >>> len(clip), clip.positions.shape
+        (60, (60, 2, 3))
 
     Args:
         skeleton: the joints.
-        positions: (F, J, 3) [m] place of each joint in its parent's frame (the rest offset, or what
-            position channels put in its stead).
+        positions: (F, J, 3) [m] place of each joint in its parent's frame: its rest offset (of a root: where it is
+            in the world), or what position channels put in its stead.
         rotations: (F, J, 4) unit quaternions xyzw, each joint's frame in its parent's.
         frame_time: [s] between frames.
     """
@@ -113,19 +132,19 @@ class Clip:
         positions, rotations = frozen(self.positions), frozen(self.rotations)
         joints = len(self.skeleton)
         if positions.ndim != 3 or positions.shape[1:] != (joints, 3):
-            raise ValueError(f"positions must be (F, {joints}, 3), not {positions.shape}")
+            raise ArgumentError(f"positions must be (F, {joints}, 3), one a joint, not {positions.shape}")
         if rotations.shape != (*positions.shape[:2], 4):
-            raise ValueError(f"rotations must be {(*positions.shape[:2], 4)}, not {rotations.shape}")
+            raise ArgumentError(f"rotations must be xyzw {(*positions.shape[:2], 4)}, not {rotations.shape}")
         if not self.frame_time > 0.0:
-            raise ValueError(f"frame_time must be positive, not {self.frame_time}")
+            raise ArgumentError(f"frame_time must be positive, the seconds from frame to frame, not {self.frame_time}")
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "rotations", rotations)
 
     @classmethod
-    def of_tracks(
+    def from_tracks(
         cls, skeleton: Skeleton, places: Floats | Sequence[Floats], turns: Floats | Sequence[Floats], frame_time: float
     ) -> Clip:
-        """A clip of tracks that may be another clip's, so that clips that differ in a few joints share the others.
+        """Make a clip of tracks that may be another clip's, so that clips that differ in a few joints share the others.
 
         Most joints of most clips never leave their rest offset, and an hour of 200 joints takes 5 GB as whole arrays.
 
@@ -152,24 +171,24 @@ class Clip:
         return whole
 
     def place(self, joint: int) -> Floats:
-        """(F, 3) [m] the track of one joint in its parent's frame."""
+        """Get (F, 3) [m] the track of one joint in its parent's frame."""
         tracks = self.__dict__.get("_places")
         return self.positions[:, joint] if tracks is None else tracks[joint]
 
     def turn(self, joint: int) -> Floats:
-        """(F, 4) the rotations of one joint in its parent's frame."""
+        """Get (F, 4) the rotations of one joint in its parent's frame."""
         tracks = self.__dict__.get("_turns")
         return self.rotations[:, joint] if tracks is None else tracks[joint]
 
     def with_joints(self, places: Mapping[int, Floats], turns: Mapping[int, Floats]) -> Clip:
-        """The clip with other tracks of some joints; those of the others are shared, not copied.
+        """Replace the tracks of some joints; those of the others are shared, not copied.
 
         Args:
             places: joint -> (F, 3) [m].
             turns: joint -> (F, 4).
         """
         joints = range(len(self.skeleton))
-        return Clip.of_tracks(
+        return Clip.from_tracks(
             self.skeleton,
             [places[joint] if joint in places else self.place(joint) for joint in joints],
             [turns[joint] if joint in turns else self.turn(joint) for joint in joints],
@@ -185,36 +204,36 @@ class Clip:
         return 1.0 / self.frame_time
 
     def frames(self, which: slice | Ints) -> Clip:
-        """The clip of some frames only; the frame time stays as it is."""
+        """Cut out some frames; the frame time stays as it is."""
         joints = range(len(self.skeleton))
-        return Clip.of_tracks(
+        return Clip.from_tracks(
             self.skeleton,
-            [some(self.place(joint), which) for joint in joints],
-            [some(self.turn(joint), which) for joint in joints],
+            [take_frames(self.place(joint), which) for joint in joints],
+            [take_frames(self.turn(joint), which) for joint in joints],
             self.frame_time,
         )
 
 
-def held(value: ArrayLike, frames: int) -> Floats:
-    """A track (F, n) that is the same in every frame, in the memory of one."""
+def constant_track(value: ArrayLike, frames: int) -> Floats:
+    """Make a track (F, n) that is the same in every frame, in the memory of one."""
     return np.broadcast_to(np.asarray(value, dtype=np.float64), (frames, np.size(value)))
 
 
 def same_track(one: Floats, other: Floats) -> bool:
-    """Whether two tracks (F, n) lie in the same memory, so that their numbers need not be looked at."""
+    """Tell whether two tracks (F, n) lie in the same memory, so that their numbers need not be compared."""
     where = [(each.__array_interface__["data"], each.strides, each.shape) for each in (one, other)]
     return where[0] == where[1]
 
 
-def in_every_frame(function: Callable[[Floats], Floats], track: Floats) -> Floats:
-    """A function of the frames of a track (F, n), called for one where all are the same."""
+def per_frame(function: Callable[[Floats], Floats], track: Floats) -> Floats:
+    """Apply a function to the frames of a track (F, n), once where all are the same."""
     if len(track) and track.strides[0] == 0:
         return np.broadcast_to(function(track[:1]), track.shape)
     return function(track)
 
 
-def some(track: Floats, frames: slice | Ints) -> Floats:
-    """Some frames of a track; they stay side by side in memory, for kinematics is twice as slow where they do not."""
+def take_frames(track: Floats, frames: slice | Ints) -> Floats:
+    """Take some frames of a track; they stay side by side in memory, or kinematics would be twice as slow."""
     if isinstance(frames, slice):
         return track[frames]
     if len(track) and track.strides[0] == 0:

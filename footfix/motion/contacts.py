@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from footfix.errors import ArgumentError
 from footfix.motion.clip import Bools, Floats
 from footfix.notes import Note
 
@@ -58,6 +60,12 @@ class Effector:
 class Contacts:
     """The contacts of a clip.
 
+    Examples:
+        >>> heel = Effector("left_heel", "left", "heel", "LeftFoot")
+        >>> found = Contacts(4, 1 / 30, (heel,)).with_mask(np.array([[0], [1], [1], [0]]))
+        >>> [(contact.start, contact.end) for contact in found["left_heel"].contacts]
+        [(1, 3)]
+
     Args:
         frames: frames of the clip.
         frame_time: [s].
@@ -83,7 +91,7 @@ class Contacts:
         raise KeyError(name)
 
     def mask(self) -> Bools:
-        """(F, E) True where an effector is planted; forbidden stretches are not contacts."""
+        """Lay contacts out as (F, E), True where an effector is planted; forbidden stretches are not contacts."""
         mask = np.zeros((self.frames, len(self.effectors)), dtype=np.bool_)
         for e, effector in enumerate(self.effectors):
             for contact in effector.contacts:
@@ -92,20 +100,28 @@ class Contacts:
         return mask
 
     def only(self, names: Iterable[str]) -> Contacts:
-        """The contacts of some effectors."""
+        """Take the contacts of some effectors."""
         wanted = frozenset(names)
         return replace(self, effectors=tuple(each for each in self.effectors if each.name in wanted))
 
     def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
         """The same effectors with the contacts of a mask (F, E).
 
-        `confidence` (F, E), if given, is averaged over each contact.
+        `confidence` (F, E), if given, is averaged over each contact, to as many decimals as label files keep: a clip
+        comes out the same from contacts that were written and read as from those that were found. What was found is
+        never quite certain: 1 is said of contacts that somebody gave.
         """
+        mask = self._fitting("the mask", mask)
+        if mask.dtype != np.bool_ and not np.isin(mask, (0, 1)).all():
+            raise ArgumentError("the mask must hold True and False (or 1 and 0); of likelihoods give `mask > 0.5`")
+        mask = mask.astype(np.bool_)
+        if confidence is not None:
+            confidence = self._fitting("confidence", confidence)
         effectors = tuple(
             replace(
                 effector,
                 contacts=tuple(
-                    Contact(a, b, 1.0 if confidence is None else float(confidence[a:b, e].mean()))
+                    Contact(a, b, 1.0 if confidence is None else _sureness(confidence[a:b, e]))
                     for a, b in runs(mask[:, e])
                 ),
             )
@@ -113,9 +129,21 @@ class Contacts:
         )
         return replace(self, effectors=effectors)
 
+    def _fitting(self, what: str, array: NDArray[Any]) -> NDArray[Any]:
+        """Check that an array has the frames and effectors of these contacts, (F, E)."""
+        array, wanted = np.asarray(array), (self.frames, len(self.effectors))
+        if array.shape != wanted:
+            names = ", ".join(self.names)
+            raise ArgumentError(f"{what} must be {wanted}: {wanted[0]} frames of {names}; it is {array.shape}")
+        return array
+
+
+def _sureness(confidence: Floats) -> float:
+    return min(round(float(confidence.mean()), 4), 0.9999)
+
 
 def joined(parts: Sequence[Contacts]) -> Contacts:
-    """The effectors of several in one."""
+    """Join the effectors of several."""
     return replace(
         parts[0],
         effectors=tuple(effector for part in parts for effector in part.effectors),
@@ -124,6 +152,6 @@ def joined(parts: Sequence[Contacts]) -> Contacts:
 
 
 def runs(mask: Bools) -> list[tuple[int, int]]:
-    """The stretches `[start, end)` in which a mask (F,) is True."""
+    """List the stretches `[start, end)` in which a mask (F,) is True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

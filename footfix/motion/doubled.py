@@ -122,7 +122,7 @@ class Doubled:
 def _at_rate(clip: Clip, frame_time: float) -> Clip:
     """The same frames at another rate."""
     joints = range(len(clip.skeleton))
-    return Clip.of_tracks(
+    return Clip.from_tracks(
         clip.skeleton, [clip.place(joint) for joint in joints], [clip.turn(joint) for joint in joints], frame_time
     )
 

@@ -26,25 +26,25 @@ class Pose:
     rotations: Floats
 
     def frames(self, which: Ints) -> Pose:
-        """The joints in some frames only."""
+        """Take the joints in some frames only."""
         places, turns = (np.take(each.transpose(1, 2, 0), which, axis=2) for each in (self.positions, self.rotations))
         return Pose(self.joints, places.transpose(2, 0, 1), turns.transpose(2, 0, 1))
 
     def position(self, joint: int) -> Floats:
-        """(F, 3) [m] track of one joint, by its index in the skeleton."""
+        """Get (F, 3) [m] the track of one joint, by its index in the skeleton."""
         return self.positions[:, self.joints.index(joint)]
 
     def rotation(self, joint: int) -> Floats:
-        """(F, 4) rotation of one joint's frame in the world, by its index in the skeleton."""
+        """Get (F, 4) the rotation of one joint's frame in the world, by its index in the skeleton."""
         return self.rotations[:, self.joints.index(joint)]
 
     def point(self, joint: int, offset: Floats) -> Floats:
-        """(F, 3) [m] track of a point fixed in a joint's frame at `offset` (3,) or (F, 3) [m]."""
+        """Compute (F, 3) [m] the track of a point fixed in a joint's frame at `offset` (3,) or (F, 3) [m]."""
         return self.position(joint) + rotation.rotate(self.rotation(joint), np.asarray(offset))
 
 
 def forward(clip: Clip, joints: Iterable[int] | None = None) -> Pose:
-    """Where joints are in the world.
+    """Compute where joints are in the world.
 
     Args:
         clip: F frames of J joints.
@@ -69,7 +69,7 @@ def forward(clip: Clip, joints: Iterable[int] | None = None) -> Pose:
 
 
 def places(clip: Clip) -> Floats:
-    """(F, J, 3) [m] where all joints are in the world: the positions of `forward`, in half its time."""
+    """Compute (F, J, 3) [m] where all joints are in the world: the positions of `forward`, in half its time."""
     out = np.empty((len(clip.skeleton), 3, len(clip)))
     for joint, place, _ in _walk(clip, range(len(clip.skeleton)), ()):
         out[joint] = place.T
@@ -77,7 +77,7 @@ def places(clip: Clip) -> Floats:
 
 
 def _walk(clip: Clip, needed: Sequence[int], turned: Container[int]) -> Iterator[tuple[int, Floats, Floats]]:
-    """Joints from the roots down, each with its place and its rotation in the world.
+    """Go through joints from the roots down, each with its place and its rotation in the world.
 
     Args:
         clip: F frames.

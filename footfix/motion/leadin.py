@@ -42,7 +42,7 @@ def motion_proper(clip: Clip) -> slice:
 
 
 def _lead(clip: Clip, order: Ints) -> int:
-    """How many frames lead in, with the frames taken in the order given."""
+    """Count the frames that lead in, with the frames taken in the order given."""
     frames = len(order)
     rest = _turned(clip, order[: LONGEST + 1]) < _AT_REST
     if frames < _FEWEST:
@@ -68,7 +68,7 @@ def _lead(clip: Clip, order: Ints) -> int:
 
 
 def _turned(clip: Clip, order: Ints) -> Floats:
-    """How far the joints but the roots are turned from the rest pose [rad], root mean square of each frame."""
+    """Measure how far the joints but the roots are turned from the rest pose [rad], root mean square of each frame."""
     turns = clip.rotations[order][:, clip.skeleton.parents >= 0]
     return (
         np.asarray(np.sqrt(np.mean(rotation.angle(turns) ** 2, axis=1)))
@@ -78,7 +78,7 @@ def _turned(clip: Clip, order: Ints) -> Floats:
 
 
 def _steps(clip: Clip, order: Ints) -> tuple[Floats, Floats]:
-    """From each frame to the next: turn of the joints [rad], root mean square, and shift of the roots."""
+    """Measure from each frame to the next: turn of the joints [rad], root mean square, and shift of the roots."""
     return _between(clip, order[:-1], order[1:])
 
 
@@ -92,14 +92,14 @@ def _between(clip: Clip, firsts: Ints, seconds: Ints) -> tuple[Floats, Floats]:
 
 
 def _own(clip: Clip, inner: Ints) -> tuple[float, float]:
-    """The quickest steps that the clip makes inside: the 90th percentile, which glitches do not move."""
+    """Measure the quickest steps that the clip makes inside: the 90th percentile, which glitches do not move."""
     firsts = inner[distinct(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
     turns, shifts = _between(clip, firsts, firsts + int(inner[1] - inner[0]))
     return float(np.quantile(turns, 0.9)), float(np.quantile(shifts, 0.9))
 
 
 def _held(clip: Clip, order: Ints) -> int:
-    """How many frames the first pose is held for, beyond its first frame: up to two seconds."""
+    """Count the frames for which the first pose is held, beyond its first frame: up to two seconds."""
     longest = min(len(order) - 1, max(1, round(2.0 / clip.frame_time)))
     turns = clip.rotations[order[: longest + 1]]
     same = (np.abs(np.einsum("fji,fji->fj", turns, turns[:1])) > 1.0 - 1e-9).all(axis=1)
@@ -107,6 +107,6 @@ def _held(clip: Clip, order: Ints) -> int:
 
 
 def _size(clip: Clip) -> float:
-    """A size of the figure: the sum of its bones that is robust to what kind of figure it is."""
+    """Estimate the size of the figure, whatever kind of figure it is: the sum of its longest bones."""
     lengths = np.linalg.norm(clip.skeleton.offsets[clip.skeleton.parents >= 0], axis=-1)
     return float(np.sort(lengths)[-8:].sum()) if len(lengths) else 0.0

@@ -19,7 +19,7 @@ _AXIS = {"X": 0, "Y": 1, "Z": 2}
 
 
 def components_first(shape: tuple[int, ...], size: int) -> Floats:
-    """An empty array (*shape, size) whose components lie apart in memory."""
+    """Make an empty array (*shape, size) whose components lie apart in memory."""
     return np.empty((size, *shape)).transpose(*range(1, len(shape) + 1), 0)
 
 
@@ -28,14 +28,14 @@ def _parts(q: Floats) -> tuple[Floats, ...]:
 
 
 def identity(shape: tuple[int, ...] = ()) -> Floats:
-    """Quaternions (*shape, 4) that turn nothing."""
+    """Make quaternions (*shape, 4) that turn nothing."""
     q = np.zeros((*shape, 4))
     q[..., 3] = 1.0
     return q
 
 
 def multiply(a: Floats, b: Floats) -> Floats:
-    """The rotation `b` followed by `a`, (..., 4); the shapes broadcast."""
+    """Compose rotations: `b` followed by `a`, (..., 4); the shapes broadcast."""
     ax, ay, az, aw = _parts(a)
     bx, by, bz, bw = _parts(b)
     out = components_first(np.broadcast_shapes(a.shape[:-1], b.shape[:-1]), 4)
@@ -47,7 +47,7 @@ def multiply(a: Floats, b: Floats) -> Floats:
 
 
 def inverse(q: Floats) -> Floats:
-    """The rotation that undoes `q`, (..., 4)."""
+    """Invert rotations `q` (..., 4)."""
     out = components_first(q.shape[:-1], 4)
     out[..., :3] = -q[..., :3]
     out[..., 3] = q[..., 3]
@@ -55,7 +55,7 @@ def inverse(q: Floats) -> Floats:
 
 
 def rotate(q: Floats, v: Floats) -> Floats:
-    """The vectors `v` (..., 3), turned by `q` (..., 4); the shapes broadcast."""
+    """Turn the vectors `v` (..., 3) by `q` (..., 4); the shapes broadcast."""
     qx, qy, qz, qw = _parts(q)
     vx, vy, vz = _parts(v)
     # v + 2 w (u x v) + 2 u x (u x v), with t = 2 u x v
@@ -68,13 +68,13 @@ def rotate(q: Floats, v: Floats) -> Floats:
 
 
 def normalize(q: Floats) -> Floats:
-    """The same rotations with length 1; a zero quaternion becomes the identity."""
+    """Scale quaternions to length 1; a zero quaternion becomes the identity."""
     length = np.sqrt(np.einsum("...i,...i->...", q, q))
     return np.where(length[..., None] > 0.0, q / np.where(length > 0.0, length, 1.0)[..., None], identity())
 
 
 def from_axis_angle(axis: Floats, angle: Floats) -> Floats:
-    """Rotation by `angle` (...) [rad] about the unit vectors `axis` (..., 3)."""
+    """Make rotations by `angle` (...) [rad] about the unit vectors `axis` (..., 3)."""
     half = 0.5 * np.asarray(angle, dtype=np.float64)
     out = components_first(np.broadcast_shapes(half.shape, axis.shape[:-1]), 4)
     out[..., :3] = np.sin(half)[..., None] * axis
@@ -83,7 +83,7 @@ def from_axis_angle(axis: Floats, angle: Floats) -> Floats:
 
 
 def from_rotation_vector(vector: Floats) -> Floats:
-    """The exponential map: rotation vectors (..., 3) [rad] to quaternions (..., 4)."""
+    """Convert rotation vectors (..., 3) [rad] to quaternions (..., 4): the exponential map."""
     angle = np.sqrt(np.einsum("...i,...i->...", vector, vector))
     half = 0.5 * angle
     # sin(x) / x is smooth through zero: numpy's sinc is sin(pi x) / (pi x)
@@ -95,7 +95,7 @@ def from_rotation_vector(vector: Floats) -> Floats:
 
 
 def to_rotation_vector(q: Floats) -> Floats:
-    """The logarithm: quaternions (..., 4) to rotation vectors (..., 3) [rad] of length at most pi."""
+    """Convert quaternions (..., 4) to rotation vectors (..., 3) [rad] of length at most pi: the logarithm."""
     sign = np.where(q[..., 3] < 0.0, -1.0, 1.0)
     u = sign[..., None] * q[..., :3]
     sine = np.sqrt(np.einsum("...i,...i->...", u, u))
@@ -105,13 +105,13 @@ def to_rotation_vector(q: Floats) -> Floats:
 
 
 def angle(q: Floats) -> Floats:
-    """How far `q` (..., 4) turns, (...) [rad], in [0, pi]."""
+    """Measure how far `q` (..., 4) turns, (...) [rad], in [0, pi]."""
     sine = np.sqrt(np.einsum("...i,...i->...", q[..., :3], q[..., :3]))
     return np.asarray(2.0 * np.arctan2(sine, np.abs(q[..., 3])))
 
 
 def between(a: Floats, b: Floats) -> Floats:
-    """The shortest rotation that takes directions `a` (..., 3) to directions `b` (..., 3), (..., 4).
+    """Find the shortest rotation (..., 4) that takes directions `a` (..., 3) to directions `b` (..., 3).
 
     For opposite directions it turns half a turn about an axis perpendicular to both.
     """
@@ -128,13 +128,13 @@ def between(a: Floats, b: Floats) -> Floats:
 
 
 def slerp(a: Floats, b: Floats, weight: Floats) -> Floats:
-    """From `a` (weight 0) to `b` (weight 1) along the shorter arc; the shapes broadcast."""
+    """Interpolate from `a` (weight 0) to `b` (weight 1) along the shorter arc; the shapes broadcast."""
     step = to_rotation_vector(multiply(inverse(a), b))
     return multiply(a, from_rotation_vector(np.asarray(weight)[..., None] * step))
 
 
 def continuous(q: Floats) -> Floats:
-    """The same rotations (F, ..., 4) with signs chosen so that neighbouring frames lie in one hemisphere."""
+    """Choose the signs of rotations (F, ..., 4) so that neighbouring frames lie in one hemisphere."""
     dots = np.einsum("f...i,f...i->f...", q[1:], q[:-1])
     flips = np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)
     out = np.array(q)
@@ -143,7 +143,7 @@ def continuous(q: Floats) -> Floats:
 
 
 def to_matrix(q: Floats) -> Floats:
-    """Rotation matrices (..., 3, 3) of quaternions (..., 4)."""
+    """Convert quaternions (..., 4) to rotation matrices (..., 3, 3)."""
     x, y, z, w = _parts(q)
     out = np.moveaxis(np.empty((3, 3, *q.shape[:-1])), (0, 1), (-2, -1))
     out[..., 0, 0] = 1.0 - 2.0 * (y * y + z * z)
@@ -156,7 +156,7 @@ def to_matrix(q: Floats) -> Floats:
 
 
 def from_matrix(m: Floats) -> Floats:
-    """Quaternions (..., 4) of rotation matrices (..., 3, 3), by the largest of the four components.
+    """Convert rotation matrices (..., 3, 3) to quaternions (..., 4), by the largest of the four components.
 
     Source: S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1 (1978).
     """
@@ -180,7 +180,7 @@ def from_matrix(m: Floats) -> Floats:
 
 
 def from_euler(angles: Floats, order: str) -> Floats:
-    """Quaternions (..., 4) of intrinsic Euler angles (..., n) [rad] about the axes of `order` ("ZXY").
+    """Convert intrinsic Euler angles (..., n) [rad] about the axes of `order` ("ZXY") to quaternions (..., 4).
 
     The order may name any axes, any number of times, or none: an order of n letters takes n angles.
     """
@@ -203,7 +203,7 @@ def _about(half: Floats, axis: str, shape: tuple[int, ...]) -> Floats:
 
 
 def to_euler(q: Floats, order: str, near: Floats | None = None) -> Floats:
-    """Intrinsic Euler angles (..., 3) [rad] about three different axes, on the branch nearest to `near`.
+    """Convert to intrinsic Euler angles (..., 3) [rad] about three different axes, on the branch nearest to `near`.
 
     Every rotation has two solutions, each plus or minus whole turns. With `near` (..., 3) [rad], each angle
     comes back on the solution and turn nearest to it, so that curves go on where they were. At gimbal lock

@@ -32,15 +32,15 @@ class Segments:
         return len(self.spans)
 
     def largest(self, values: Floats) -> Floats:
-        """(S,) the largest of values (N,) in each stretch."""
+        """Find (S,) the largest of values (N,) in each stretch."""
         return np.maximum.reduceat(values, self.starts) if len(self) else np.zeros(0)
 
     def mean(self, values: Floats) -> Floats:
-        """(S,) the mean of values (N,) in each stretch."""
+        """Compute (S,) the mean of values (N,) in each stretch."""
         return np.add.reduceat(values, self.starts) / self.lengths if len(self) else np.zeros(0)
 
     def median(self, values: Floats) -> Floats:
-        """(S,) the median of values (N,) in each stretch."""
+        """Compute (S,) the median of values (N,) in each stretch."""
         if not len(self):
             return np.zeros(0)
         ordered = values[np.lexsort((values, self.owner))]
@@ -48,18 +48,18 @@ class Segments:
         return np.asarray(0.5 * (ordered[low] + ordered[high]))
 
     def leading(self, mask: Bools) -> Ints:
-        """(S,) how many values of a mask (N,) are True from each stretch's start on."""
+        """Count (S,) how many values of a mask (N,) are True from each stretch's start on."""
         ends = np.append(np.flatnonzero(~mask), len(mask))
         return np.asarray(np.minimum(ends[np.searchsorted(ends, self.starts)] - self.starts, self.lengths))
 
     def trailing(self, mask: Bools) -> Ints:
-        """(S,) how many values of a mask (N,) are True up to each stretch's end."""
+        """Count (S,) how many values of a mask (N,) are True up to each stretch's end."""
         last = self.starts + self.lengths - 1
         ends = np.append(-1, np.flatnonzero(~mask))
         return np.asarray(np.minimum(last - ends[np.searchsorted(ends, last, side="right") - 1], self.lengths))
 
     def longest(self, mask: Bools) -> tuple[Ints, Ints]:
-        """(S,), (S,) where in each stretch the longest row of True in a mask (N,) starts and ends; 0, 0 for none."""
+        """Find (S,), (S,) start and end of the longest row of True of a mask (N,) in each stretch; 0, 0 for none."""
         edge = np.zeros(len(mask) + 1, dtype=np.bool_)
         edge[self.starts] = edge[-1] = True
         begins = np.flatnonzero(mask & (edge[:-1] | ~np.append(False, mask[:-1])))
@@ -72,7 +72,7 @@ class Segments:
         return start, stop
 
     def kept(self, keep: Bools) -> Segments:
-        """The stretches with some of their frames only.
+        """Keep only some of the frames of the stretches.
 
         Args:
             keep: (N,) which; at least one in each stretch.
@@ -87,12 +87,12 @@ class Segments:
         )
 
     def middle(self) -> Ints:
-        """(S,) the place of each stretch's middle frame in the arrays laid end to end."""
+        """Find (S,) the place of each stretch's middle frame in the arrays laid end to end."""
         return self.starts + self.lengths // 2
 
 
-def centres(points: Floats, parts: Segments, weights: Floats | None = None) -> Floats:
-    """The places (S, D) with the least sum of distances to the points (N, D) of each stretch: medians without axes.
+def geometric_medians(points: Floats, parts: Segments, weights: Floats | None = None) -> Floats:
+    """Find places (S, D) with the least sum of distances to the points (N, D) of each stretch: medians without axes.
 
     A few steps of Weiszfeld's way from the mean, with distances never counted as less than a hundredth of the usual.
     """
@@ -109,19 +109,13 @@ def centres(points: Floats, parts: Segments, weights: Floats | None = None) -> F
     return place
 
 
-def middle(values: Floats) -> float:
-    """The median of a few values (N,); a tenth of what `np.median` takes for that."""
-    ordered = np.sort(values)
-    return float(0.5 * (ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]))
-
-
 def distinct(ascending: Ints) -> Ints:
-    """An ascending array (N,) without repetitions; `np.unique` loads numpy's masked arrays to do that, for 10 ms."""
+    """Remove repetitions from an ascending array (N,); `np.unique` loads numpy's masked arrays for that, for 10 ms."""
     return np.asarray(ascending[np.diff(ascending, prepend=ascending[:1] - 1) > 0])
 
 
 def segments(spans: Sequence[tuple[int, int]]) -> Segments:
-    """The stretches of a clip, ready to be reduced over."""
+    """Lay out the stretches of a clip, ready to be reduced over."""
     ends = np.array(spans, dtype=np.intp).reshape(-1, 2)
     lengths = ends[:, 1] - ends[:, 0]
     starts = np.cumsum(lengths) - lengths

@@ -22,7 +22,7 @@ class SmoothParams:
 
     Args:
         seconds: [s] window of the filter (K §5.1: 12 frames at 120 fps).
-        degree: of the polynomial (K §5.1).
+        degree: of the polynomial (K §5.1) [count].
         channels: smooth what is written, too; off, only what detection looks at is smoothed.
     """
 
@@ -32,20 +32,20 @@ class SmoothParams:
 
 
 def window_frames(seconds: float, frame_time: float, degree: int) -> int:
-    """The window in frames: odd, and at least as long as the polynomial needs."""
+    """Compute the window in frames: odd, and at least as long as the polynomial needs."""
     nearest_odd = 2 * round((seconds / frame_time - 1.0) / 2.0) + 1
     shortest = degree + 1 if degree % 2 == 0 else degree + 2
     return max(nearest_odd, shortest)
 
 
 def can_smooth(seconds: float, frame_time: float, degree: int) -> bool:
-    """Whether the window holds more frames than the polynomial has coefficients."""
+    """Tell whether the window holds more frames than the polynomial has coefficients."""
     return window_frames(seconds, frame_time, degree) > degree + 1
 
 
 @lru_cache(maxsize=512)
 def _weights(window: int, degree: int, at: float, derivative: int) -> Floats:
-    """(window,) weights that evaluate the least-squares polynomial, or a derivative [1/frame^d], at a place."""
+    """Compute (window,) weights that evaluate the least-squares polynomial, or a derivative [1/frame^d], at a place."""
     places = np.arange(window) - window // 2
     powers = np.vander(places, degree + 1, increasing=True).astype(np.float64)  # (window, degree + 1)
     k = np.arange(derivative, degree + 1)
@@ -59,7 +59,7 @@ def savgol(
     x: Floats, frame_time: float, *, seconds: float = SmoothParams.seconds,
     degree: int = SmoothParams.degree, derivative: int = 0,
 ) -> Floats:  # fmt: skip
-    """The Savitzky-Golay filter, or a derivative of what it fits, along the first axis.
+    """Apply the Savitzky-Golay filter, or take a derivative of what it fits, along the first axis.
 
     At both ends the polynomial of the outermost whole window is evaluated, so nothing is padded.
 
@@ -94,12 +94,12 @@ def savgol(
 
 
 def smooth_rotations(q: Floats, frame_time: float, *, seconds: float, degree: int) -> Floats:
-    """Smoothed rotations (F, ..., 4): filtered on sign-continuous quaternions, never on angles that wrap."""
+    """Smooth rotations (F, ..., 4), as sign-continuous quaternions and never as angles that wrap."""
     return rotation.normalize(savgol(rotation.continuous(q), frame_time, seconds=seconds, degree=degree))
 
 
 def smooth_clip(clip: Clip, params: SmoothParams, proper: slice) -> tuple[Clip, tuple[Note, ...]]:
-    """A clip with its channels smoothed, inside the motion proper only.
+    """Smooth the channels of a clip, inside the motion proper only.
 
     Frames before and after `proper` (a T-pose or zero lead-in) keep their numbers and do not bleed into
     the motion. Joints that stand still keep theirs, too.

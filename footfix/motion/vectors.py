@@ -8,22 +8,22 @@ from footfix.motion.clip import Floats
 
 
 def dot(a: Floats, b: Floats) -> Floats:
-    """(...) scalar products of (..., D)."""
+    """Compute (...) the scalar products of (..., D)."""
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
 def norm(a: Floats) -> Floats:
-    """(...) lengths of (..., D)."""
+    """Compute (...) the lengths of (..., D)."""
     return np.sqrt(dot(a, a))
 
 
 def unit(a: Floats) -> Floats:
-    """(..., D) the same directions with length 1; zero stays zero."""
+    """Scale (..., D) to length 1; zero stays zero."""
     return a / np.maximum(norm(a), 1e-300)[..., None]
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """(..., 3) vector products of (..., 3): three lines, where `np.cross` is as many calls as it has cases."""
+    """Compute (..., 3) vector products of (..., 3), in three lines; `np.cross` makes many calls for its many cases."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)

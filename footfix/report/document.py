@@ -11,7 +11,7 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.measure.clip import Measures
-from footfix.measure.plants import PlantMeasure
+from footfix.measure.plants import NOTICED_MM, PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.notes import Note
@@ -21,19 +21,19 @@ FORMAT, VERSION = "footfix-report", 1
 
 
 def rounded(value: float) -> float:
-    """A number with the digits that mean something: six, and no negative zero."""
+    """Round a number to the digits that mean something: six, and no negative zero."""
     return float(f"{value:.6g}") + 0.0
 
 
 def measures(found: Measures) -> dict[str, float | None]:
-    """Measures as plain numbers, None where there is nothing to measure; each key carries its unit."""
+    """Lay out measures as plain numbers, None where there is nothing to measure; each key carries its unit."""
     return {
         key: rounded(each) if isinstance(each, float) else each for key, each in dataclasses.asdict(found).items()
     }
 
 
 def note(each: Note) -> dict[str, Any]:
-    """A note with what it has to say, and no empty fields."""
+    """Lay out a note with what it has to say, and no empty fields."""
     plain: dict[str, Any] = {"id": each.id, "severity": each.severity, "text": each.text}
     for key in ("line", "column", "start", "end"):
         if getattr(each, key) is not None:
@@ -44,12 +44,12 @@ def note(each: Note) -> dict[str, Any]:
 
 
 def notes(found: Iterable[Note]) -> list[dict[str, Any]]:
-    """Notes in the order in which they arose, each once."""
+    """Lay out notes in the order in which they arose, each once."""
     return [note(each) for each in dict.fromkeys(found)]
 
 
 def rig(found: Rig, clip: Clip, *, unit_m: float, up: str) -> dict[str, Any]:
-    """The rig by joint names, with where each guess came from."""
+    """Describe the rig by joint names, with where each guess came from."""
     names = clip.skeleton.names
     return {
         "unit_m": rounded(unit_m),
@@ -119,8 +119,18 @@ def _plant(plant: Footplant, was: PlantMeasure, now: PlantMeasure) -> dict[str, 
         "residual_mm": rounded(1000.0 * plant.residual),
         "target_m": [rounded(x) for x in plant.target],
         "outcome": plant.outcome,
-        "reason": plant.reason,
+        "reason": plant.reason or _doubt(plant, now),
     }
+
+
+def _doubt(plant: Footplant, now: PlantMeasure) -> str:
+    """Say why a plant that is pinned shows a large number all the same."""
+    if plant.outcome != "pinned":
+        return ""
+    if now.slide_mm > NOTICED_MM:  # what holds is the sole, what is seen is a joint over it
+        seen = "ankle" if plant.part == "heel" else "toe joint"
+        return f"the {plant.part} of the sole is held, the {seen} over it moves"
+    return "off its place only while it lands or leaves" if 1000.0 * plant.residual > NOTICED_MM else ""
 
 
 NO_CORRECTION: Mapping[str, Any] = {
@@ -184,7 +194,7 @@ def worst(entries: Sequence[Mapping[str, float | None]]) -> dict[str, float | No
 
 
 def frame(source: Mapping[str, Any], version: str, *, status: str, output: str | None) -> dict[str, Any]:
-    """What every report begins with."""
+    """Make what every report begins with."""
     return {
         "format": FORMAT,
         "version": VERSION,

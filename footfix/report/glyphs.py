@@ -35,7 +35,7 @@ Stroke = tuple[tuple[int, int], ...]
 
 
 def glyph(char: str) -> tuple[Stroke, ...]:
-    """The strokes of a character; a box where the font has none."""
+    """Find the strokes of a character; a box where the font has none."""
     return tuple(
         tuple((int(x), int(y)) for x, y in zip(stroke[::2], stroke[1::2], strict=True))
         for stroke in _STROKES.get(char, _UNKNOWN).split()
@@ -43,18 +43,18 @@ def glyph(char: str) -> tuple[Stroke, ...]:
 
 
 def advance(char: str) -> float:
-    """How far the next character stands, in units of the grid."""
+    """Measure how far the next character stands, in units of the grid."""
     columns = [x for stroke in glyph(char) for x, _ in stroke]
     return max(columns) - min(columns) + 2.0 if columns else 3.0
 
 
 def width(text: str) -> float:
-    """The width of a line of text, in units of the grid."""
+    """Measure the width of a line of text, in units of the grid."""
     return sum(advance(char) for char in text)
 
 
 def strokes(text: str) -> list[list[tuple[float, float]]]:
-    """The strokes of a line of text, in units of the grid, from x = 0, its capitals' top at y = 0."""
+    """Lay out the strokes of a line of text, in units of the grid, from x = 0, its capitals' top at y = 0."""
     lines = []
     at = 0.0
     for char in text:

@@ -9,7 +9,7 @@ from footfix.report.text import printable
 
 
 def describe(found: Mapping[str, Any], *, quiet: bool = False) -> str:
-    """The file in a few lines, then everything odd about it; with `quiet` only what is odd."""
+    """Describe the file in a few lines, then everything odd about it; with `quiet` only what is odd."""
     source, rig = found["source"], found["rig"]
     name = printable(str(source["file"]))
     lines = []

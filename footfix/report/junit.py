@@ -20,27 +20,30 @@ class Case:
         failures: what is over its budget, a line each; the case failed.
         error: why the clip could not be worked on; the case broke.
         output: what else there is to say.
+        seconds: [s] it took.
     """
 
     name: str
     failures: tuple[str, ...] = ()
     error: str = ""
     output: tuple[str, ...] = ()
+    seconds: float = 0.0
 
 
 def junit(suite: str, cases: Sequence[Case]) -> bytes:
-    """The cases as one test suite. Without times: the same run makes the same bytes."""
+    """The cases as one test suite, each with the time it took; its time is their sum, on however many processes."""
     counts = (
         f'tests="{len(cases)}" failures="{sum(bool(case.failures) for case in cases)}" '
         f'errors="{sum(bool(case.error) for case in cases)}"'
     )
+    total = sum(case.seconds for case in cases)
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<testsuites name="footfix" {counts}>',
-        f'  <testsuite name={_quoted(suite)} {counts} skipped="0" time="0">',
+        f'  <testsuite name={_quoted(suite)} {counts} skipped="0" time="{total:.3f}">',
     ]
     for case in cases:
-        lines.append(f'    <testcase name={_quoted(case.name)} classname={_quoted(suite)} time="0">')
+        lines.append(f'    <testcase name={_quoted(case.name)} classname={_quoted(suite)} time="{case.seconds:.3f}">')
         if case.error:
             lines.append(f"      <error message={_quoted(case.error)}/>")
         if case.failures:

@@ -8,8 +8,9 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.motion.segments import distinct
+from footfix.report.thumbnail import Thumbnail, thumbnail
 from footfix.report.verdict import Report, entries, number, worst_first
-from footfix.report.web.motion import Motion
+from footfix.report.web.motion import Motion, seen_tracks
 
 Path = tuple[tuple[float, float], ...]
 
@@ -24,8 +25,10 @@ class Offender:
         effector: name of the sole point.
         start, end: frames `[start, end)`.
         before_mm, after_mm: how far it slides.
-        path_before, path_after: [mm] its way over the floor, x to the right and z downwards, about the place
-            where it stands after.
+        path_before, path_after: [mm] the way of what is measured (the toe joint, the ankle of a flat foot) over the
+            floor, x to the right and z downwards, about the place where it stands after.
+        frame: where it was farthest from its place before.
+        figure: the figure at that frame; empty where it is not drawn.
     """
 
     effector: str
@@ -35,6 +38,8 @@ class Offender:
     after_mm: float
     path_before: Path
     path_after: Path
+    frame: int = 0
+    figure: Thumbnail = ()
 
 
 def worst_plants(motion: Motion, report: Report, most: int = 3) -> tuple[Offender, ...]:
@@ -47,21 +52,26 @@ def worst_plants(motion: Motion, report: Report, most: int = 3) -> tuple[Offende
     """
     plants = worst_first(entries(report, "plants"))
     known = [plant for plant in plants if plant.get("effector") in motion.sole_names]
-    return tuple(_offender(motion, plant) for plant in known[:most])
+    tracks = seen_tracks(motion)
+    return tuple(_offender(motion, tracks, plant) for plant in known[:most])
 
 
-def _offender(motion: Motion, plant: Report) -> Offender:
+def _offender(motion: Motion, tracks: tuple[Floats, Floats], plant: Report) -> Offender:
     sole = motion.sole_names.index(str(plant["effector"]))
     start, end = int(plant["start"]), int(plant["end"])
     last = len(motion.soles_before) - 1
     first = min(-(-start // motion.step), last)
-    span = slice(first, max(first + 1, -(-end // motion.step)))
-    before, after = (1000.0 * each[span, sole][:, [0, 2]] for each in (motion.soles_before, motion.soles_after))
+    span = np.arange(first, max(first + 1, min(-(-end // motion.step), last + 1)))
+    counting = span[motion.counts[span, sole]]
+    looked_at = counting if len(counting) else span
+    before, after = (1000.0 * each[looked_at, sole][:, [0, 2]] for each in tracks)
     place = np.median(after, axis=0)
+    farthest = int(looked_at[np.argmax(np.linalg.norm(before - np.median(before, axis=0), axis=1))])
     return Offender(
         str(plant["effector"]), start, end,
         number(plant.get("slide_before_mm")) or 0.0, number(plant.get("slide_after_mm")) or 0.0,
         _path(before - place), _path(after - place),
+        farthest * motion.step, thumbnail(motion, farthest),
     )  # fmt: skip
 
 

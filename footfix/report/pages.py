@@ -6,16 +6,19 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from footfix.enforce.run import ground_of
 from footfix.errors import InputError
+from footfix.formats import contacts as labels_format
 from footfix.formats.document import open_document
-from footfix.motion.clip import Clip
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import Contacts
+from footfix.report.again import Again
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
 from footfix.rig.find import find_rigs
-from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig, joined
-from footfix.settings import Layer, ReportParams, compose
+from footfix.settings import Layer, ReportParams, Settings, compose
 
 PAGE, PICTURE = ".report.html", ".report.png"
 
@@ -27,6 +30,8 @@ def draw(
     report: Mapping[str, Any],
     contacts: bytes,
     params: ReportParams,
+    again: Again | None = None,
+    ground: Floats | None = None,
 ) -> tuple[dict[str, bytes], tuple[Offender, ...]]:
     """The pages that settings ask for, by suffix, and the worst plants as small pictures for an index.
 
@@ -36,15 +41,19 @@ def draw(
         report: the report document.
         contacts: the bytes of the contacts file.
         params: which pages.
+        again: how the clip is cleaned again from edited contacts, where that is known.
+        ground: (F, 3) [m] how far the ground under planted feet has moved; at rest by default.
     """
     if params.kind != "html" and not params.png:
         return {}, ()
-    motion = film(before, after, rig) if before is not None and after is not None and rig is not None else None
+    motion = None
+    if before is not None and after is not None and rig is not None:
+        motion = film(before, after, rig, _planted(before, rig, contacts), ground)
     pages: dict[str, bytes] = {}
     if params.kind == "html":
         # A file name that is no UTF-8 keeps its bytes in the document.
         document = json.loads(contacts.decode("utf-8", "surrogateescape"))
-        pages[PAGE] = render(PageData(report, document, motion)).encode("utf-8", "replace")
+        pages[PAGE] = render(PageData(report, document, motion, again=again)).encode("utf-8", "replace")
     if params.png:
         from footfix.report.picture import picture
 
@@ -53,9 +62,10 @@ def draw(
 
 
 def redraw(
-    report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams
-) -> dict[str, bytes]:
-    """The pages of a clip whose report is there already.
+    report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
+    again: Again | None = None,
+) -> dict[str, bytes]:  # fmt: skip
+    """Draw the pages of a clip whose report is there already.
 
     Args:
         report: its report document.
@@ -63,6 +73,7 @@ def redraw(
         source: the bytes of the clip that came in.
         written: the bytes of the corrected one.
         params: which pages.
+        again: how the clip is cleaned again from edited contacts, where that is known.
 
     Raises:
         InputError: the files do not belong together.
@@ -79,12 +90,22 @@ def redraw(
     if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
-        return draw(None, None, None, report, contacts, params)[0]
-    rigs = joined(find_rigs(before, _told(report)))
-    return draw(before, after, rigs, report, contacts, params)[0]
+        return draw(None, None, None, report, contacts, params, again)[0]
+    told = _told(report)
+    rigs = find_rigs(before, told.rig)
+    whole = joined(rigs)
+    belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
+    return draw(before, after, whole, report, contacts, params, again, belt)[0]
 
 
-def _told(report: Mapping[str, Any]) -> RigParams:
-    """What the settings in a report say of the rig, so that it is the same one again."""
-    told = (report.get("settings") or {}).get("rig") or {}
-    return compose([Layer("report", {"rig": told})]).rig
+def _planted(clip: Clip, rig: Rig, contacts: bytes, whole: Rig | None = None) -> Contacts:
+    """The contacts of a figure out of the contacts file of all figures, `whole`."""
+    all_of_them, _ = labels_format.fit(labels_format.decode(contacts), (whole or rig).no_contacts(clip))
+    return all_of_them.only(sole.name for sole in rig.soles)
+
+
+def _told(report: Mapping[str, Any]) -> Settings:
+    """What the settings in a report say of the rig and of moving ground, so that both are the same again."""
+    said = report.get("settings") or {}
+    ground = (said.get("enforce") or {}).get("ground") or {}
+    return compose([Layer("report", {"rig": said.get("rig") or {}, "enforce": {"ground": ground}})])

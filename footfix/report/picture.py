@@ -6,6 +6,7 @@ from footfix.measure.plants import NOTICED_MM
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.raster import Raster, color, fitted
 from footfix.report.text import printable
+from footfix.report.thumbnail import LAYERS, Thumbnail
 from footfix.report.verdict import Report, Tone, judge, source_name
 from footfix.report.web.motion import Motion, side_of
 
@@ -13,11 +14,12 @@ _PAPER, _INK, _MUTED, _LINE = color("#fffefb"), color("#1a2027"), color("#5b6570
 _WAS, _LEFT, _RIGHT = color("#8450a6"), color("#0069a8"), color("#b34800")
 _TONES: dict[Tone, str] = {"good": "#146c43", "fair": "#8a5a00", "bad": "#a8201a", "quiet": "#5b6570"}
 
+_SMALL = 0.75  # [pixels] of a unit of the small figure
 _PANEL, _GAP, _HEAD, _FOOT, _COLUMNS = 220, 16, 96, 48, 4  # [pixels]
 
 
 def picture(motion: Motion | None, report: Report, most: int = 8) -> bytes:
-    """A PNG of the verdict and of the worst plants from above, before and after.
+    """Draw a PNG of the verdict and of the worst plants from above, before and after.
 
     Args:
         motion: the figure before and after; None leaves the verdict alone.
@@ -42,7 +44,7 @@ def _head(raster: Raster, report: Report, width: float) -> None:
     raster.write(fitted(printable(source_name(report)), 10, width), _GAP, 16, 10, _MUTED)
     raster.write(fitted(verdict.text, 15, width), _GAP, 38, 15, _INK, bold=True)
     line = verdict.word
-    if verdict.plants:
+    if max(verdict.worst_before, verdict.worst_after) >= 0.5:
         line += f": longest slide {verdict.worst_before:.0f} → {verdict.worst_after:.0f} mm"
     raster.write(line, _GAP, 68, 11, color(_TONES[verdict.tone]), bold=True)
 
@@ -50,6 +52,7 @@ def _head(raster: Raster, report: Report, width: float) -> None:
 def _panel(raster: Raster, offender: Offender, left: float, top: float) -> None:
     frame = [(0, 0), (_PANEL, 0), (_PANEL, _PANEL), (0, _PANEL), (0, 0)]
     raster.line([(left + x, top + y) for x, y in frame], 1.0, _LINE)
+    _figure(raster, offender.figure, left + 4, top + 4)
     reach = 1.3 * NOTICED_MM
     places = [(-reach, -reach), (reach, reach), *offender.path_before, *offender.path_after]
     (x0, x1), (z0, z1) = ((min(axis), max(axis)) for axis in zip(*places, strict=True))
@@ -64,9 +67,20 @@ def _panel(raster: Raster, offender: Offender, left: float, top: float) -> None:
     raster.write(f"{offender.before_mm:.1f} → {offender.after_mm:.1f} mm", left, top + _PANEL + 27, 9, _INK)
 
 
+def _figure(raster: Raster, drawing: Thumbnail, left: float, top: float) -> None:
+    """The figure at the frame where its foot is farthest off, in the corner of a panel."""
+    inks = dict(zip(LAYERS, (_WAS, _MUTED, _LEFT, _RIGHT), strict=True))
+    for layer, path in zip(LAYERS, drawing, strict=False):
+        for line in path.split("M")[1:]:
+            numbers = [float(number) for number in line.replace("L", " ").split()]
+            places = [(left + _SMALL * x, top + _SMALL * y) for x, y in zip(numbers[::2], numbers[1::2], strict=True)]
+            raster.line(places, 1.2 if layer == "was" else 1.8, inks[layer], 0.8)
+
+
 def _legend(raster: Raster, y: float) -> None:
     raster.line([(_GAP, y + 4), (_GAP + 22, y + 4)], 4.5, _WAS, 0.75)
     raster.write("before", _GAP + 30, y, 8, _MUTED)
     raster.line([(_GAP + 92, y + 4), (_GAP + 114, y + 4)], 2.4, _LEFT)
     raster.line([(_GAP + 118, y + 4), (_GAP + 140, y + 4)], 2.4, _RIGHT)
-    raster.write(f"after, left and right; seen from above, the ring is {NOTICED_MM:g} mm", _GAP + 148, y, 8, _MUTED)
+    told = f"after, left and right; toe joint or ankle from above, the ring is {NOTICED_MM:g} mm"
+    raster.write(told, _GAP + 148, y, 8, _MUTED)

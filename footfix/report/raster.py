@@ -16,7 +16,7 @@ Color = tuple[float, float, float]
 
 
 def color(code: str) -> Color:
-    """A colour from its hexadecimal code, "#0069a8"."""
+    """Convert a colour from its hexadecimal code, "#0069a8"."""
     return tuple(int(code[k : k + 2], 16) / 255.0 for k in (1, 3, 5))  # type: ignore[return-value]
 
 
@@ -35,7 +35,7 @@ class Raster:
     def line(
         self, places: Sequence[tuple[float, float]] | Floats, thick: float, ink: Color, alpha: float = 1.0
     ) -> None:
-        """A line through places (n, 2) with round ends; a single place gives a dot."""
+        """Draw a line through places (n, 2) with round ends; a single place gives a dot."""
         points = np.asarray(places, dtype=np.float64).reshape(-1, 2)
         if len(points) == 1:
             points = points.repeat(2, axis=0)
@@ -52,7 +52,7 @@ class Raster:
 
     @staticmethod
     def _segment(cover: Floats, a: Floats, b: Floats, thick: float) -> None:
-        """Raises the cover of the pixels near a segment: 1 within it, falling to 0 over one pixel."""
+        """Raise the cover of the pixels near a segment: 1 within it, falling to 0 over one pixel."""
         reach = thick / 2.0 + 1.0
         x0, y0 = np.floor(np.minimum(a, b) - reach).astype(int).clip(0)
         x1, y1 = np.ceil(np.maximum(a, b) + reach).astype(int) + 1
@@ -65,7 +65,7 @@ class Raster:
         np.maximum(part, np.clip(thick / 2.0 + 0.5 - distance, 0.0, 1.0), out=part)
 
     def circle(self, x: float, y: float, radius: float, thick: float, ink: Color, dashes: int = 0) -> None:
-        """A circle, whole or in so many dashes."""
+        """Draw a circle, whole or in so many dashes."""
         turns = np.linspace(0.0, 2.0 * np.pi, 4 * max(dashes, 16) + 1)
         around = np.stack([x + radius * np.cos(turns), y + radius * np.sin(turns)], axis=1)
         if not dashes:
@@ -74,14 +74,14 @@ class Raster:
             self.line(around[4 * k : 4 * k + 3], thick, ink)
 
     def write(self, text: str, x: float, y: float, size: float, ink: Color, *, bold: bool = False) -> None:
-        """A line of text; its capitals are `size` pixels high, their top at `y`."""
+        """Write a line of text; its capitals are `size` pixels high, their top at `y`."""
         unit = size / 6.0
         for stroke in glyphs.strokes(text):
             places = np.asarray(stroke) * unit + (x, y)
             self.line(places, unit * (1.15 if bold else 0.8) + 0.25, ink)
 
     def png(self) -> bytes:
-        """The picture as a PNG file."""
+        """Encode the picture as a PNG file."""
         height, width, _ = self.pixels.shape
         levels = np.rint(np.clip(self.pixels, 0.0, 1.0) * 255.0).astype(np.uint8).reshape(height, 3 * width)
         rows = np.concatenate([np.zeros((height, 1), np.uint8), levels], axis=1)  # no filter in any row
@@ -94,7 +94,7 @@ class Raster:
 
 
 def fitted(text: str, size: float, width: float) -> str:
-    """The text, cut with dots where it would be wider than `width` pixels at this size."""
+    """Cut the text with dots where it would be wider than `width` pixels at this size."""
     room = width * 6.0 / size
     if glyphs.width(text) <= room:
         return text

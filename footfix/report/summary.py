@@ -100,7 +100,7 @@ def table(entries: Sequence[Entry], *, most: int = 10) -> str:
     counts = Counter(entry.status for entry in entries)
     said = ", ".join(f"{counts[key]} {key}" for key in ("cleaned", "unchanged", "failed") if counts[key])
     lines = [f"{len(entries)} {'clip' if len(entries) == 1 else 'clips'}: {said}"]
-    judged = [(entry, judge(entry.report)) for entry in entries if entry.report]
+    judged = [(entry, verdict) for entry in entries if entry.report and (verdict := judge(entry.report)).plants]
     judged.sort(key=lambda pair: (-pair[1].worst_after, -pair[1].worst_before, pair[0].source))
     if judged:
         lines.append("  longest slide   plants over 21 mm")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from footfix.measure.plants import NOTICED_MM
 from footfix.report.verdict import (
     Report,
     Row,
@@ -19,9 +20,10 @@ from footfix.report.verdict import (
 )
 
 _SEVERITIES = ("error", "warning")
-_FATES = {"released": "let go", "partly": "held only in part"}
+_FATES = {"released": "let go", "partly": "held only in part", "kept": "left alone", "pinned": "pinned"}
 _PLAIN_UNITS = {"10² m/s³": "x 100 m/s^3", "°": "deg", "°/s": "deg/s", "m/s²": "m/s^2"}  # for terminals without Unicode
 _FIGURE = re.compile(r"\d+(?:\.\d+)?")
+_FRAMES = re.compile(r"at frame (\d+-\d+)")
 
 
 def summarize(report: Report, *, verbose: bool = False) -> str:
@@ -37,7 +39,7 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
     verdict = judge(report)
     lines = [f"{printable(source_name(report))}: {verdict.text}"]
     rows = [row for row in measure_rows(report) if row.headline or verbose]
-    if verdict.plants:
+    if max(verdict.worst_before, verdict.worst_after) >= 0.5:
         lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm{_travel(report)}")
     if verbose:
         width = max((len(row.label) for row in rows), default=0)
@@ -64,14 +66,15 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
 
 
 def released(report: Report) -> list[str]:
-    """How many plants were let go wholly or in part, for each reason, as lines of text.
+    """How many plants were let go wholly or in part, or kept though they slide, for each reason, as lines of text.
 
     Reasons that differ only in their figures count as one, with the range of the figures.
     """
     groups: dict[tuple[str, str], list[str]] = {}
     for plant in entries(report, "plants"):
         outcome, reason = str(plant.get("outcome")), str(plant.get("reason") or "")
-        if outcome in _FATES:
+        noticed = (number(plant.get("slide_after_mm")) or 0.0) > NOTICED_MM
+        if outcome in _FATES and (noticed or outcome in ("released", "partly")):
             groups.setdefault((outcome, _FIGURE.sub("#", reason)), []).append(reason)
     lines = []
     for (outcome, _), reasons in sorted(groups.items(), key=lambda group: -len(group[1])):
@@ -85,7 +88,7 @@ def _ranged(reasons: Sequence[str]) -> str:
     """One sentence for many that differ only in their figures."""
     columns = [sorted(set(column), key=float) for column in zip(*map(_FIGURE.findall, reasons), strict=True)]
     ranges = iter(column[0] if len(column) == 1 else f"{column[0]}-{column[-1]}" for column in columns)
-    return _FIGURE.sub(lambda _: next(ranges), reasons[0])
+    return _FRAMES.sub(r"at frames \1", _FIGURE.sub(lambda _: next(ranges), reasons[0]))
 
 
 def _unit(row: Row) -> str:

@@ -7,7 +7,7 @@ terminal, the page and the batch index say the same.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from footfix.measure.plants import NOTICED_MM
@@ -15,6 +15,7 @@ from footfix.measure.plants import NOTICED_MM
 Report = Mapping[str, Any]
 Tone = Literal["good", "fair", "bad", "quiet"]
 
+_LIMIT = f"{NOTICED_MM:g} mm"
 WORSE_MM = 5.0  # a plant that slides farther than it did by more than this came out worse
 
 
@@ -31,6 +32,7 @@ class Verdict:
         over_before, over_after: how many of them slide farther than viewers notice.
         worst_before, worst_after: [mm] the longest slide.
         worse: how many came out sliding farther than they went in, by more than `WORSE_MM`.
+        helped: how many slide less than they did, by more than that or by half.
     """
 
     tone: Tone
@@ -42,6 +44,7 @@ class Verdict:
     worst_before: float = 0.0
     worst_after: float = 0.0
     worse: int = 0
+    helped: int = 0
 
 
 def number(value: Any) -> float | None:
@@ -90,35 +93,53 @@ def judge(report: Report) -> Verdict:
     if not plants:
         return Verdict("quiet", "no plants", "No footplants were found, so there was nothing to hold in place")
     before, after = slides(plants, "before"), slides(plants, "after")
-    over_before = sum(slide > NOTICED_MM for slide in before)
-    over_after = sum(slide > NOTICED_MM for slide in after)
-    worse = sum(now > was + WORSE_MM for was, now in zip(before, after, strict=True))
-    tone, word, text = _words(
-        report.get("status") == "unchanged", len(plants), over_before, over_after, max(before), max(after)
-    )
-    if worse:
-        text += f"; {worse} {_slide(worse)} farther than before"
+    counted = Verdict(
+        "good", "", "", len(plants),
+        over_before=sum(slide > NOTICED_MM for slide in before),
+        over_after=sum(slide > NOTICED_MM for slide in after),
+        worst_before=max(before), worst_after=max(after),
+        worse=sum(now > was + WORSE_MM for was, now in zip(before, after, strict=True)),
+        helped=sum(_helped(was, now) for was, now in zip(before, after, strict=True)),
+    )  # fmt: skip
+    tone, word, text = _as_it_was(counted) if report.get("status") == "unchanged" else _words(counted)
+    if counted.worse:
+        text += f"; {counted.worse} {_slide(counted.worse)} farther than before"
         tone, word = ("fair", "mixed") if tone == "good" else (tone, word)
-    return Verdict(tone, word, text, len(plants), over_before, over_after, max(before), max(after), worse)
+    return replace(counted, tone=tone, word=word, text=text)
 
 
-def _words(
-    unchanged: bool, plants: int, before: int, after: int, worst_before: float, worst_after: float
-) -> tuple[Tone, str, str]:
-    limit = f"{NOTICED_MM:g} mm"
-    if unchanged and not before:
-        every = "The one footplant stands" if plants == 1 else f"All {plants} footplants stand"
-        return "good", "fine as it was", f"{every} still: nothing needed doing"
-    if unchanged:
-        return "fair", "left alone", f"Left as it was, though {_of(before, plants)} {_slide(before)} more than {limit}"
+def _helped(was: float, now: float) -> bool:
+    """Whether a plant slides less than it did: by `WORSE_MM`, or by half where there was something to see."""
+    return now < was - WORSE_MM or (was > 1.0 and now < was / 2.0)
+
+
+def _as_it_was(found: Verdict) -> tuple[Tone, str, str]:
+    """Tone, word and sentence for a clip that was not changed."""
+    if found.over_before:
+        some = _of(found.over_before, found.plants)
+        return "fair", "left alone", f"Left as it was, though {some} {_slide(found.over_before)} more than {_LIMIT}"
+    every = "The one footplant stands" if found.plants == 1 else f"All {found.plants} footplants stand"
+    return "good", "fine as it was", f"{every} still: nothing needed doing"
+
+
+def _words(found: Verdict) -> tuple[Tone, str, str]:
+    """Tone, word and sentence for a clip that was changed: what was helped weighs as well as what still slides."""
+    before, after, plants = found.over_before, found.over_after, found.plants
     if not before and not after:
-        change = f"the longest slide went from {worst_before:.0f} to {worst_after:.0f} mm"
-        return "good", "tidied", f"No footplant slid noticeably; {change}"
+        longest = [f"{worst:.0f}" for worst in (found.worst_before, found.worst_after)]
+        if longest[0] == longest[1]:
+            return "good", "tidied", "No footplant slid noticeably, before or after"
+        return "good", "tidied", f"No footplant slid noticeably; the longest slide went from {' to '.join(longest)} mm"
     if not after:
-        return "good", "fixed", f"{_of(before, plants)} slid more than {limit}; now none does"
+        return "good", "fixed", f"{_of(before, plants)} slid more than {_LIMIT}; now none does"
     if after < before:
-        return "fair", "better", f"{_of(before, plants)} slid more than {limit}; {after} still {_do(after)}"
-    return "bad", "not helped", f"{_of(after, plants)} still {_slide(after)} more than {limit}"
+        return "fair", "better", f"{_of(before, plants)} slid more than {_LIMIT}; {after} still {_do(after)}"
+    if found.helped > found.worse:
+        less = f"{_of(found.helped, plants)} {_slide(found.helped)} less than before"
+        return "fair", "partly better", f"{less}; {after} still {_slide(after)} more than {_LIMIT}"
+    if found.worse > found.helped:
+        return "bad", "worse", f"{_of(after, plants)} {_slide(after)} more than {_LIMIT}, {before or 'none'} did before"
+    return "bad", "not helped", f"{_of(after, plants)} still {_slide(after)} more than {_LIMIT}"
 
 
 def _of(some: int, plants: int) -> str:
@@ -185,12 +206,14 @@ class Row:
     """A measure before and after, ready to be printed.
 
     Args:
+        key: of the measure.
         label, unit: of the measure.
         before, after: as text; "–" where it was not measured.
         headline: its label on the first screen, "" where it does not stand there.
         worse: whether it grew so much that a person should know.
     """
 
+    key: str
     label: str
     unit: str
     before: str
@@ -206,10 +229,11 @@ def measure_rows(report: Report) -> list[Row]:
     for measure in MEASURES:
         pair = number(before.get(measure.key)), number(after.get(measure.key))
         if measure.key in before or measure.key in after:
-            digits = 0 if max(value or 0.0 for value in pair) * measure.scale >= 100.0 else measure.digits
+            largest = max(value or 0.0 for value in pair) * measure.scale
+            digits = 0 if largest >= 100.0 else min(measure.digits, 1) if largest >= 10.0 else measure.digits
             first, second = ("–" if value is None else f"{value * measure.scale:.{digits}f}" for value in pair)
             worse = _is_worse(measure, *pair)
-            rows.append(Row(measure.label, measure.unit, first, second, measure.headline, worse))
+            rows.append(Row(measure.key, measure.label, measure.unit, first, second, measure.headline, worse))
     return rows
 
 

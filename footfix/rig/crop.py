@@ -100,7 +100,7 @@ def crop(clip: Clip, rig: Rig, proper: slice | None = None) -> Crop:
 
 
 def _legs_go_on(clip: Clip, rig: Rig, frame: int) -> bool:
-    """Whether no joint of the legs jumps from the frame before to this one."""
+    """Tell whether no joint of the legs jumps from the frame before to this one."""
     pose = rig.pose(clip.frames(slice(frame - 1, frame + 1)))
     places = np.stack([pose.position(joint) for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])  # [m]
     return float(np.linalg.norm(places[:, 1] - places[:, 0], axis=1).max()) <= _JUMP * rig.leg_length

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats, Ints, some
+from footfix.motion.clip import Clip, Floats, Ints, take_frames
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
@@ -62,7 +62,7 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
     joints = [joint for joint in range(len(clip.skeleton)) if joint not in above]
 
     def step(a: Ints, b: Ints) -> Floats:  # (n, J, 3) [rad]
-        before, after = (np.stack([some(clip.turn(joint), at) for joint in joints], axis=1) for at in (a, b))
+        before, after = (np.stack([take_frames(clip.turn(joint), at) for joint in joints], axis=1) for at in (a, b))
         return rotation.to_rotation_vector(rotation.multiply(rotation.inverse(before), after))
 
     every = np.arange(0, frames - 1, 1 if frames * clip.frame_time <= _LONGEST else 1 + frames // 200)

@@ -54,7 +54,7 @@ class Figure:
 
 
 def figures(seen: Sample, params: RigParams, *, y_up: bool) -> tuple[Figure, ...]:
-    """The figures of a clip that have legs: one for each root that has some, or for each body below one root.
+    """Find the figures of a clip that have legs: one for each root that has some, or for each body below one root.
 
     Args:
         seen: frames of the clip.
@@ -83,7 +83,7 @@ def figures(seen: Sample, params: RigParams, *, y_up: bool) -> tuple[Figure, ...
 
 
 def _bodies(seen: Sample, root: int, candidates: list[Pair]) -> list[int]:
-    """The joints that carry a figure each: the root, or several joints that travel side by side below it."""
+    """Find the joints that carry a figure each: the root, or several joints that travel side by side below it."""
     bodies: list[int] = []
     for pair in candidates:
         above = seen.skeleton.ancestors(pair.pelvis)
@@ -114,7 +114,7 @@ def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figu
 
 
 def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
-    """The second pair of legs of an animal that stands on four for most of the clip."""
+    """Find the second pair of legs of an animal that stands on four for most of the clip."""
     taken = {joint for limb in hind.limbs for joint in seen.below(limb.branch)}
     for pair in sorted(others, key=lambda pair: -pair.shape):
         apart = all(limb.branch not in taken for limb in pair.limbs) and not any(
@@ -132,7 +132,7 @@ def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
 
 
 def _apart(seen: Sample, hind: Pair, front: Pair) -> bool:
-    """Whether a back lies level between two pairs of legs, well above the ground when it stands."""
+    """Tell whether a back lies level between two pairs of legs, well above the ground when it stands."""
     middles = [np.mean([seen.places[:, limb.hip] for limb in pair.limbs], axis=0) for pair in (hind, front)]
     level = np.linalg.norm((middles[1] - middles[0])[:, [0, 2]], axis=-1)
     high = np.minimum(*(middle[:, 1] for middle in middles)) - seen.places[..., 1].min(axis=1)
@@ -140,7 +140,7 @@ def _apart(seen: Sample, hind: Pair, front: Pair) -> bool:
 
 
 def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:
-    """Whether both pairs have a foot on the ground for much of the clip."""
+    """Tell whether both pairs have a foot on the ground for much of the clip."""
     down = [np.min([_lowest(seen, limb.ankle) for limb in pair.limbs], axis=0) for pair in (hind, front)]
     near = _GROUND * hind.length
     ground = float(np.quantile(np.minimum(*down), 0.1))
@@ -148,7 +148,7 @@ def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:
 
 
 def _lowest(seen: Sample, ankle: int) -> Floats:
-    """(S,) height of the lowest point from the ankle down."""
+    """Find (S,) the height of the lowest point from the ankle down."""
     joints = list(seen.below(ankle))
     ends = [e for e, parent in enumerate(seen.skeleton.end_parents.tolist()) if parent in joints]
     heights = np.concatenate([seen.places[:, joints, 1], seen.ends[:, ends, 1]], axis=1)
@@ -163,7 +163,7 @@ def _named_side(skeleton: Skeleton, limb: Limb, toe: int | None) -> str:
 
 
 def _given(seen: Sample, legs: Mapping[str, LegParams]) -> tuple[Figure, ...]:
-    """The figures whose legs the config names."""
+    """Make the figures whose legs the config names."""
     by_root: dict[int, list[tuple[str, LegParams, Limb]]] = {}
     for name, leg in legs.items():
         limb = _given_limb(seen, name, leg)
@@ -206,7 +206,7 @@ def _given_limb(seen: Sample, name: str, leg: LegParams) -> Limb:
 
 
 def joint(skeleton: Skeleton, name: str, where: str) -> int:
-    """The index of a joint by its name.
+    """Find the index of a joint by its name.
 
     Raises:
         UsageError: no joint has it, or several do; `where` says which setting asked for it.

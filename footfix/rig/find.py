@@ -22,7 +22,7 @@ from footfix.rig.zero_plane import on_zero_plane
 
 
 def find_rig(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> Rig:
-    """The rig of a clip's figure; of the first one where there are several.
+    """Find the rig of a clip's figure; of the first one where there are several.
 
     Args:
         clip: metres, y up.
@@ -37,7 +37,7 @@ def find_rig(clip: Clip, params: RigParams | None = None, proper: slice | None =
 
 
 def find_rigs(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> tuple[Rig, ...]:
-    """The rigs of all figures of a clip, in the order of the file: one for each root that has legs.
+    """Find the rigs of all figures of a clip, in the order of the file: one for each root that has legs.
 
     Args:
         clip: metres, y up.
@@ -115,7 +115,7 @@ def _notes(
 
 
 def _legs(seen: Sample, figure: Figure) -> tuple[tuple[Leg, ...], str]:
-    """The legs with their sides and names, left before right in each pair, and how sides were found."""
+    """Name the legs and tell their sides, left before right in each pair; say how sides were found."""
     sides, origin = list(figure.sides), figure.origin if figure.origin == "config" else "names"
     left = _leftwards(seen, figure)
     for pair in _pairs(figure):
@@ -142,7 +142,7 @@ def _legs(seen: Sample, figure: Figure) -> tuple[tuple[Leg, ...], str]:
 
 
 def _pairs(figure: Figure) -> list[list[int]]:
-    """Indices of legs that make a pair: found ones come in pairs, given ones where there are just two."""
+    """List the indices of legs that make a pair: found ones come in pairs, given ones where there are just two."""
     count = len(figure.limbs)
     if figure.origin == "config" and count != 2:
         return [[i] for i in range(count)]
@@ -150,7 +150,7 @@ def _pairs(figure: Figure) -> list[list[int]]:
 
 
 def _leftwards(seen: Sample, figure: Figure) -> Floats:
-    """(S, 3) roughly a figure's left, whichever its left leg: from how knees bend and where toes point.
+    """Estimate (S, 3) a figure's left, whichever its left leg: from how knees bend and where toes point.
 
     The axis of a knee runs from one side to the other, and so does what is across both the shin and the foot;
     that holds in any posture, and needs no up.
@@ -166,7 +166,7 @@ def _leftwards(seen: Sample, figure: Figure) -> Floats:
 
 
 def _facing(seen: Sample, legs: Sequence[Leg]) -> Floats:
-    """(S, 3) the way the figure faces: level, from its left hip and its right hip."""
+    """Compute (S, 3) the way the figure faces: level, from its left hip and its right hip."""
     hips = {side: [seen.places[:, leg.hip] for leg in legs if leg.side == side] for side in ("left", "right")}
     if not all(hips.values()):
         return np.tile([0.0, 0.0, 1.0], (len(seen), 1))
@@ -177,7 +177,7 @@ def _facing(seen: Sample, legs: Sequence[Leg]) -> Floats:
 def _points(
     seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], given: Mapping[str, SoleParams]
 ) -> tuple[tuple[SolePoint, ...], set[str]]:
-    """Heel and toe of each leg, and the names of those that the config placed."""
+    """Place heel and toe of each leg; list the names of those that the config placed."""
     points = []
     for index, (leg, foot) in enumerate(zip(legs, feet, strict=True)):
         heel = -foot.ankle_height * foot.up - foot.behind * foot.ahead
@@ -205,7 +205,7 @@ def _triple(vector: Floats) -> tuple[float, float, float]:
 def _floor(
     seen: Sample, points: Sequence[SolePoint], leg: float, asked: float | Literal["zero"] | None, on_zero: bool
 ) -> tuple[float, tuple[float, ...], str]:
-    """The height of the floor [m], that of other levels on which soles often rest, and how it was found."""
+    """Find the height of the floor [m] and that of other levels on which soles often rest; say how it was found."""
     if asked is not None:
         return (0.0 if asked == "zero" else asked), (), "config"
     level, others = _levels(seen, points, leg)
@@ -249,7 +249,7 @@ def _given_root(seen: Sample, name: str) -> int:
 
 
 def _carrier(seen: Sample, figure: Figure) -> int:
-    """The joint nearest to the pelvis that translates the whole figure, and not its legs alone."""
+    """Find the joint nearest to the pelvis that translates the whole figure, and not its legs alone."""
     legs = {joint for limb in figure.limbs for joint in seen.below(limb.branch)}
     rest = set(seen.below(figure.root)) - legs
     way = seen.skeleton.ancestors(figure.pelvis)

@@ -66,7 +66,7 @@ class Pair:
 
 
 def pairs(sample: Sample, root: int) -> list[Pair]:
-    """The pairs of alike limbs below a root, the likeliest legs first."""
+    """Find the pairs of alike limbs below a root, the likeliest legs first."""
     skeleton = sample.skeleton
     figure = [joint for joint in range(len(skeleton)) if root in skeleton.ancestors(joint)]
     size = float(sample.reach[root])
@@ -103,7 +103,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
 
 
 def _fork(sample: Sample, root: int) -> int:
-    """The joint at which a body begins: below reference and simulation bones, past what hangs beside it."""
+    """Find the joint at which a body begins: below reference and simulation bones, past what hangs beside it."""
     while True:
         total = sum(sample.bones[list(sample.below(root)[1:])])
         for child in sample.skeleton.children[root]:
@@ -115,7 +115,7 @@ def _fork(sample: Sample, root: int) -> int:
 
 
 def _way(sample: Sample, fork: int, size: float, joint: int) -> float:
-    """How far a joint is along the bones from what carries the body: a joint that travels, or where it begins."""
+    """Measure how far along the bones a joint is from what carries the body: a travelling joint, or where it begins."""
     above = sample.skeleton.ancestors(joint)
     travellers = [place for place, each in enumerate(above) if sample.travel[each] > 0.003 * size]
     last = travellers[0] if travellers else above.index(fork) if fork in above else len(above) - 1
@@ -123,7 +123,7 @@ def _way(sample: Sample, fork: int, size: float, joint: int) -> float:
 
 
 def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
-    """The chains below one branch that are shaped like a leg, best first."""
+    """Find the chains below one branch that are shaped like a leg, best first."""
     found: list[Limb] = []
     stack: list[tuple[int, tuple[int, ...], tuple[float, ...]]] = [(branch, (branch,), (0.0,))]
     while stack:
@@ -138,7 +138,7 @@ def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
 
 
 def limb_of(sample: Sample, ankle: int, knee: int | None, hip: int | None) -> Limb | None:
-    """The chain above a given ankle; knee and hip where its shape says, or as given. None where it has none."""
+    """Find the chain above a given ankle; knee and hip where its shape says, or as given. None where it has none."""
     path = sample.skeleton.ancestors(ankle)[::-1]
     way = tuple(np.cumsum([0.0, *(float(sample.bones[joint]) for joint in path[1:])]).tolist())
     found = []
@@ -151,7 +151,7 @@ def limb_of(sample: Sample, ankle: int, knee: int | None, hip: int | None) -> Li
 
 
 def _split(sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float, ...]) -> list[Limb]:
-    """The ways in which a path can be cut into thigh and shin, its last joint being the ankle."""
+    """List the ways in which a path can be cut into thigh and shin, its last joint being the ankle."""
     foot = float(sample.reach[path[-1]])
     found = []
     for h in range(len(path) - 2):
@@ -168,7 +168,7 @@ def _split(sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float,
 def _cut(
     sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float, ...], h: int, k: int, upper: float
 ) -> Limb:
-    """The limb with its hip and knee at places `h` and `k` of a path, and how much of a leg it is."""
+    """Cut a limb with its hip and knee at places `h` and `k` of a path, and score how much of a leg it is."""
     last = len(path) - 1
     thigh, shin = way[k] - way[h], way[last] - way[k]
     length = max(thigh + shin, 1e-12)
@@ -189,7 +189,7 @@ def _cut(
 
 
 def _slack(sample: Sample, path: tuple[int, ...], way: tuple[float, ...], a: int, b: int) -> float:
-    """How far a stretch of bones is from being one straight bone, as a share of its length."""
+    """Measure how far a stretch of bones is from being one straight bone, as a share of its length."""
     if b == a + 1:
         return 0.0
     return max(0.0, 1.0 - sample.distance(path[a], path[b]) / (way[b] - way[a]))

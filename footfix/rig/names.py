@@ -59,13 +59,13 @@ class Reading:
 
 
 def bare(name: str) -> str:
-    """A name without its namespace, `mixamorig:Hips` -> `Hips`."""
+    """Strip the namespace of a name, `mixamorig:Hips` -> `Hips`."""
     return _NAMESPACE.sub("", name.strip())
 
 
 @lru_cache(maxsize=4096)
 def read(name: str) -> Reading:
-    """What a joint's name says about it, in the naming schemes known."""
+    """Read what a joint's name says about it, in the naming schemes known."""
     text = bare(name)
     vrm = re.match(r"^J_(?:Bip|Sec|Adj)_([CLR])_", text)
     side = {"L": "left", "R": "right"}.get(vrm.group(1), "") if vrm else ""

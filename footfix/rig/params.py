@@ -46,10 +46,10 @@ class RigParams:
     as it is still the name of one joint only.
 
     Args:
-        unit_m: metres per unit of the file.
-        up: the file's up axis: "y", "z", "x", "-y", "-z" or "-x".
+        unit_m: length of one unit of the file, found from the legs where it is not set [m].
+        up: the file's up axis, "y", "z", "x", "-y", "-z" or "-x"; found from the motion where it is not set.
         floor: height of the floor [m], with y up; "zero" takes the file's zero plane, wherever the feet are.
-        root: the joint that carries the figure through the world.
+        root: the joint that carries the figure through the world; found where it is not set.
         legs: leg name -> its joints. Given legs stand in place of the found ones; there may be any number.
         soles: sole point name (`left_heel`) -> its place; the others are found.
     """

@@ -78,7 +78,7 @@ class Rig:
     origins: Mapping[str, str] = field(default_factory=dict)
 
     def of_figure(self, number: int) -> Rig:
-        """The rig with legs and soles named for one of several figures (`figure2_left_heel`); the first keeps its."""
+        """Name legs and soles for one of several figures (`figure2_left_heel`); the first keeps its names."""
         if number < 2:
             return self
         legs = tuple(replace(leg, name=f"figure{number}_{leg.name}") for leg in self.legs)
@@ -86,7 +86,7 @@ class Rig:
         return replace(self, legs=legs, soles=soles)
 
     def joints(self) -> tuple[int, ...]:
-        """The joints that detection and enforcement look at: root, pelvis, leg chains, toes, sole points."""
+        """List the joints that detection and enforcement look at: root, pelvis, leg chains, toes, sole points."""
         wanted = {self.root, self.pelvis}
         for leg in self.legs:
             wanted.update(leg.chain)
@@ -96,15 +96,15 @@ class Rig:
         return tuple(sorted(wanted))
 
     def pose(self, clip: Clip) -> Pose:
-        """Forward kinematics of `joints()` and all joints above them, whose frames turn the legs."""
+        """Compute forward kinematics of `joints()` and all joints above them, whose frames turn the legs."""
         return forward(clip, clip.skeleton.with_ancestors(self.joints()))
 
     def tracks(self, pose: Pose) -> tuple[Floats, ...]:
-        """For each sole point its (F, 3) [m] track in the world."""
+        """Compute for each sole point its (F, 3) [m] track in the world."""
         return tuple(pose.point(sole.joint, np.array(sole.offset)) for sole in self.soles)
 
     def no_contacts(self, clip: Clip) -> Contacts:
-        """The effectors of this rig, nothing in contact."""
+        """Make the effectors of this rig, nothing in contact."""
         names = clip.skeleton.names
         effectors = tuple(
             Effector(sole.name, self.legs[sole.leg].side, sole.part, names[sole.joint]) for sole in self.soles
@@ -113,7 +113,7 @@ class Rig:
 
 
 def joined(rigs: Sequence[Rig]) -> Rig:
-    """One rig with the legs and soles of several; root, size and floor are the first one's."""
+    """Join the legs and soles of several rigs; root, size and floor are the first one's."""
     first, *others = rigs
     legs, soles = first.legs, first.soles
     for rig in others:

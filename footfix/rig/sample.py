@@ -42,7 +42,7 @@ class Sample:
         return int(self.places.shape[0])
 
     def below(self, joint: int) -> tuple[int, ...]:
-        """A joint and all joints that hang from it, in the order of the file."""
+        """List a joint and all joints that hang from it, in the order of the file."""
         found = {joint}
         for other in range(joint + 1, len(self.skeleton)):
             if int(self.skeleton.parents[other]) in found:
@@ -50,7 +50,7 @@ class Sample:
         return tuple(sorted(found))
 
     def distance(self, one: int, other: int) -> float:
-        """How far two joints usually are from each other."""
+        """Measure how far two joints usually are from each other."""
         known = self._distances.get((one, other))
         if known is None:
             apart = self.places[:, one] - self.places[:, other]
@@ -83,7 +83,7 @@ class Sample:
 
 
 def sample(clip: Clip, within: slice = slice(None)) -> Sample:
-    """Up to `MOST_FRAMES` pairs of frames spread evenly over a part of a clip; the rest pose where it has none."""
+    """Take up to `MOST_FRAMES` pairs of frames spread evenly over a part of a clip; the rest pose where it has none."""
     skeleton = clip.skeleton
     frames = np.arange(len(clip))[within]
     step = max(1, round(STEP / clip.frame_time))
@@ -116,7 +116,7 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
 
 
 def _evenly(clip: Clip, frames: Ints, step: int) -> tuple[Ints, Ints]:
-    """Up to `MOST_FRAMES` pairs of sound frames, `step` apart where the clip is long enough."""
+    """Choose up to `MOST_FRAMES` pairs of sound frames, `step` apart where the clip is long enough."""
     if not len(frames):
         return frames, frames
     count = max(1, len(frames) - step)
@@ -127,7 +127,7 @@ def _evenly(clip: Clip, frames: Ints, step: int) -> tuple[Ints, Ints]:
 
 
 def _sound(clip: Clip, frames: Ints) -> Bools:
-    """Which frames hold finite numbers of a size that motion has."""
+    """Tell which frames hold finite numbers of a size that motion has."""
     if not len(frames):
         return np.zeros(0, np.bool_)
     some = clip.frames(frames)
@@ -140,7 +140,7 @@ def _sound(clip: Clip, frames: Ints) -> Bools:
 
 
 def _drawn_out(clip: Clip, frame: int) -> Clip:
-    """The clip with bones as long as at rest where position channels near zero have drawn most to nothing."""
+    """Give bones their rest length where position channels near zero have drawn most of them to nothing."""
     rest = np.abs(clip.skeleton.offsets).max(axis=1)
     bones = (clip.skeleton.parents >= 0) & (rest > 0.0)
     nothing = bones & (np.abs(clip.frames(slice(frame, frame + 1)).positions[0]).max(axis=1) < 1e-3 * rest)

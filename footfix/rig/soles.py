@@ -72,7 +72,7 @@ UP = np.array([0.0, 1.0, 0.0])
 
 
 def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float) -> Foot:
-    """How a foot lies when it is flat on the floor.
+    """Estimate how a foot lies when it is flat on the floor.
 
     Args:
         sample: frames of a clip [m], y up.
@@ -106,7 +106,7 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
 
 
 def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float, guessed: tuple[str, ...]) -> Foot:
-    """A foot that is one piece from the ankle on, its tip so `far` ahead, its deepest point so `deep` below."""
+    """Describe a foot of one piece from the ankle on, its tip so `far` ahead, its deepest point so `deep` below."""
     if deep > _ON_TOES * leg:
         return _on_toes(up, ahead, far, deep, leg)
     end_at_ball = far < 0.5 * (_BALL_AHEAD + _BALL_AHEAD / _BALL_OF_TIP) * leg
@@ -122,7 +122,7 @@ def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float,
 
 
 def paw(sample: Sample, ankle: int, leg: float) -> Foot:
-    """How the foot of a four-legged animal stands: on its toes, the ankle high.
+    """Estimate how the foot of a four-legged animal stands: on its toes, the ankle high.
 
     Args:
         sample: frames of a clip [m], y up.
@@ -155,7 +155,7 @@ def _within(value: float, limits: tuple[float, ...], leg: float) -> float:
 
 
 def _upright(tip: Floats, up: Floats, deep: float) -> Floats:
-    """The direction nearest to `up` for which a tip is so deep below the ankle, as usual feet are."""
+    """Find the direction nearest to `up` for which a tip is so deep below the ankle, as usual feet are."""
     along = tip / max(float(np.linalg.norm(tip)), 1e-12)
     across = up - (up @ along) * along
     across = across / max(float(np.linalg.norm(across)), 1e-12)
@@ -164,12 +164,12 @@ def _upright(tip: Floats, up: Floats, deep: float) -> Floats:
 
 
 def _behind(ahead: float, leg: float) -> float:
-    """How far the heel is behind the ankle when the ball is this far ahead of it."""
+    """Estimate how far the heel is behind the ankle when the ball is this far ahead of it."""
     return float(np.clip(_HEEL_OF_BALL * ahead, 0.04 * leg, _HEEL_BEHIND * leg))
 
 
 def _flat_frames(sample: Sample, joints: list[int], leg: float) -> Ints:
-    """The frames in which a foot most likely stands flat: still and low. (n,) indices.
+    """Find the frames in which a foot most likely stands flat: still and low. (n,) indices.
 
     Args:
         sample: frames of a clip.
@@ -185,7 +185,7 @@ def _flat_frames(sample: Sample, joints: list[int], leg: float) -> Ints:
 
 
 def _usual(vectors: Floats) -> Floats:
-    """The direction (3,) that most of `vectors` (n, 3) have."""
+    """Find the direction (3,) that most of `vectors` (n, 3) have."""
     centre = np.median(vectors, axis=0)
     for _ in range(3):
         centre = centre / max(float(np.linalg.norm(centre)), 1e-12)
@@ -200,20 +200,20 @@ def _level(vector: Floats, up: Floats) -> Floats:
 
 
 def tips(sample: Sample, joint: int) -> list[Floats]:
-    """The tracks (S, 3) of all joints and End Sites below a joint."""
+    """List the tracks (S, 3) of all joints and End Sites below a joint."""
     below = sample.below(joint)
     ends = enumerate(sample.skeleton.end_parents.tolist())
     return [sample.places[:, j] for j in below[1:]] + [sample.ends[:, e] for e, parent in ends if parent in below]
 
 
 def _seen_from(sample: Sample, joint: int, tracks: list[Floats], frames: Ints) -> list[Floats]:
-    """Where tracks (S, 3) usually are in a joint's frame, each (3,)."""
+    """Find where tracks (S, 3) usually are in a joint's frame, each (3,)."""
     origin, back = sample.places[frames, joint], rotation.inverse(sample.turns[frames, joint])
     return [np.median(rotation.rotate(back, track[frames] - origin), axis=0) for track in tracks]
 
 
 def alike(feet: list[Foot], ends: list[str]) -> list[Foot]:
-    """The same feet; left and right of one end of the body get the mean of their measures.
+    """Give left and right foot of one end of the body the mean of their measures.
 
     Nobody stands on one thick sole and one thin one: where a clip seems to tell so, one of its feet seldom lay flat.
     What only one of them could tell is the other's, too.
@@ -237,7 +237,7 @@ _MEASURES = ("ankle_height", "ball_height", "behind", "reach", "drop", "usual")
 
 
 def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple[float, ...]]:
-    """The lowest height at which soles rest often, and the others at which they do.
+    """Find the lowest height at which soles rest often, and the others at which they do.
 
     Somebody who jumps off a box or walks up stairs rests on several levels; the floor is the lowest of those
     that at least `_OFTEN` as many rest on as on the most used one.
@@ -261,7 +261,7 @@ def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple
 
 
 def resting(heights: Floats, velocities: Floats, leg: float) -> Bools:
-    """(S, P) which points may be resting: those that are still, or level and low where none is still for long.
+    """Tell (S, P) which points may be resting: those that are still, or level and low where none is still for long.
 
     On a treadmill, or in a clip whose root is held in place, planted feet travel; but not up or down.
     """

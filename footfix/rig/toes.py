@@ -26,7 +26,7 @@ class _Candidate:
 
 
 def balls(sample: Sample, limbs: tuple[Limb, Limb]) -> tuple[int | None, int | None]:
-    """The joints at the balls of two feet that are alike; None where a foot has none."""
+    """Find the joints at the balls of two feet that are alike; None where a foot has none."""
     across = sample.places[:, limbs[0].hip] - sample.places[:, limbs[1].hip]
     one, other = (_candidates(sample, limb, across) for limb in limbs)
     if not one or not other:
@@ -48,7 +48,7 @@ def balls(sample: Sample, limbs: tuple[Limb, Limb]) -> tuple[int | None, int | N
 
 
 def ball(sample: Sample, limb: Limb) -> int | None:
-    """The joint at the ball of one foot; None where it has none."""
+    """Find the joint at the ball of one foot; None where it has none."""
     return _best(_candidates(sample, limb, np.zeros((len(sample), 3))))
 
 
@@ -57,7 +57,7 @@ def _best(candidates: list[_Candidate]) -> int | None:
 
 
 def _candidates(sample: Sample, limb: Limb, across: Floats) -> list[_Candidate]:
-    """The joints of a foot that could be its ball; `across` (S, 3) goes from foot to foot."""
+    """List the joints of a foot that could be its ball; `across` (S, 3) goes from foot to foot."""
     skeleton = sample.skeleton
     origin = sample.places[:, limb.ankle]
     shin, across = _unit(origin - sample.places[:, limb.knee]), _unit(across)

@@ -53,7 +53,7 @@ def on_zero_plane(
 
 
 def _measured(foot: Foot, rest: float, leg: float) -> Foot:
-    """The foot with its ball so high, and its ankle as much higher as it is in the pose in which the foot lies flat.
+    """Give the foot a ball so high, and an ankle as much higher as it is in the pose in which the foot lies flat.
 
     A joint that rests a little below the plane is a sole point itself: none lies above its joint.
     """
@@ -62,7 +62,7 @@ def _measured(foot: Foot, rest: float, leg: float) -> Foot:
 
 
 def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> float:
-    """[m] usual height of the toe joint while it rests; of the lowest tip where there is none.
+    """Find [m] the usual height of the toe joint while it rests; of the lowest tip where there is none.
 
     Of several levels it is the lowest on which the foot often rests.
     """
@@ -75,7 +75,7 @@ def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> flo
 
 
 def _lowest_tip(sample: Sample, ankle: int) -> tuple[Floats, Floats]:
-    """(S, 1, 3) [m] and [m/s] of whatever is lowest below an ankle."""
+    """Find (S, 1, 3) [m] and [m/s] of whatever is lowest below an ankle."""
     joints = list(sample.below(ankle)[1:])
     ends = [e for e, parent in enumerate(sample.skeleton.end_parents.tolist()) if parent in (ankle, *joints)]
     places = np.concatenate([sample.places[:, joints], sample.ends[:, ends]], axis=1)  # (S, P, 3) [m]

@@ -23,7 +23,7 @@ from walker_plan import Gait
 from footfix import cli
 from footfix.batch import gates
 from footfix.batch.inputs import MARK, shard, sources
-from footfix.batch.journal import Journal, recall
+from footfix.batch.journal import Journal, journal_in, recall
 from footfix.batch.outputs import plan
 from footfix.batch.task import FileResult
 from footfix.errors import UsageError
@@ -270,7 +270,7 @@ def test_standard_input_to_a_folder(tree: Path, run: Any, walk: bytes, monkeypat
 
 
 def test_the_journal_outlives_a_torn_line(tmp_path: Path) -> None:
-    journal = Journal(tmp_path, "run")
+    journal = Journal(journal_in(tmp_path, "run", own=True))
     journal.begin(["a"])
     journal.end("a", FileResult("a", "cleaned", hashes={"a.bvh": "12"}))
     journal.begin(["b"])
@@ -279,7 +279,7 @@ def test_the_journal_outlives_a_torn_line(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-10])
     past = recall(tmp_path)
     assert past.begun == {"a"} and past.hashes == {"a": {"a.bvh": "12"}}
-    again = Journal(tmp_path, "run")
+    again = Journal(journal_in(tmp_path, "run", own=True))
     again.begin(["c"])
     again.close()
     assert recall(tmp_path).begun == {"a", "c"}

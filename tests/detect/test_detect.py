@@ -25,7 +25,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip
 from footfix.motion.contacts import Contacts
 from footfix.rig.find import find_rig
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 
 GAITS = ("walk", "run", "turn", "stairs", "backwards", "sideways", "jump")
 
@@ -112,7 +112,7 @@ def test_contacts_do_not_depend_on_the_units_and_axes_of_the_file(unit: float, u
         rotations[:, 0] = rotation.multiply(tip, rotations[:, 0])
         clip = replace(clip, positions=positions, rotations=rotations)
     document = bvh.decode(compose(clip, unit_m=unit))
-    seen = survey(document.clip)
+    seen = infer_units(document.clip)
     assert (seen.unit_m, seen.up) == (pytest.approx(unit), up)
     placed = document.placed(unit_m=seen.unit_m, up=seen.up).clip
     assert within_a_frame(found(), contacts_of(placed).mask())

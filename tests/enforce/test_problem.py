@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import figure
-from problems import FREE, dense, differences, idle, places, problem, residuals, slip_cost, state, system
+from problems import FREE, curvature, dense, differences, idle, places, problem, residuals, slip_cost, state, system
 
 from footfix.enforce import problem as terms
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, Q, W
@@ -118,7 +118,7 @@ def test_each_cost_is_what_the_table_says(name: str) -> None:
     *((name, 1.0) for name in PROBLEMS if not name.startswith("slip of")), ("slip", 8.0), ("all of it", 8.0)
 ])  # fmt: skip
 def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
-    """Gauss-Newton: J'J and J'r, J from differences of residuals that are written down in the tests."""
+    """Gauss-Newton: J'J and J'r, J from differences of residuals that are written down in the tests; FAR is curved."""
     of = PROBLEMS[name]()
     x = spread(of, 2)
     found = system(of, x, EPS, static)
@@ -129,7 +129,7 @@ def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
         return residuals(of, y, near_at=before, eps=EPS, static=static)
 
     J = differences(r, x)
-    matrix, expected = dense(found), J.T @ J
+    matrix, expected = dense(found), J.T @ J + curvature(of, x)
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected))) + 1e-9 * np.abs(expected).max()
     assert np.abs((matrix - expected) / scale).max() < 1e-5
     assert np.abs(found.gradient.T.ravel() - J.T @ r(x)).max() <= 2e-6 * np.abs(J.T @ r(x)).max()
@@ -243,9 +243,13 @@ def test_static_friction_is_more_than_kinetic() -> None:
     for slip, times in ((1e-6, 8.0), (speed, 4.5), (30.0 * speed, 1.0)):
         x = np.zeros((of.unknowns, 7))
         x[0, 6] = slip
-        usual, static = system(still, x, EPS).main, system(still, x, EPS, 8.0).main
+        usual, static = (system(still, x, 1e-12, friction).main for friction in (1.0, 8.0))
         assert static[0, 0, 6] / usual[0, 0, 6] == pytest.approx(times, rel=1e-3)
-        assert system(still, x, EPS, 8.0).cost == system(still, x, EPS).cost
+    # what it costs: so many times as much for a small slip, and no more than its all for a long one
+    for slip, times in ((1e-3 * speed, 7.0), (300.0 * speed, 7.0 * np.pi / (2.0 * np.sqrt(2.0)) / 300.0)):
+        x[0, 6] = slip
+        more = objective(still, x, 1e-12, static=8.0) - objective(still, x, 1e-12)
+        assert more == pytest.approx(times * still.costs.slide / still.leg_length * slip, rel=1e-4)
 
 
 def test_level_by_hand() -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from footfix.motion.clip import Clip, Floats, Ints, Skeleton, held, in_every_frame, same_track
+from footfix.motion.clip import Clip, Floats, Ints, Skeleton, constant_track, per_frame, same_track
 from footfix.motion.kinematics import forward, places
 from footfix.motion.rotation import normalize
 
@@ -20,9 +20,9 @@ def both(frames: int = 9) -> tuple[Clip, Clip]:
     positions = np.tile(SKELETON.offsets, (frames, 1, 1))
     positions[:, 0] = rng.normal(size=(frames, 3))
     rotations = normalize(rng.normal(size=(frames, 4, 4)))
-    tracks = [positions[:, 0], *(held(offset, frames) for offset in SKELETON.offsets[1:])]
+    tracks = [positions[:, 0], *(constant_track(offset, frames) for offset in SKELETON.offsets[1:])]
     turns = [rotations[:, joint] for joint in range(4)]
-    return Clip(SKELETON, positions, rotations, 0.01), Clip.of_tracks(SKELETON, tracks, turns, 0.01)
+    return Clip(SKELETON, positions, rotations, 0.01), Clip.from_tracks(SKELETON, tracks, turns, 0.01)
 
 
 def the_same(one: Clip, other: Clip) -> None:
@@ -76,9 +76,9 @@ def test_what_is_held_is_worked_out_once() -> None:
         sizes.append(len(track))
         return 2.0 * track
 
-    assert np.array_equal(in_every_frame(twice, held([1.0, 2.0], 5)), np.tile([2.0, 4.0], (5, 1)))
-    assert np.array_equal(in_every_frame(twice, np.ones((5, 2))), np.full((5, 2), 2.0))
-    assert in_every_frame(twice, held([1.0], 0)).shape == (0, 1)
+    assert np.array_equal(per_frame(twice, constant_track([1.0, 2.0], 5)), np.tile([2.0, 4.0], (5, 1)))
+    assert np.array_equal(per_frame(twice, np.ones((5, 2))), np.full((5, 2), 2.0))
+    assert per_frame(twice, constant_track([1.0], 0)).shape == (0, 1)
     assert sizes == [1, 5, 0]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, strategies
 
 from footfix.motion.contacts import runs
-from footfix.motion.segments import centres, middle, segments
+from footfix.motion.segments import geometric_medians, segments
 
 SPANS = strategies.lists(
     strategies.tuples(strategies.integers(0, 40), strategies.integers(1, 12)), min_size=1, max_size=6
@@ -47,20 +47,19 @@ def test_reductions_of_some_frames_are_those_of_each_stretch(spans: list[tuple[i
 
 
 @given(SPANS, strategies.integers(0, 2**32 - 1))
-def test_middles(spans: list[tuple[int, int]], seed: int) -> None:
+def test_geometric_medians_of_many_are_those_of_each(spans: list[tuple[int, int]], seed: int) -> None:
     parts = segments(spans)
     points = np.random.default_rng(seed).normal(size=(len(parts.frames), 3))
-    together = centres(points, parts)
+    together = geometric_medians(points, parts)
     for k, (at, n) in enumerate(zip(parts.starts, parts.lengths, strict=True)):
-        alone = centres(points[at : at + n], segments([(0, int(n))]))[0]
+        alone = geometric_medians(points[at : at + n], segments([(0, int(n))]))[0]
         assert np.allclose(together[k], alone, atol=1e-12)
-        assert middle(points[at : at + n, 0]) == np.median(points[at : at + n, 0])
 
 
-def test_a_middle_knows_no_axes_and_no_outlier() -> None:
+def test_a_geometric_median_knows_no_axes_and_no_outlier() -> None:
     random = np.random.default_rng(1)
     points = np.concatenate([0.001 * random.normal(size=(20, 2)), np.full((5, 2), 0.5)])
-    place = centres(points, segments([(0, 25)]))[0]
+    place = geometric_medians(points, segments([(0, 25)]))[0]
     assert np.linalg.norm(place) < 0.01
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
-    assert np.allclose(centres(points @ turn.T, segments([(0, 25)]))[0], turn @ place)
+    assert np.allclose(geometric_medians(points @ turn.T, segments([(0, 25)]))[0], turn @ place)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import time
 from collections.abc import Iterator
@@ -11,11 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 from chromium_driver import Browser, Page
-from report_sample import HOSTILE, contacts_document, labelled, motion, report_document, rig, walker
+from report_sample import HOSTILE, contacts_document, corrected, labelled, motion, report_document, rig, walker
 
 from footfix.formats import contacts as labels_format
+from footfix.measure.seen import posed, seen_of
+from footfix.motion.contacts import Contact
 from footfix.report.offenders import worst_plants
 from footfix.report.web.index import IndexRow, render_index
+from footfix.report.web.motion import film
 from footfix.report.web.pack import pack, quantize
 from footfix.report.web.page import PageData, asset, render
 
@@ -34,12 +38,12 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report of a clip whose names come from a stranger, and an index that links it."""
     folder = tmp_path_factory.mktemp("pages")
-    report, film = report_document(FRAMES), motion(FRAMES)
-    page = render(PageData(report, contacts_document(FRAMES), film))
+    report, shown = report_document(FRAMES), motion(FRAMES)
+    page = render(PageData(report, contacts_document(FRAMES), shown))
     assert len(page) < 3e6
     (folder / "clip #1.html").write_text(page, encoding="utf-8", newline="")
     rows = [
-        IndexRow("a/walk.bvh", "clip #1.html", report, offenders=worst_plants(film, report)),
+        IndexRow("a/walk.bvh", "clip #1.html", report, offenders=worst_plants(shown, report)),
         IndexRow(HOSTILE[0], "clip #1.html", report_document(FRAMES, status="unchanged")),
         IndexRow("b/broken.bvh", report={"status": "failed"}, error="no legs"),
     ]
@@ -82,6 +86,7 @@ def test_everything_is_drawn_and_nothing_injected(page: Page) -> None:
 
 
 def test_it_plays_pauses_and_steps(page: Page) -> None:
+    page.key("Home")
     assert frame(page) == 0
     page.click("#play")
     page.wait("Number(document.querySelector('#scrub').value) > 3")
@@ -114,10 +119,11 @@ def test_the_view_turns_by_mouse_and_by_keys(page: Page) -> None:
         page.drag([middle, (middle[0] + 40, middle[1] + 15)], modifiers)
         assert changed()
     page.run("document.querySelector('#stage').focus()")
+    at = frame(page)
     for key in ("ArrowLeft", "ArrowUp", "+", "-", "1", "2", "3", "b"):
         page.key(key)
         assert changed(), key
-    assert frame(page) == 0
+    assert frame(page) == at
 
 
 def test_fingers_turn_zoom_and_scrub(browser: Browser, folder: Path) -> None:
@@ -152,6 +158,163 @@ def test_a_plant_of_the_table_is_shown_in_a_loop(page: Page) -> None:
         assert start - 20 <= frame(page) <= end + 20
     page.key("Escape")
     assert page.run("document.querySelector('#loop').getAttribute('aria-pressed')") == "false"
+
+
+def test_it_opens_within_the_worst_plant(page: Page) -> None:
+    row = page.run("({...document.querySelector('#plants tbody tr').dataset})")
+    assert page.run("document.querySelector('#plants tr.chosen') === document.querySelector('#plants tbody tr')")
+    assert frame(page) == (int(row["start"]) + int(row["end"])) // 2
+    assert page.run("document.querySelector('#loop').getAttribute('aria-pressed')") == "false"
+
+
+def test_an_address_names_a_frame(page: Page) -> None:
+    page.run("const s = document.querySelector('#scrub'); s.value = 345; s.dispatchEvent(new Event('input'))")
+    page.settle()
+    link = page.run("document.querySelector('#time').href")
+    assert link.endswith("#f=345")
+    page.key("Home")
+    page.run(f"location.href = {json.dumps(link)}")
+    page.settle()
+    assert frame(page) == 345
+    page.click(".tiles .where a")  # the largest change of a joint
+    assert frame(page) == 75
+    page.call("Page.navigate", {"url": link.replace("#f=345", "?again#f=290")})
+    page.wait("location.search === '?again' && document.readyState === 'complete'")
+    page.settle()
+    assert frame(page) == 290
+    assert page.run("document.querySelector('#plants tr.chosen').dataset.start") == "260"
+
+
+def test_the_figure_is_shown_before_after_both_and_side_by_side(page: Page) -> None:
+    seen = {}
+    for which in ("before", "both", "after", "beside"):
+        page.click(f'[data-figures="{which}"]')
+        assert page.run("document.querySelectorAll('[data-figures][aria-pressed=true]').length") == 1
+        seen[which] = page.run("document.querySelector('#stage').toDataURL()")
+    assert len(set(seen.values())) == 4
+    page.run("document.activeElement.blur()")
+    for which in ("both", "after", "before", "beside"):
+        page.key("b")
+        assert page.run("document.querySelector('#stage').toDataURL()") == seen[which], which
+
+
+_PARTS = ("codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "seen.js", "floor.js", "stage.js",
+          "contacts.js", "knees.js")  # fmt: skip
+_LOADED = """
+const data = JSON.parse(document.getElementById("data").textContent);
+const motion = readMotion(data.motion);
+const contacts = new Contacts(data.contacts, motion.frames, data.plants);
+"""
+
+
+def inside(page: Page, script: str) -> Any:
+    """The value of a script that works on the page's own parts."""
+    return page.run("{" + "\n".join(map(asset, _PARTS)) + _LOADED + script + "}")
+
+
+def test_a_plant_that_is_looked_at_has_its_whole_leg_in_view(page: Page) -> None:
+    found = inside(page, """
+        const stage = new Stage(document.querySelector("#stage"), motion, new Player(motion), contacts);
+        const outside = [];
+        for (const [width, height] of [[780, 400], [360, 300], [700, 600]]) {
+          contacts.lanes.forEach((lane, k) => lane.forEach(({ start, end }) => {
+            stage.frame(stage.legBall(k, start, end));
+            stage.camera.target = stage.closeUp.target;
+            stage.camera.aim(width, height);
+            const leg = motion.legs.find((each) => contacts.effectors[k].name.startsWith(each[3]));
+            for (let i = start; i < end; i++) for (const joint of leg.slice(0, 3)) {
+              const at = (i * motion.parents.length + joint) * 3;
+              const [x, y] = stage.camera.project(...motion.joints.after.slice(at, at + 3));
+              if (x < 0 || y < 0 || x > width || y > height) outside.push([width, k, i, joint, x, y]);
+            }
+          }));
+        }
+        outside.slice(0, 3)""")  # fmt: skip
+    assert found == []
+
+
+def test_what_is_looked_at_is_what_the_measures_look_at(browser: Browser, tmp_path: Path) -> None:
+    """Heels and toes that stand at other times: the page finds the same frames and joints as the measures."""
+    spans = {"left_heel": [(10, 60), (100, 104), (150, 170)], "left_toe": [(30, 90), (101, 140), (168, 200)],
+             "right_heel": [(0, 40)], "right_toe": []}  # fmt: skip
+    clip, blank = walker(240), rig().no_contacts(walker(240))
+    contacts = {name: tuple(Contact(*span) for span in own) for name, own in spans.items()}
+    effectors = tuple(dataclasses.replace(each, contacts=contacts[each.name]) for each in blank.effectors)
+    planted = dataclasses.replace(blank, effectors=effectors)
+    document = contacts_document(240)
+    for each in document["effectors"]:
+        each["contacts"] = [{"start": a, "end": b} for a, b in spans[each["name"]]]
+    shown = film(clip, corrected(clip), rig(), planted)
+    path = tmp_path / "page.html"
+    path.write_text(render(PageData(report_document(240), document, shown)), encoding="utf-8", newline="")
+    page = browser.open(path)
+    got = inside(page, """
+        const seen = new Seen(motion, contacts);
+        contacts.lanes.map((lane, k) => lane.map((contact) => [
+          seen.of(k, contact).spans.flatMap(([a, b]) => Array.from({ length: b - a }, (_, j) => a + j)),
+          seen.way("after", k, contact).map(([x, , z]) => [x, z]),
+        ]))""")  # fmt: skip
+    after = corrected(clip)
+    for k, want in enumerate(seen_of(after, rig(), planted, posed(after, rig()), np.zeros((240, 3)))):
+        if not len(want.plants):
+            assert got[k] == []
+            continue
+        for n, (frames, way) in enumerate(got[k]):
+            own = want.parts.frames[want.parts.owner == n]
+            assert frames == own.tolist()
+            assert np.abs(np.array(way) - want.track[own][:, [0, 2]]).max() < 2e-3
+
+
+def test_the_knees_change_by_what_they_were_bent(page: Page) -> None:
+    """`corrected` bends the left knee by 0.1 + 0.1 sin t more than straight, and the right one not at all."""
+    found = "kneeRows(motion).map(({ name, legs }) => ({ name, legs: legs.map((leg) => [...leg.change]) }))"
+    (row,) = inside(page, found)
+    t = np.arange(FRAMES) / 120.0
+    left, right = np.array(row["legs"])
+    assert row["name"] == "knees"
+    assert np.abs(left - np.degrees(0.1 + 0.1 * np.sin(t))).max() < 0.4  # places are kept to half a millimetre
+    assert np.abs(right).max() < 0.4
+
+
+@pytest.mark.parametrize("width", [1440, 1280])
+@pytest.mark.parametrize(("name", "table"), [("clip #1.html", "#plants"), ("index.html", "#clips")])
+def test_no_column_lies_outside_of_the_screen(
+    browser: Browser, folder: Path, name: str, table: str, width: int
+) -> None:
+    page = browser.open(folder / name, width=width, height=900)
+    page.settle()
+    last = page.run(f"document.querySelector('{table} thead th:last-child').getBoundingClientRect().right")
+    room = page.run(f"document.querySelector('{table}').closest('.scroll').getBoundingClientRect().right")
+    assert last <= room + 1
+    shown = "filter(header => header.checkVisibility()).map(header => header.innerText)"
+    headers = page.run(f"[...document.querySelectorAll('{table} thead th')].{shown}")
+    if table == "#plants":
+        assert {"Off target mm", "Outcome and reason"} <= {" ".join(header.split()) for header in headers}
+
+
+def test_on_a_phone_notes_come_before_the_plants(browser: Browser, folder: Path) -> None:
+    page = browser.open(folder / "clip #1.html", width=390, height=844, touch=True)
+    tops = [page.run(f"document.querySelector('{part}').getBoundingClientRect().top") for part in (".notes", ".plants")]
+    assert tops[0] < tops[1]
+
+
+def test_over_a_long_time_the_timeline_shows_ranges_and_slides(browser: Browser, tmp_path: Path) -> None:
+    path = tmp_path / "long.html"
+    data = PageData(report_document(7200), contacts_document(7200), motion(7200))
+    path.write_text(render(data), encoding="utf-8", newline="")
+    page = browser.open(path, width=1280)
+    page.settle()
+    count = """
+        const c = document.querySelector("#timeline");
+        const d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
+        let n = 0;
+        for (let i = 0; i < d.length; i += 4) n += d[i] > d[i + 1] + 20 && d[i + 2] > d[i + 1] + 20;
+        n"""
+    over_all = page.run(count.strip())
+    for _ in range(4):
+        page.click("#zoom-in")
+    near = page.run(count.strip())
+    assert over_all > 3 * near > 0, (over_all, near)  # purple: slides before as areas, near by a dashed curve
 
 
 def test_the_timeline_tells_values_and_jumps(page: Page) -> None:
@@ -345,7 +508,7 @@ def test_the_index_sorts_finds_and_links(browser: Browser, folder: Path) -> None
     page = browser.open(folder / "index.html")
     rows = "[...document.querySelectorAll('#clips tbody tr:not([hidden]) th')].map(cell => cell.textContent)"
     assert page.run(rows)[0] == "b/broken.bvh"
-    page.click("#clips thead th:nth-child(1) button")
+    page.click("#clips thead th:nth-child(2) button")
     assert page.run(rows) == sorted(page.run(rows), key=str.lower)
     page.run("const f = document.querySelector('#filter'); f.value = 'WALK'; f.dispatchEvent(new Event('input'))")
     assert page.run(rows) == ["a/walk.bvh"]
@@ -378,5 +541,6 @@ def test_a_clip_of_nothing_and_a_long_one_open_too(browser: Browser, tmp_path: P
         page.settle()
         assert page.complaints == [], name
     assert "one frame in 3 is shown" in page.run("document.querySelector('.file').textContent")
+    page.key("Home")
     page.key("ArrowRight")
     assert frame(page) == 3

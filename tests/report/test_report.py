@@ -14,17 +14,23 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from report_sample import HOSTILE, contacts_document, corrected, motion, report_document, rig, walker
+from report_sample import HOSTILE, contacts_document, corrected, labelled, motion, report_document, rig, walker
 
+from footfix.enforce.footplant import Footplant
+from footfix.measure.plants import PlantMeasure
+from footfix.measure.seen import posed, seen_of
 from footfix.motion.kinematics import forward
 from footfix.report import glyphs
+from footfix.report.document import plants as plant_rows
 from footfix.report.offenders import worst_plants
 from footfix.report.picture import picture
-from footfix.report.text import summarize
+from footfix.report.text import released, summarize
+from footfix.report.thumbnail import thumbnail
 from footfix.report.verdict import judge, measure_rows
 from footfix.report.web import markup
+from footfix.report.web.bones import bones_of
 from footfix.report.web.index import IndexRow, render_index
-from footfix.report.web.motion import SHOWN_FRAMES, Lines, display_frames, film, packed
+from footfix.report.web.motion import SHOWN_FRAMES, Lines, display_frames, film, packed, seen_tracks
 from footfix.report.web.pack import pack, quantize, unpack
 from footfix.report.web.page import PageData, asset, render
 
@@ -89,9 +95,22 @@ def test_the_page_gets_the_motion_that_it_was_given() -> None:
 def test_speeds_are_those_of_the_whole_clip() -> None:
     clip = walker(3 * SHOWN_FRAMES)
     shown = film(clip, clip, rig())
-    track = rig().tracks(rig().pose(clip))[0]
-    speed = np.hypot(*(np.gradient(track[:, k], clip.frame_time) for k in (0, 2)))
-    assert np.allclose(shown.speeds_before[:, 0], speed[:: shown.step], atol=1e-9)
+    for effector, joint in ((0, 3), (1, 4)):  # the ankle of a heel, the joint of a toe
+        track = forward(clip).positions[:, joint]
+        speed = np.hypot(*(np.gradient(track[:, k], clip.frame_time) for k in (0, 2)))
+        assert np.allclose(shown.speeds_before[:, effector], speed[:: shown.step], atol=1e-9)
+
+
+def test_on_a_belt_ways_and_speeds_are_over_the_belt() -> None:
+    """A figure that is carried along by its ground shows the ways and speeds of one on a floor at rest."""
+    clip, planted = walker(240), labelled(240)
+    ground = np.outer(np.sin(0.02 * np.arange(240)), [0.8, 0.0, -1.5])  # (F, 3) [m]
+    positions = clip.positions.copy()
+    positions[:, 0] += ground
+    carried = dataclasses.replace(clip, positions=positions)
+    still, moving = film(clip, clip, rig(), planted), film(carried, carried, rig(), planted, ground)
+    assert np.allclose(seen_tracks(moving)[1], seen_tracks(still)[1], atol=1e-9)
+    assert np.allclose(moving.speeds_after, still.speeds_after, atol=1e-9)
 
 
 # ---- words and numbers ------------------------------------------------------------------------------
@@ -112,9 +131,12 @@ def _report(slides: list[tuple[float, float]], status: str = "cleaned") -> dict[
         (_report([(3, 0), (20, 1)]), "good", "tidied", "from 20 to 1 mm"),
         (_report([(40, 0), (20, 1), (50, 2)]), "good", "fixed", "2 of 3 footplants slid more than 21 mm; now none"),
         (_report([(40, 0), (50, 30)]), "fair", "better", "All 2 footplants slid more than 21 mm; 1 still does"),
-        (_report([(40, 40), (50, 30)]), "bad", "not helped", "All 2 footplants still slide"),
-        (_report([(4, 40)]), "bad", "not helped", "The one footplant still slides"),
-        (_report([(4, 40)]), "bad", "not helped", "; 1 slides farther than before"),
+        (_report([(40, 40), (50, 50)]), "bad", "not helped", "All 2 footplants still slide"),
+        (_report([(40, 40), (50, 30)]), "fair", "partly better", "1 of 2 footplants slides less than before; 2 still"),
+        (_report([(15, 0)] * 83 + [(40, 40)] * 8), "fair", "partly better", "83 of 91 footplants slide less"),
+        (_report([(4, 40)]), "bad", "worse", "The one footplant slides more than 21 mm, none did before"),
+        (_report([(4, 40)]), "bad", "worse", "; 1 slides farther than before"),
+        (_report([(0.2, 0.1), (0, 0.3)]), "good", "tidied", "No footplant slid noticeably, before or after"),
         (_report([(40, 0), (3, 9), (0, 6)]), "fair", "mixed", "now none does; 2 slide farther than before"),
         (_report([(3, 8)]), "good", "tidied", "from 3 to 8 mm"),
         (_report([(40, 30), (3, 9), (50, 2)]), "fair", "better", "1 still does; 1 slides farther than before"),
@@ -147,10 +169,67 @@ def test_the_first_screen_names_the_largest_joint_change_and_the_details_the_flo
     assert "  floor at 0.012 m: the file's zero plane" in lines
     html = render(PageData(report))
     first, details = html[: html.index("<main>")], html[html.index("<details") :]
-    assert re.search(r"Largest joint change <small>°</small></dt><dd><b>31</b>.*?<bdi>RightLeg</bdi>, frame 75", first)
+    tile = r"Largest joint change <small>°</small></dt><dd><b>31</b>.*?<bdi>RightLeg</bdi>, .*#f=75.*frame 75"
+    assert re.search(tile, first)
     assert re.search(r">floor</th><td>0\.012 m: the file&#39;s zero plane<", details)
     nothing = dict.fromkeys(change)
     assert "joint change" not in summarize(report_document(360, correction=nothing))
+
+
+def test_the_details_are_words_not_values_of_a_program() -> None:
+    rig_entry = {
+        "leg_length_m": 0.82,
+        "legs": [{"name": "front_left", "toe": None, "chain": ["a", "b"]}],
+        "soles": [{"name": "front_left_toe", "offset_m": [0.5, 0.0, -1.0]}],
+    }
+    enforce = {"speed_m_s": 2.0, "pins": {"on": True, "off": None}}
+    report = report_document(360, rig=rig_entry, settings={"enforce": enforce})
+    html = render(PageData(report))
+    cells = re.findall(r"<th[^>]*>([^<]*)</th><td>([^<]*)</td>", html[html.index("<details") :])
+    rows = dict(cells)
+    assert rows["legs › front left › chain"] == "a, b"
+    assert rows["soles › front left toe › offset"] == "0.5, 0, -1 m"
+    assert rows["leg length"] == "0.82 m"
+    assert rows["enforce › speed"] == "2 m&#47;s"
+    assert rows["enforce › pins › on"] == "yes"
+    assert "legs › front left › toe" not in rows and "enforce › pins › off" not in rows
+    assert not [value for _, value in cells if re.search(r"[{}\[\]]|None|True|False", value)]
+
+
+def test_nothing_goes_from_zero_to_zero() -> None:
+    plants = [{"slide_before_mm": 0.2, "slide_after_mm": 0.3}]
+    still = {"slide_median_mm": 0.0}
+    report = {"status": "cleaned", "plants": plants, "before": still, "after": still,
+              "correction": {"root_path_drift_m": 0.0}}  # fmt: skip
+    html = render(PageData(report))
+    first = re.sub(r"<[^>]+>", " ", html[html.index("<body>") : html.index("<main>")])
+    assert "Footplants" in first and not re.search(r"\b0(\.0+)?\b", first)
+    assert "0 mm" not in judge(report).text and "longest slide" not in summarize(report)
+
+
+def test_plants_that_stay_though_they_slide_say_why() -> None:
+    rows = [
+        (40.0, "kept", "4 frames are too few to hold"),
+        (3.0, "kept", "3 frames are too few to hold"),
+        (30.0, "partly", "at rest in 8 of 9 frames, at frame 3"),
+        (30.0, "partly", "at rest in 9 of 12 frames, at frame 8"),
+    ]
+    plants = [{"slide_after_mm": slide, "outcome": outcome, "reason": reason} for slide, outcome, reason in rows]
+    assert released({"plants": plants}) == [
+        "2 plants held only in part: at rest in 8-9 of 9-12 frames, at frames 3-8",
+        "1 plant left alone: 4 frames are too few to hold",
+    ]
+
+
+def test_a_pinned_sole_whose_joint_slides_says_so() -> None:
+    plant = Footplant(0, 0, "left_heel", 0, "heel", 3, 30, outcome="pinned", held=((3, 30),))
+    for slide, reason in ((5.0, ""), (47.0, "the heel of the sole is held, the ankle over it moves")):
+        now = PlantMeasure("left_heel", 3, 30, slide, None, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        (row,) = plant_rows([plant], [now], [now])
+        assert row["reason"] == reason
+    late = dataclasses.replace(plant, residual=0.04)  # [m] in frames that no measure counts
+    (row,) = plant_rows([late], [now], [dataclasses.replace(now, slide_mm=1.0)])
+    assert row["residual_mm"] == 40.0 and row["reason"] == "off its place only while it lands or leaves"
 
 
 def test_the_terminal_gets_no_control_characters_and_short_reasons() -> None:
@@ -223,7 +302,7 @@ def test_nothing_of_a_stranger_becomes_markup_or_an_address(make: Any) -> None:
     assert outline.tags.count("script") <= 2
     assert all(not key.startswith("on") and key not in ("style", "src") for key, _ in outline.attributes)
     addresses = [value or "" for key, value in outline.attributes if key in ("href", "action", "data")]
-    assert all(value == "data:," or re.fullmatch(r"\./[^:]*", value) for value in addresses)
+    assert all(value == "data:," or re.fullmatch(r"\./[^:]*|#f=\d+", value) for value in addresses)
     assert not re.search(r"(https?|ftp|wss?)://|//evil", html)
     html.encode("utf-8")
 
@@ -259,6 +338,72 @@ def test_the_index_puts_the_worst_first_and_what_failed_on_top() -> None:
     body = html[html.index("<tbody>") :]
     order = re.findall(r"<bdi>([^<]+)</bdi>", body)
     assert order == ["broken.bvh", "45.bvh", "22.bvh", "3.bvh"]
+
+
+def test_what_failed_shows_no_zeros_and_its_error_no_path() -> None:
+    row = IndexRow("b/broken.bvh", report={"status": "failed"}, error="/some/where/b/broken.bvh:3:1: no legs")
+    html = render_index([row, IndexRow("a.bvh", "a.html", _report([(50, 45)]))])
+    broken = next(each for each in re.findall(r"<tr>.*?</tr>", html, re.S) if "broken" in each)
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", broken, re.S)
+    assert not [cell for cell in cells if re.fullmatch(r"0(\.0*)?", cell)]
+    assert "<td>–</td>" in broken and "no legs" in broken and "where" not in broken
+
+
+def test_the_index_names_the_largest_joint_change_and_counts_what_came_worse() -> None:
+    def change(joint: str, degrees: float) -> dict[str, Any]:
+        return {"correction": {"largest_change_joint": joint, "largest_change_deg": degrees, "largest_change_frame": 7}}
+
+    rows = [
+        IndexRow("a.bvh", "a.html", {**_report([(50, 1)]), **change("Knee", 40.0)}),
+        IndexRow("b.bvh", "b.html", {**_report([(5, 15), (50, 1)]), **change("Hip", 12.0)}),
+    ]
+    html = render_index(rows)
+    first = html[html.index("<body>") : html.index("<main")]
+    assert re.search(r"Clips that came worse</dt><dd><b>1</b>", first)
+    assert re.search(r'joint change <small>°</small></dt><dd><b>40</b>.*?a\.html#f=7".*?Knee.*?frame 7', first)
+
+
+# ---- what is drawn of a figure ----------------------------------------------------------------------
+
+
+def test_a_root_that_stays_behind_is_no_pole() -> None:
+    """A root at the origin, a target that hangs on it, and a figure that walks away: only its bones are drawn."""
+    parents = (-1, 0, 1, 1, 2, 0)  # root, hips, two thighs, a shank, a target
+    places = np.zeros((50, 6, 3))
+    places[:, 1:5] = [[0, 1, 0], [0.1, 1, 0], [-0.1, 1, 0], [0.1, 0.5, 0]]
+    places[:, 1:, 2] += np.linspace(0.0, 4.0, 50)[:, None]
+    assert bones_of((-1, 0, 1, 1, 2), 5, places[:, :5]) == ((1, 2), (1, 3), (2, 4))  # hips are all that hangs on it
+    assert bones_of(parents, 6, places) == ((1, 2), (1, 3), (2, 4))  # the lines to hips and target grow
+    still = places.copy()
+    still[..., 2] = 0.0
+    assert bones_of((-1, 0, 1, 1, 2), 5, still[:, :5]) == ((1, 2), (1, 3), (2, 4))  # a pole below hips that stay
+    assert bones_of((-1, 0, 1), 3, places[:, :3]) == ((0, 1), (1, 2))[1:]  # a chain alone keeps what does not grow
+
+
+def test_the_way_of_a_plant_is_that_of_its_joint() -> None:
+    """What the small picture draws is what the measures look at, before and after."""
+    clip, planted = walker(360), labelled(360)
+    after = corrected(clip)
+    report = report_document(360)
+    shown = film(clip, after, rig(), planted)
+    for offender in worst_plants(shown, report, 12):
+        k = shown.sole_names.index(offender.effector)
+        seen = [seen_of(each, rig(), planted, posed(each, rig()), np.zeros((360, 3)))[k] for each in (clip, after)]
+        for track, way in zip(seen, (offender.path_before, offender.path_after), strict=True):
+            ends = track.track[[offender.start + 1, offender.end - 2]][:, [0, 2]]
+            drawn = np.array([way[0], way[-1]])
+            assert drawn[1] - drawn[0] == pytest.approx(1000.0 * (ends[1] - ends[0]), abs=0.2)
+        assert offender.start <= offender.frame < offender.end
+
+
+def test_a_small_figure_fills_its_drawing_and_knows_its_legs() -> None:
+    shown = motion(120)
+    layers = thumbnail(shown, 60)
+    places = [np.array(re.findall(r"(-?\d+) (-?\d+)", layer), dtype=float) for layer in layers]
+    assert [len(each) > 2 for each in places] == [True] * 4
+    every = np.concatenate(places)
+    assert every.min() >= 0 and every.max() <= 100 and np.ptp(every, axis=0).max() >= 85
+    assert np.median(places[2][:, 1]) > np.median(places[1][:, 1])  # legs are below the rest: y points downwards
 
 
 # ---- looks ------------------------------------------------------------------------------------------

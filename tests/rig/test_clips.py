@@ -25,7 +25,7 @@ from footfix.rig.find import find_rig
 from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig
 from footfix.rig.sample import sample
-from footfix.rig.survey import AXES, Survey, survey
+from footfix.rig.units import AXES, FileUnits, infer_units
 
 CMU = 1.0 / 17.7
 with (Path(__file__).parents[1] / "rig_expectations.tsv").open(encoding="utf-8", newline="") as file:
@@ -49,9 +49,9 @@ def _told(rig: Rig, clip: Clip) -> str:
 
 
 @cache
-def _found(name: str) -> tuple[Clip, Survey, Rig]:
+def _found(name: str) -> tuple[Clip, FileUnits, Rig]:
     document = _read(name)
-    found = survey(document.clip)
+    found = infer_units(document.clip)
     placed = document.placed(unit_m=found.unit_m, up=found.up).clip
     return placed, found, find_rig(placed)
 
@@ -60,7 +60,7 @@ def _found(name: str) -> tuple[Clip, Survey, Rig]:
 def test_a_person_agrees(row: dict[str, str]) -> None:
     if row["legs"] == "no legs":
         clip = _read(row["file"]).clip
-        for function in (survey, find_rig):
+        for function in (infer_units, find_rig):
             with pytest.raises(NoLegsError, match="no legs"):
                 function(clip)
         return
@@ -97,7 +97,7 @@ def test_names_only_confirm_what_shape_says(name: str) -> None:
 def test_any_axis_can_be_up(name: str) -> None:
     clip, _, _ = _found(name)
     for up in AXES:
-        assert survey(with_up(clip, up)).up == up
+        assert infer_units(with_up(clip, up)).up == up
 
 
 @pytest.mark.parametrize("name", PLAIN)

@@ -15,7 +15,7 @@ from footfix.errors import UsageError
 from footfix.motion.clip import Clip
 from footfix.rig.find import find_rig, find_rigs
 from footfix.rig.params import LegParams, RigParams, SoleParams
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 
 LEFT = LegParams(hip="LeftUpLeg", knee="LeftLeg", ankle="LeftFoot", toe="LeftToeBase")
 RIGHT = LegParams(hip="RightUpLeg", knee="RightLeg", ankle="RightFoot", toe="RightToeBase")
@@ -62,7 +62,7 @@ def test_any_number_of_legs_with_names_of_their_own() -> None:
         "front_right_toe",
     ]
     assert rig.legs[-1].toe is None
-    assert survey(walk(), params).up == "y"
+    assert infer_units(walk(), params).up == "y"
 
 
 def test_one_leg_will_do() -> None:
@@ -119,7 +119,7 @@ def test_floor_root_unit_and_up() -> None:
     assert rig.floor == 0.25
     assert clip.skeleton.names[rig.root] == "Spine"
     assert (rig.origins["floor"], rig.origins["root"]) == ("config", "config")
-    found = survey(scaled(walk(), 4.0), RigParams(unit_m=0.25, up="-z"))
+    found = infer_units(scaled(walk(), 4.0), RigParams(unit_m=0.25, up="-z"))
     assert (found.unit_m, found.up, found.notes) == (0.25, "-z", ())
     assert (found.origins["unit_m"], found.origins["up"]) == ("config", "config")
 
@@ -158,7 +158,7 @@ def test_a_name_that_several_joints_have_is_said() -> None:
 
 def test_an_axis_that_is_none_is_said() -> None:
     with pytest.raises(UsageError, match=r"rig\.up must be one of"):
-        survey(walk(), RigParams(up="w"))
+        infer_units(walk(), RigParams(up="w"))
 
 
 def test_given_legs_may_be_longer_chains() -> None:

@@ -34,7 +34,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.rig.find import find_rig, find_rigs
 from footfix.rig.soles import Foot, alike
-from footfix.rig.survey import AXES, survey
+from footfix.rig.units import AXES, infer_units
 
 ON_ONE_LEVEL = sorted(set(STYLES) - {"stairs", "stairs-down"})
 
@@ -84,7 +84,7 @@ def test_the_order_of_siblings_does_not_matter(seed: int) -> None:
 
 @pytest.mark.parametrize("unit_m", [1.0, 0.01, 0.001, 0.0254, 0.1, 1 / 17.7])
 def test_units(unit_m: float) -> None:
-    found = survey(scaled(walk().clip, 1.0 / unit_m))
+    found = infer_units(scaled(walk().clip, 1.0 / unit_m))
     assert found.unit_m == pytest.approx(unit_m)
     assert found.notes == ()
 
@@ -93,17 +93,17 @@ def test_units(unit_m: float) -> None:
 @pytest.mark.parametrize("unit_m", [1.0, 0.01, 0.001])
 def test_children_and_giants(unit_m: float, leg: float) -> None:
     clip = walk(leg=leg).clip
-    assert survey(scaled(clip, 1.0 / unit_m)).unit_m == pytest.approx(unit_m)
+    assert infer_units(scaled(clip, 1.0 / unit_m)).unit_m == pytest.approx(unit_m)
     assert find_rig(clip).leg_length == pytest.approx(leg)
 
 
 def test_a_unit_that_might_be_another_is_said() -> None:
-    found = survey(scaled(walk(leg=1.02).clip, 1.0 / 0.0254))  # a tall man in inches, or a child in centimetres
+    found = infer_units(scaled(walk(leg=1.02).clip, 1.0 / 0.0254))  # a tall man in inches, or a child in centimetres
     assert [note.id for note in found.notes] == ["unit-ambiguous"]
 
 
 def test_a_unit_of_no_name_is_scaled_by_the_leg_and_said() -> None:
-    found = survey(scaled(walk().clip, 4.0))
+    found = infer_units(scaled(walk().clip, 4.0))
     assert found.unit_m * 4.0 * 0.88 == pytest.approx(0.9)
     assert [note.id for note in found.notes] == ["unit-unknown"]
 
@@ -112,7 +112,7 @@ def test_a_unit_of_no_name_is_scaled_by_the_leg_and_said() -> None:
 @pytest.mark.parametrize("name", ["walk", "run", "turn", "jump", "stand", "stairs", "treadmill"])
 def test_up_axes(name: str, up: str) -> None:
     clip = with_up(walk(name).clip, up)
-    found = survey(nameless(clip))
+    found = infer_units(nameless(clip))
     assert found.up == up
     assert found.notes == ()
 
@@ -347,7 +347,7 @@ def test_no_legs(gone: tuple[str, ...], named: bool) -> None:
     clip = without(walk().clip, *gone)
     if not named and gone[0] == "LeftUpLeg" and len(gone) == 2:
         pytest.skip("arms alone, with names that say nothing, could be legs")
-    for function in (find_rig, survey):
+    for function in (find_rig, infer_units):
         with pytest.raises(NoLegsError, match="no legs"):
             function(clip if named else nameless(clip))
 
@@ -356,7 +356,7 @@ def test_no_legs(gone: tuple[str, ...], named: bool) -> None:
 def test_short_clips_have_rigs_too(frames: int) -> None:
     clip = walk().clip.frames(slice(0, frames))
     assert legs(find_rig(clip)) == known_legs(clip)
-    assert survey(clip).up == "y"
+    assert infer_units(clip).up == "y"
 
 
 def test_holes_and_spikes_do_not_matter() -> None:
@@ -418,7 +418,7 @@ def test_damaged_motion_has_a_rig_or_no_legs(seed: int, damage: str) -> None:
 
 def _rig_or_no_legs(clip: Clip) -> None:
     try:
-        rigs = (survey(clip), find_rigs(clip))[1]
+        rigs = (infer_units(clip), find_rigs(clip))[1]
     except NoLegsError:
         return
     for rig in rigs:

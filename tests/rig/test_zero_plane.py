@@ -19,7 +19,7 @@ from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig
 from footfix.rig.sample import Sample
 from footfix.rig.soles import Foot
-from footfix.rig.survey import survey
+from footfix.rig.units import infer_units
 from footfix.rig.zero_plane import on_zero_plane
 
 LEG = 0.88  # [m]
@@ -95,7 +95,7 @@ def test_it_is_the_same_in_any_unit_and_with_any_axis_up() -> None:
     one = find_rig(raised(0.01))
     for unit, up in ((100.0, "y"), (1000.0, "y"), (100.0, "z"), (1.0, "-z")):
         clip = with_up(scaled(raised(0.01), unit), up)
-        found = survey(clip)
+        found = infer_units(clip)
         assert found.up == up
         back = scaled(with_up(clip, {"y": "y", "z": "-z", "-z": "z"}[up]), found.unit_m)
         two = find_rig(back)
@@ -167,7 +167,7 @@ def test_settings_take_a_height_or_zero() -> None:
     assert load_config(sets=["rig.floor=-0.02"]).settings().rig.floor == -0.02
     assert load_config(sets=["rig.floor=null"], preset="ml-generated").settings().rig.floor is None
     assert load_config(preset="ml-generated").settings().rig.floor == "zero"
-    assert load_config(preset="mocap").settings().rig.floor is None
+    assert load_config(preset="video").settings().rig.floor is None
     with pytest.raises(UsageError, match=r"rig\.floor must be a number or 'zero', not 'ground'"):
         load_config(sets=["rig.floor=ground"])
 

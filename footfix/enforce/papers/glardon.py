@@ -37,9 +37,15 @@ from footfix.rig.rig import Rig
 
 @dataclass(frozen=True, kw_only=True)
 class GlardonParams:
-    """How Glardon's method holds plants."""
+    """How Glardon's method holds plants.
 
-    ease: float = 0.3  # [s] how long before a contact its correction begins, and after it ends (sigma)
+    Args:
+        ease: how long before a contact its correction begins, and after it ends (sigma) [s].
+        targets: where plants stand.
+        solver: how it steps.
+    """
+
+    ease: float = 0.3
     targets: TargetParams = field(default_factory=TargetParams)
     solver: SolverParams = field(default_factory=SolverParams)
 
@@ -84,14 +90,14 @@ def correct(
 
 
 def _eased(spans: Sequence[Span], needed: Floats, sigma: int) -> Displacement:
-    """The displacement of an effector around its contacts (G eq. 9)."""
+    """Ease the displacement of an effector around its contacts (G eq. 9)."""
     return Displacement(eased(spans, needed, sigma), planted(spans, len(needed)))
 
 
 def _solved(
     clip: Clip, pose: Pose, leg: CapturedLeg, goal: FootGoal, leg_length: float, params: SolverParams
 ) -> dict[int, Floats]:
-    """Local rotations (F, 4) of the joints of a leg, solved in the frames in which its goal moves.
+    """Solve the local rotations (F, 4) of the joints of a leg, in the frames in which its goal moves.
 
     The heel comes first, then the toe (G §5.1: the ankle's effectors have the highest priority); the ankle, which
     says how the foot lies about the line of both, belongs to nearness.
@@ -115,7 +121,7 @@ def _solved(
 def _two_bones_start(
     clip: Clip, pose: Pose, leg: CapturedLeg, goal: FootGoal, chain: Chain, which: Ints
 ) -> Floats:  # fmt: skip
-    """(N, axes) [rad] the closed-form solution of the leg as two bones, from which the solver starts.
+    """Compute (N, axes) [rad] the closed-form solution of the leg as two bones, from which the solver starts.
 
     From the captured pose it would not know which way a straight knee bends, nor a foot turns that points backwards.
     """

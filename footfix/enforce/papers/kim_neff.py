@@ -39,9 +39,14 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 @dataclass(frozen=True, kw_only=True)
 class KimNeffParams:
-    """How Kim and Neff's method holds plants."""
+    """How Kim and Neff's method holds plants.
 
-    longest: float = 0.1  # [s] that the way between the free motion and a plant takes at most
+    Args:
+        longest: time that the way between the free motion and a plant takes at most [s].
+        targets: where plants stand.
+    """
+
+    longest: float = 0.1
     targets: TargetParams = field(default_factory=TargetParams)
 
 
@@ -125,14 +130,14 @@ def mean_swivel(leg: CapturedLeg, spans: Sequence[Span], most: int) -> Floats:
 
 
 def _swivelled(leg: CapturedLeg, swivel: Floats) -> CapturedLeg:
-    """The leg with its foot turned about the vertical through its ankle by `swivel` (F,) [rad]."""
+    """Turn the foot of a leg about the vertical through its ankle by `swivel` (F,) [rad]."""
     turn = rotation.from_axis_angle(_UP, swivel)
     heel, toe = (leg.ankle + rotation.rotate(turn, point - leg.ankle) for point in (leg.heel, leg.toe))
     return replace(leg, turn=rotation.multiply(turn, leg.turn), heel=heel, toe=toe)
 
 
 def _joined(leg: CapturedLeg, part: Part, spans: Sequence[Span], needed: Floats, most: int) -> Displacement:
-    """The displacement of an effector, `needed` (F, 3) [m] in its plants, joined to the free motion."""
+    """Join the displacement of an effector, `needed` (F, 3) [m] in its plants, to the free motion."""
     track = leg.effector(part)
     shift = led_over(spans, needed, most)
     # N_b: the distance between F_u and F_c, over the average way of the ankle from frame to frame in the plant

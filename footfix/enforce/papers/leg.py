@@ -51,11 +51,11 @@ class CapturedLeg:
         return len(self.ankle)
 
     def effector(self, part: Part) -> Floats:
-        """(F, 3) [m] track of the heel or the toe."""
+        """Get (F, 3) [m] the track of the heel or the toe."""
         return self.heel if part == "heel" else self.toe
 
     def in_foot(self, point: Floats) -> Floats:
-        """(F, 3) [m] a track (F, 3) [m] in the world, seen in the ankle's frame."""
+        """Express a track (F, 3) [m] in the world in the ankle's frame."""
         return rotation.rotate(rotation.inverse(self.turn), point - self.ankle)
 
 
@@ -92,7 +92,7 @@ def can_turn(clip: Clip, leg: Leg) -> bool:
 
 
 def _knee_axis(thigh: Floats, shank: Floats, backwards: Floats, hip_turn: Floats) -> Floats:
-    """(F, 3) unit axis in the world about which the knee flexes, at right angles to the thigh.
+    """Compute (F, 3) the unit axis in the world about which the knee flexes, at right angles to the thigh.
 
     Where the leg is bent it is the normal of the captured leg's plane. Where it is straight the normal means
     nothing, and the axis the knee has on the whole, fixed in the thigh, leads over.
@@ -138,7 +138,7 @@ def flexion_for(leg: CapturedLeg, ankle: Floats) -> Floats:
 
 
 def _hinge(leg: CapturedLeg) -> tuple[Floats, Floats]:
-    """(F,) [m^2] each: what of the squared distance from hip to ankle is fixed, and what goes with cos(flexion)."""
+    """Split the squared distance from hip to ankle in a fixed part and one of cos(flexion), (F,) [m^2] each."""
     thigh, shank = leg.knee - leg.hip, leg.ankle - leg.knee
     in_plane = shank - dot(shank, leg.knee_axis)[:, None] * leg.knee_axis
     # |line|^2 = |thigh|^2 + |shank|^2 + 2 |thigh| |in_plane| cos(flexion)
@@ -202,7 +202,7 @@ def local_rotations(clip: Clip, pose: Pose, leg: CapturedLeg, turns: LegTurns, f
 
 
 def _frame_above(clip: Clip, pose: Pose, joint: int) -> Floats:
-    """(F, 4) the frame in the world that a joint hangs in."""
+    """Compute (F, 4) the frame in the world that a joint hangs in."""
     parent = int(clip.skeleton.parents[joint])
     return pose.rotation(parent) if parent >= 0 else rotation.identity((len(clip),))
 

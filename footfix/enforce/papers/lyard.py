@@ -23,15 +23,26 @@ from footfix.rig.rig import Rig
 
 @dataclass(frozen=True, kw_only=True)
 class LyardRootParams:
-    """How the root alone holds plants."""
+    """How the root alone holds plants.
 
-    speed_window: float = 0.1  # [s] over which the speeds of points are averaged before they are compared
-    hand_over: float = 0.01  # [leg lengths] of way that a hand-over from point to point has to spare; 0 as in the paper
-    calm: float = 0.03  # [s] over which what the root's steps gain is averaged; 0 as in the paper
-    vertical: bool = True  # one offset and one scale of the root's height, so that planted soles are at their floors
-    keep_slide: float = 0.004  # [leg lengths] where no plant slides farther over its contact, nor
-    keep_height: float = 0.012  # [leg lengths] is farther from its floor, the root stays as it is
-    pin_end: bool = False  # whether the path's drift is brought back to zero at the last frame, evenly over the clip
+    Args:
+        speed_window: time over which the speeds of points are averaged before they are compared [s].
+        hand_over: way that a hand-over from point to point has to spare; 0 as in the paper [leg lengths].
+        calm: time over which what the root's steps gain is averaged; 0 as in the paper [s].
+        vertical: one offset and one scale of the root's height, so that planted soles are at their floors.
+        keep_slide: the root stays as it is where no plant slides farther over its contact [leg lengths].
+        keep_height: nor is one farther from its floor than this [leg lengths].
+        pin_end: whether the path's drift is brought back to zero at the last frame, evenly over the clip.
+        targets: where plants stand.
+    """
+
+    speed_window: float = 0.1
+    hand_over: float = 0.01
+    calm: float = 0.03
+    vertical: bool = True
+    keep_slide: float = 0.004
+    keep_height: float = 0.012
+    pin_end: bool = False
     targets: TargetParams = field(default_factory=TargetParams)
 
 
@@ -67,7 +78,7 @@ def correct(
 
 
 def _levels(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[float]:
-    """[m] the height of the floor under each plant: the rig's, or its own on stairs."""
+    """Find [m] the height of the floor under each plant: the rig's, or its own on stairs."""
     on_floor = near_floor(rig, soles, plants, params)
     return [
         rig.floor if near else float(np.median(soles[plant.effector][plant.frames, 1]))
@@ -79,7 +90,7 @@ def _stand_well(
     points: Floats, soles: Sequence[Floats], plants: Sequence[Footplant], levels: Sequence[float], leg_length: float,
     params: LyardRootParams,
 ) -> bool:  # fmt: skip
-    """Whether all plants stand as well as the root alone could make them stand."""
+    """Tell whether all plants stand as well as the root alone could make them stand."""
     for plant, level in zip(plants, levels, strict=True):
         places = points[plant.frames, plant.effector]
         slide = float(norm((places - usual_place(places))[:, [0, 2]]).max())
@@ -93,7 +104,7 @@ def _shift(
     root: Floats, points: Floats, soles: Sequence[Floats], plants: Sequence[Footplant], levels: Sequence[float],
     frame_time: float, leg_length: float, params: LyardRootParams,
 ) -> Floats:  # fmt: skip
-    """(F, 3) [m] the shift of the root (F, 3) [m]."""
+    """Compute (F, 3) [m] the shift of the root (F, 3) [m]."""
     planted = np.zeros(points.shape[:2], dtype=np.bool_)
     above = np.stack([sole[:, 1] for sole in soles], axis=1)  # (F, E) [m] over each one's floor
     for plant, level in zip(plants, levels, strict=True):
@@ -110,7 +121,7 @@ def _shift(
 
 
 def _over_floor(root: Floats, points: Floats, static: Ints, frame_time: float, params: LyardRootParams) -> Floats:
-    """(F, 2) [m] the root's shift over the floor, none in the first frame."""
+    """Compute (F, 2) [m] the root's shift over the floor, none in the first frame."""
     frames = len(root)
     steps = np.diff(root, axis=0)[:, [0, 2]]
     # one static point, or two in turn; in flight the root's own velocity stays
@@ -146,7 +157,7 @@ def root_steps(t: Ints, i: Ints, j: Ints, offsets: Floats, speeds: Floats) -> Fl
 
 
 def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
-    """(N, 2) [m] what the steps t (N,) gain, averaged over the planted steps within `half` frames of each.
+    """Average (N, 2) [m] what the steps t (N,) gain over the planted steps within `half` frames of each.
 
     One point at a time is held, and with it its noise, which the whole figure would shake with.
     """
@@ -158,7 +169,7 @@ def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
 
 
 def _speeds(points: Floats, frame_time: float, window: float) -> Floats:
-    """(F, E) [m/s] speeds of points (F, E, 3) [m], averaged over the window [s] (L §3.1.2)."""
+    """Compute (F, E) [m/s] the speeds of points (F, E, 3) [m], averaged over the window [s] (L §3.1.2)."""
     if len(points) < 2:
         return np.zeros(points.shape[:2])
     speed = norm(np.gradient(points, frame_time, axis=0))

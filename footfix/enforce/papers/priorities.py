@@ -15,7 +15,7 @@ import numpy as np
 
 from footfix.enforce.papers.leg import CapturedLeg
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats, Ints, some
+from footfix.motion.clip import Clip, Floats, Ints, take_frames
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import cross, dot, norm
 
@@ -24,13 +24,21 @@ _BENDS = 0.05  # [sine] a joint whose bones' angle changes by more than this ove
 
 @dataclass(frozen=True, kw_only=True)
 class SolverParams:
-    """How the solver steps."""
+    """How the solver steps.
 
-    iterations: int = 60  # at most
-    tolerance: float = 1e-9  # [rad] a frame is solved when no joint turns by more in an iteration
-    damping: float = 0.02  # [leg lengths] what is out of reach is approached no more nervously than this
-    step: float = 0.3  # [rad] that a joint turns in one iteration at most
-    approach: float = 0.05  # [leg lengths] that a goal is approached in one iteration at most: less than a foot's lever
+    Args:
+        iterations: of a frame, at most [count].
+        tolerance: a frame is solved when no joint turns by more in an iteration [rad].
+        damping: what is out of reach is approached no more nervously than this [leg lengths].
+        step: turn of a joint in one iteration at most [rad].
+        approach: way to a goal in one iteration at most, less than a foot's lever [leg lengths].
+    """
+
+    iterations: int = 60
+    tolerance: float = 1e-9
+    damping: float = 0.02
+    step: float = 0.3
+    approach: float = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +64,7 @@ class Chain:
     owner: Ints
 
     def frames(self, which: Ints) -> Chain:
-        """The chain in some frames only."""
+        """Take the chain in some frames only."""
         bones, effectors = (tuple(each[which] for each in group) for group in (self.bones, self.effectors))
         above, axes = self.base_turn[which], self.axes[:, which]
         return Chain(self.base[which], above, bones, effectors, self.locals_[which], axes, self.owner)
@@ -104,9 +112,9 @@ def leg_chain(clip: Clip, pose: Pose, leg: CapturedLeg, effectors: Sequence[Floa
     return Chain(
         base=leg.hip[which],
         base_turn=base_turn,
-        bones=tuple(some(clip.place(joint), which) for joint in joints[1:]),
+        bones=tuple(take_frames(clip.place(joint), which) for joint in joints[1:]),
         effectors=tuple(leg.in_foot(point)[which] for point in effectors),
-        locals_=np.stack([some(clip.turn(joint), which) for joint in joints], axis=1),
+        locals_=np.stack([take_frames(clip.turn(joint), which) for joint in joints], axis=1),
         axes=np.concatenate([*axes, free]),
         owner=np.array([*owner, last, last, last], dtype=np.intp),
     )
@@ -158,7 +166,7 @@ def turned(chain: Chain, q: Floats) -> Floats:
 
 
 def _vector(chain: Chain, q: Floats, joint: int) -> Floats:
-    """(F, 3) [rad] the rotation vector by which a joint is turned, in its own frame."""
+    """Compute (F, 3) [rad] the rotation vector by which a joint is turned, in its own frame."""
     own = chain.owner == joint
     return np.asarray(np.einsum("fn,nfi->fi", q[:, own], chain.axes[own]))
 
@@ -188,7 +196,7 @@ def jacobians(chain: Chain, q: Floats, pose: Posed) -> list[Floats]:
 
 
 def _moving_axis(axis: Floats, vector: Floats) -> Floats:
-    """(F, 3) the axis, in the joint's new frame, about which more of `axis` in its rotation vector (F, 3) turns it.
+    """Find (F, 3) the axis, in the joint's new frame, about which more of `axis` in its rotation vector turns it.
 
     The right Jacobian of the exponential map: a - (1 - cos v) / v^2 (v x a) + (v - sin v) / v^3 v x (v x a).
     """
@@ -202,7 +210,7 @@ def _moving_axis(axis: Floats, vector: Floats) -> Floats:
 
 
 def _step(chain: Chain, q: Floats, goals: Sequence[Floats], length: float, params: SolverParams) -> Floats:
-    """(F, N) [rad] one iteration: the step that serves each goal in the freedom that those before it leave.
+    """Compute (F, N) [rad] one iteration: the step that serves each goal in the freedom that those before it leave.
 
     dq_k = dq_k-1 + (J_k N_k-1)+ (e_k - J_k dq_k-1),  N_k = N_k-1 - (J_k N_k-1)+ (J_k N_k-1),  dq_0 = 0, N_0 = 1
     (Baerlocher and Boulic, section 3).
@@ -238,7 +246,7 @@ def _times(m: Floats, v: Floats) -> Floats:
 
 
 def _damped_inverse(j: Floats, error: Floats, length: float, damping: float) -> tuple[Floats, Floats]:
-    """Damped inverse (F, N, 3) of j (F, 3, N), and the projector (F, N, N) on the space its rows span.
+    """Invert j (F, 3, N) with damping, (F, N, 3); give the projector (F, N, N) on the space its rows span, too.
 
     The damping fades with the error: before a goal out of reach the step is calm, near one in reach it is exact.
     """

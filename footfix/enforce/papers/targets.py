@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.motion.clip import Floats
-from footfix.motion.segments import centres, segments
+from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm, unit
 from footfix.rig.rig import Rig
 
@@ -18,9 +18,13 @@ _FLAT = np.array([1.0, 0.0, 1.0])
 
 @dataclass(frozen=True, kw_only=True)
 class TargetParams:
-    """Where plants stand."""
+    """Where plants stand.
 
-    near: float = 0.067  # [leg lengths] a plant nearer than this to the rig's floor stands on it, else on its own level
+    Args:
+        near: a plant nearer than this to the rig's floor stands on it, else on its own level [leg lengths].
+    """
+
+    near: float = 0.067
 
 
 def near_floor(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[bool]:
@@ -75,12 +79,12 @@ def targets(
 
 def usual_place(places: Floats) -> Floats:
     """Find the median (3,) [m] of places (N, 3) [m]: over the floor that of the plane, whichever way its axes lie."""
-    x, z = centres(places[:, [0, 2]], segments([(0, len(places))]))[0]
+    x, z = geometric_medians(places[:, [0, 2]], segments([(0, len(places))]))[0]
     return np.array([x, np.median(places[:, 1]), z])
 
 
 def _a_foot_apart(tracks: Sequence[Floats], plants: Sequence[Footplant], places: Sequence[Floats]) -> list[Floats]:
-    """The places (3,) [m] of the plants, those of one foot that overlap at the distance that its effectors have."""
+    """Move the places (3,) [m] of plants of one foot that overlap to the distance that its effectors have."""
     placed: dict[int, Floats] = {}
     order = sorted(range(len(plants)), key=lambda k: (plants[k].asked is None, plants[k].start, plants[k].part))
     for k in order:

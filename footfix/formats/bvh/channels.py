@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.formats.bvh.tree import Channel
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats, Skeleton, held, in_every_frame, same_track
+from footfix.motion.clip import Bools, Clip, Floats, Skeleton, constant_track, per_frame, same_track
 
 _BLOCK = 1 << 14  # rotations worked on together: their arrays stay in the cache of a core
 
@@ -25,7 +25,7 @@ AXES: dict[str, Floats] = {
 
 
 def joint_channels(channels: Sequence[Channel], joints: int, kind: str) -> list[list[tuple[int, int]]]:
-    """For each joint its columns of a kind ("P" or "R") in order, as (column, axis)."""
+    """List for each joint its columns of a kind ("P" or "R") in order, as (column, axis)."""
     found: list[list[tuple[int, int]]] = [[] for _ in range(joints)]
     for column, channel in enumerate(channels):
         if channel.kind == kind:
@@ -36,7 +36,7 @@ def joint_channels(channels: Sequence[Channel], joints: int, kind: str) -> list[
 def position_base(
     skeleton: Skeleton, channels: Sequence[Channel], column: Callable[[int], Floats], frames: int
 ) -> Floats:
-    """(J, 3) what position channels are counted from, in file units.
+    """Find (J, 3) what position channels are counted from, in file units.
 
     Zero, for they take the place of the OFFSET. But where those of a joint below the root never leave zero, and
     its OFFSET is not zero, the exporter counts from the OFFSET: else the bone would have no length.
@@ -56,7 +56,7 @@ def position_base(
 
 
 def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, base: Floats, frame_time: float) -> Clip:
-    """The motion in units and axes of the file.
+    """Make the motion in units and axes of the file.
 
     Position channels take the place of the OFFSET; an axis without one keeps the OFFSET's value.
 
@@ -69,7 +69,7 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, bas
     """
     joints, frames = len(skeleton), len(values)
     moves = [(column, c.joint, c.axis) for column, c in enumerate(channels) if c.kind == "P"]
-    places = [held(offset, frames) for offset in skeleton.offsets]
+    places = [constant_track(offset, frames) for offset in skeleton.offsets]
     for moved in {joint for _, joint, _ in moves}:
         places[moved] = np.array(places[moved], order="F")
     rotations = np.empty((joints, 4, frames))
@@ -89,11 +89,11 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, bas
             else:
                 which = np.array([[column for column, _ in turns[joint]] for joint in group])
                 _euler(np.deg2rad(block[which.T]), order, rotations, group, span)
-    return Clip.of_tracks(skeleton, places, rotations.transpose(2, 0, 1), frame_time)
+    return Clip.from_tracks(skeleton, places, rotations.transpose(2, 0, 1), frame_time)
 
 
 def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int], span: slice) -> None:
-    """Writes the quaternions of intrinsic angles (n, joints of the group, frames) [rad] into (J, 4, F)."""
+    """Write the quaternions of intrinsic angles (n, joints of the group, frames) [rad] into (J, 4, F)."""
     if sorted(order) != [0, 1, 2]:
         letters = "".join("XYZ"[axis] for axis in order)
         out[group, :, span] = np.moveaxis(rotation.from_euler(np.moveaxis(angles, 0, -1), letters), -1, 1)
@@ -111,35 +111,35 @@ def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int]
 
 
 def placed(clip: Clip, unit_m: float, up: str) -> Clip:
-    """A clip in file units and axes, in metres and y up."""
+    """Convert a clip from file units and axes to metres and y up."""
     return _transformed(clip, unit_m, AXES[up])
 
 
 def displaced(clip: Clip, unit_m: float, up: str) -> Clip:
-    """A clip in metres and y up, in file units and axes: undoes `placed`."""
+    """Convert a clip from metres and y up to file units and axes: undo `placed`."""
     return _transformed(clip, 1.0 / unit_m, AXES[up].T)
 
 
 def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
-    """The figure turned at its roots; below them only lengths change, and arrays that don't change are the same."""
+    """Turn the figure at its roots; below them only lengths change, and arrays that don't change are the same."""
     skeleton, roots = clip.skeleton, np.flatnonzero(clip.skeleton.parents < 0)
     places, rotations, offsets = [clip.place(j) for j in range(len(skeleton))], clip.rotations, skeleton.offsets
     if unit_m != 1.0:
-        places = [in_every_frame(lambda place: place * unit_m, each) for each in places]
+        places = [per_frame(lambda place: place * unit_m, each) for each in places]
         offsets = offsets * unit_m
     if not np.array_equal(axes, AXES["y"]):
         turn = rotation.from_matrix(axes)
         rotations, offsets = rotations.copy(order="K"), offsets.copy()
         for root in roots.tolist():
-            places[root] = in_every_frame(lambda place: _permute(place, axes), places[root])
+            places[root] = per_frame(lambda place: _permute(place, axes), places[root])
             offsets[root] = _permute(offsets[root], axes)
             rotations[:, root] = rotation.multiply(turn, rotations[:, root])
     skeleton = replace(skeleton, offsets=offsets, end_offsets=skeleton.end_offsets * unit_m)
-    return Clip.of_tracks(skeleton, places, rotations, clip.frame_time)
+    return Clip.from_tracks(skeleton, places, rotations, clip.frame_time)
 
 
 def _permute(vectors: Floats, axes: Floats) -> Floats:
-    """`axes @ vectors` for a matrix of zeros and signs: exact to the last bit, and -0 stays out."""
+    """Compute `axes @ vectors` for a matrix of zeros and signs: exact to the last bit, and -0 stays out."""
     source = np.argmax(np.abs(axes), axis=1)
     return np.asarray(vectors[..., source] * axes[np.arange(3), source] + 0.0)
 
@@ -162,7 +162,7 @@ class Change:
 def changes(
     channels: Sequence[Channel], values: Floats, base: Floats, old: Clip, new: Clip, unit_m: float, up: str
 ) -> Iterator[Change]:
-    """What is to be written so that the file says `new` where it says `old`.
+    """Find what is to be written so that the file says `new` where it says `old`.
 
     A joint's rotation is written on the Euler branch nearest to the file's own angles in the same frame. What
     the channels of a joint can't express is left out; a joint with one or two rotation channels gets the nearest
@@ -223,7 +223,7 @@ def _turned(
 
 
 def nearest_angles(q: Floats, order: str, near: Floats, sweeps: int = 40) -> Floats:
-    """Angles (N, n) [rad] whose rotation comes nearest to `q` (N, 4), for an order of any axes.
+    """Find the angles (N, n) [rad] whose rotation comes nearest to `q` (N, 4), for an order of any axes.
 
     One angle after the other is set to its best, the rest held: for `A R(angle) B` nearest to `q` that is twice
     the arc tangent of the axis' part of `A^-1 q B^-1` over its real part. Exact at once for one axis.

@@ -19,7 +19,7 @@ _BLOCK = 1024  # rows formatted together
 
 
 def compose(clip: Clip, *, unit_m: float = 0.01) -> bytes:
-    """Writes a clip as a BVH file, y up.
+    """Write a clip as a BVH file, y up.
 
     Args:
         clip: F frames of J joints [m]. Rotations that a joint may not make by its skeleton are written too.
@@ -34,7 +34,7 @@ def compose(clip: Clip, *, unit_m: float = 0.01) -> bytes:
 
 
 def motion_lines(frames: int, frame_time: float) -> list[bytes]:
-    """The headings of the MOTION part."""
+    """Write the headings of the MOTION part."""
     seconds = np.format_float_positional(frame_time, trim="0").encode()
     return [b"MOTION", b"Frames: %d" % frames, b"Frame Time: " + seconds]
 
@@ -42,7 +42,7 @@ def motion_lines(frames: int, frame_time: float) -> list[bytes]:
 def hierarchy_lines(
     skeleton: Skeleton, channels: Sequence[Sequence[str]], number: Callable[[Floats], bytes]
 ) -> tuple[list[bytes], list[int]]:
-    """The lines of a hierarchy, and the joints in the order in which they are written: depth first.
+    """Write the lines of a hierarchy; list the joints in the order in which they are written: depth first.
 
     Args:
         skeleton: in units of the file.
@@ -94,7 +94,7 @@ def _rows(clip: Clip, order: list[int], unit_m: float) -> list[bytes]:
 
 
 def smooth_euler(q: Floats, order: str) -> Floats:
-    """Euler angles (F, 3) [rad] of rotations (F, 4) that go on from frame to frame without leaps.
+    """Find Euler angles (F, 3) [rad] of rotations (F, 4) that go on from frame to frame without leaps.
 
     Of each rotation's two solutions the one nearer to the frame before: whether to change over from the first
     solution to the second between two frames does not depend on where one is, so the choice is a running sum.

@@ -18,7 +18,7 @@ _NINE = 9  # decimals that fit into 32 bits
 
 
 def _table(front: str, leading: bool = False, digits: int = 3) -> Words:
-    """For 0 to 999: a letter or NUL, then its digits, as one word of four letters each.
+    """Make a table for 0 to 999: a letter or NUL, then its digits, as one word of four letters each.
 
     With `leading` there are no zeros in front, and of 0 nothing is left; without, the first `digits` are kept.
     """
@@ -35,7 +35,7 @@ def _table(front: str, leading: bool = False, digits: int = 3) -> Words:
 
 
 def _units(table: Words) -> Words:
-    """The same table for the last three digits before the point, where of 0 a "0" is left."""
+    """Make the same table for the last three digits before the point, where of 0 a "0" is left."""
     table = table.copy()
     for row, front in ((0, 0), (1000, ord("-"))):
         table[row : row + 1].view(np.uint8)[:] = (front, 0, 0, ord("0"))
@@ -51,7 +51,7 @@ _AFTER = [_table("", digits=k) for k in range(4)]
 
 
 def fixed(values: Floats, places: int) -> Bytes:
-    """Numbers as text with a fixed number of decimals: equal to `'%.*f'`, but that nothing prints as -0.
+    """Format numbers with a fixed number of decimals: equal to `'%.*f'`, but that nothing prints as -0.
 
     Five to ten times faster than formatting one by one.
 
@@ -83,18 +83,18 @@ def fixed(values: Floats, places: int) -> Bytes:
 
 
 def meant(values: Floats, places: int) -> Floats:
-    """(N,) the numbers that the text says which `fixed` makes of values (N,)."""
+    """Find (N,) the numbers that the text says which `fixed` makes of values (N,)."""
     if not 0 < places <= _NINE:
         return _read(fixed(values, places))
     # Both are whole numbers below 2^53, so their quotient is rounded once, as a reader rounds the decimals. It takes
     # a twentieth of the time that reading takes.
     with np.errstate(over="ignore", invalid="ignore"):
         whole, hard = _scaled(values, places)
-    said = whole / 10.0**places
-    np.negative(said, out=said, where=(values < 0.0) & (whole > 0.0))
+    read = whole / 10.0**places
+    np.negative(read, out=read, where=(values < 0.0) & (whole > 0.0))
     if hard.any():
-        said[hard] = _read(_one_by_one(values[hard], places))
-    return said
+        read[hard] = _read(_one_by_one(values[hard], places))
+    return read
 
 
 def _read(letters: Bytes) -> Floats:
@@ -103,7 +103,7 @@ def _read(letters: Bytes) -> Floats:
 
 
 def _scaled(values: Floats, places: int) -> tuple[Floats, Bools]:
-    """Up to nine decimals: size in units of the last one, as a whole number; and which numbers need more care."""
+    """Scale numbers of up to nine decimals to whole units of the last one; tell which need more care."""
     scaled = np.abs(values) * 10.0**places
     nearest = np.rint(scaled)
     # The product is off by at most 2^-53 of itself: below 2^42 that is 2^-11, so only what lies closer to a
@@ -115,7 +115,7 @@ def _scaled(values: Floats, places: int) -> tuple[Floats, Bools]:
 
 
 def _short(values: Floats, places: int) -> Digits:
-    """Up to nine decimals: the digits before the point, those after it, and which numbers need more care."""
+    """Split numbers of up to nine decimals into digits before and after the point; tell which need more care."""
     nearest, hard = _scaled(values, places)
     # 32 bits divide much faster
     small = float(nearest.max(initial=0.0)) < 2.0**31
@@ -125,7 +125,7 @@ def _short(values: Floats, places: int) -> Digits:
 
 
 def _long(values: Floats, places: int) -> Digits:
-    """Ten to eighteen decimals: the same, the digits after the point as nine and the rest."""
+    """Split numbers of ten to eighteen decimals the same way, the digits after the point as nine and the rest."""
     size = np.abs(values)
     hard: Bools = size >= 2.0**52
     size = np.where(hard, 0.0, size)
@@ -149,7 +149,7 @@ def _long(values: Floats, places: int) -> Digits:
 
 
 def _whole(out: Words, whole: Numbers, negative: Bools) -> None:
-    """Writes the sign and the digits before the point."""
+    """Write the sign and the digits before the point."""
     groups = out.shape[1]
     state = negative.astype(np.uint32) * 1000
     for k in range(groups):
@@ -161,7 +161,7 @@ def _whole(out: Words, whole: Numbers, negative: Bools) -> None:
 
 
 def _fraction(out: Words, part: Numbers, places: int, *, point: bool) -> None:
-    """Writes up to nine digits after the point, and the point before them if it is to be."""
+    """Write up to nine digits after the point, and the point before them if it is to be."""
     count = out.shape[1]
     part = (part * part.dtype.type(10 ** (3 * count - places))).astype(np.uint32)  # below 10^9
     for k in range(count - 1, -1, -1):

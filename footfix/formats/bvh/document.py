@@ -87,11 +87,11 @@ class Document:
         return found
 
     def in_file(self, clip: Clip) -> Clip:
-        """A clip in metres, y up, in the file's units and axes."""
+        """Convert a clip from metres, y up, to the file's units and axes."""
         return displaced(clip, self.unit_m, self.up)
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
-        """The same file, with another belief about its unit and its upward axis."""
+        """Give the same file another belief about its unit and its upward axis."""
         unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
         if up not in AXES:
             raise ValueError(f"up must be one of {', '.join(AXES)}, not {up!r}")

@@ -74,7 +74,7 @@ def _not_seconds(value: float, at: int, notes: Notes) -> float:
 
 
 def look_over(tree: Hierarchy, skeleton: Skeleton, headings: Headings, rows: Rows, base: Floats, notes: Notes) -> None:
-    """Adds what is odd and still readable."""
+    """Add what is odd and still readable."""
     _frame_count(headings, len(rows.values), notes)
     _text(rows, notes)
     _joints(tree, skeleton, notes)

@@ -34,7 +34,7 @@ class _Open:
 
 
 def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
-    """Reads up to the MOTION part, and leaves the cursor before it.
+    """Read up to the MOTION part, and leave the cursor before it.
 
     Raises:
         InputError: it has no meaning as a hierarchy.
@@ -71,7 +71,7 @@ def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
 
 
 def _property(cursor: Cursor, tree: Hierarchy, stack: list[_Open], word: bytes) -> None:
-    """What a block says of itself."""
+    """Read what a block says of itself."""
     key = word.upper()
     if stack and _END.fullmatch(word):
         _open_end_site(cursor, tree, stack)
@@ -90,7 +90,7 @@ def _spelling(cursor: Cursor, word: bytes, usual: tuple[bytes, ...]) -> None:
 
 
 def _begin(cursor: Cursor) -> None:
-    """Steps over HIERARCHY and over what stands before it."""
+    """Step over HIERARCHY and over what stands before it."""
     if cursor.text.startswith(b"\xef\xbb\xbf"):
         cursor.pos = 3
         cursor.notes.add("byte-order-mark", "the file begins with a byte order mark, which strict readers refuse", at=0)
@@ -119,14 +119,14 @@ def _unknown(cursor: Cursor, word: bytes) -> Exception:
 
 
 def _braced(cursor: Cursor) -> bool:
-    """Whether braces in the rest of the line are part of a name: the one that opens the joint stands below it."""
+    """Tell whether braces in the rest of the line are part of a name: the one that opens the joint stands below it."""
     # a name is no longer than that; a line may be, and is not to be read through for each of its joints
     line = re.compile(rb"([^\r\n]{0,1000})[\r\n]+\s*\{").match(cursor.text, cursor.pos)
     return line is not None and b"{" in line[1] and not line[1].rstrip().endswith(b"{")
 
 
 def _name(cursor: Cursor) -> str:
-    """The rest of the line, or up to the brace; spaces inside are part of it."""
+    """Read the rest of the line, or up to the brace; spaces inside are part of it."""
     raw = cursor.line(stop=b"" if _braced(cursor) else b"{").strip()
     if not raw and cursor.peek().upper() not in (b"{", b"}", b"OFFSET", b"CHANNELS", b""):
         cursor.pos = cursor.start
@@ -284,7 +284,7 @@ def _finish(cursor: Cursor, tree: Hierarchy, stack: list[_Open], notes: Notes) -
 
 
 def _check_indents(cursor: Cursor, tree: Hierarchy) -> None:
-    """Where braces don't pair up, the indentation says whether the tree is still the one that was meant."""
+    """Tell by the indentation, where braces don't pair up, whether the tree is still the one that was meant."""
     depths, indents = list[int](), dict[int, bytes]()
     for joint, (parent, at) in enumerate(zip(tree.parents, tree.places, strict=True)):
         depths.append(depths[parent] + 1 if parent >= 0 else 0)

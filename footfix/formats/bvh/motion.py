@@ -33,7 +33,7 @@ class Headings:
 
 
 def read_headings(cursor: Cursor) -> Headings:
-    """Reads `MOTION`, `Frames:` and `Frame Time:` in any order and spelling; leaves the cursor at the rows."""
+    """Read `MOTION`, `Frames:` and `Frame Time:` in any order and spelling; leave the cursor at the rows."""
     headings, notes = Headings(at=cursor.start), cursor.notes
     word = cursor.peek()
     odd = [] if word == b"MOTION" else [cursor.start]
@@ -61,7 +61,7 @@ def read_headings(cursor: Cursor) -> Headings:
 
 
 def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_frames: int) -> Rows:
-    """Reads the rows.
+    """Read the rows.
 
     Args:
         cursor: stands where the rows begin.

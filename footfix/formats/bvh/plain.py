@@ -22,7 +22,7 @@ _LAST = np.array([(1 << 64) - (1 << 8 * (_MOST - count)) for count in range(_MOS
 
 
 def read_plain(text: bytes, start: int) -> Floats | None:
-    """(F, C) the numbers of the rows, from `start` to the end of a text; None where they are not that plain."""
+    """Read (F, C) the numbers of the rows, from `start` to the end of a text; None where they are not that plain."""
     first = text.find(b".", start)
     decimals = 0
     while first >= 0 and text[first + 1 + decimals : first + 2 + decimals].isdigit():
@@ -47,7 +47,7 @@ def read_plain(text: bytes, start: int) -> Floats | None:
 
 
 def _tokens(text: bytes, start: int, stop: int) -> tuple[Ints, Ints, Ints] | None:
-    """Where the words of some lines start and end in the text, and how many each line has that has any."""
+    """Find where the words of some lines start and end in the text, and how many each line has that has any."""
     raw = np.frombuffer(text, np.uint8, stop - start, start)
     newlines = np.flatnonzero(raw == ord("\n"))
     others = np.count_nonzero(raw < 32) - len(newlines)
@@ -67,7 +67,7 @@ def _tokens(text: bytes, start: int, stop: int) -> tuple[Ints, Ints, Ints] | Non
 
 
 def _values(text: bytes, words: Words, starts: Ints, ends: Ints, decimals: int) -> Floats | None:
-    """(N,) the numbers of words; None where one is not of digits, with a point where it ought to be."""
+    """Read (N,) the numbers of words; None where one is not of digits, with a point where it ought to be."""
     raw = np.frombuffer(text, np.uint8)
     points = ends - (decimals + 1)
     negative = raw[starts] == ord("-")
@@ -87,7 +87,7 @@ def _values(text: bytes, words: Words, starts: Ints, ends: Ints, decimals: int) 
 
 
 def _digits(letters: Words, keep: Words | np.uint64) -> Words | None:
-    """What the letters that are kept say as whole numbers; None where one of them is no digit."""
+    """Read the letters that are kept as whole numbers; None where one of them is no digit."""
     letters ^= _ZEROS
     letters &= keep
     beyond = letters + _SIXES

@@ -22,7 +22,7 @@ _MOTION = re.compile(rb"motion|frame", re.IGNORECASE)
 
 
 def decode(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document:
-    """Reads a BVH file.
+    """Read a BVH file.
 
     Args:
         data: the file.
@@ -39,7 +39,7 @@ def decode(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document
 
 
 def glance(head: bytes, *, limits: Limits = _LIMITS) -> None:
-    """Looks at the first bytes of a large file, so that gigabytes of something else need not be read.
+    """Look at the first bytes of a large file, so that gigabytes of something else need not be read.
 
     Args:
         head: the first bytes.
@@ -84,7 +84,7 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
 
 
 def _fit(cursor: Cursor, tree: Hierarchy, headings: Headings, limits: Limits) -> Rows:
-    """Reads the rows, and settles by them what the channels are.
+    """Read the rows, and settle by them what the channels are.
 
     A row may have the channels of End Sites, or do without. Where the count after CHANNELS is not that of the
     names, rows of as many numbers as there are names settle it; else it is what's wrong with the file.

@@ -1,4 +1,4 @@
-"""Writes what a strict reader wants, and says what was changed.
+"""Write what a strict reader wants, and say what was changed.
 
 Whatever is in order stays as it stands in the file; a hierarchy that is not is written anew, and so are the rows.
 """
@@ -75,7 +75,7 @@ _PARAMS = RepairParams()
 
 
 def repair(document: Document, params: RepairParams = _PARAMS) -> tuple[bytes, tuple[Note, ...]]:
-    """The file as a strict reader wants it, and what was changed.
+    """Make the file as a strict reader wants it; say what was changed.
 
     Args:
         document: the file.
@@ -127,7 +127,7 @@ def _exact(values: Floats) -> bytes:
 
 
 def _with_end_sites(skeleton: Skeleton) -> Skeleton:
-    """Limbs that end without an End Site go on as they came, half as far."""
+    """Let limbs that end without an End Site go on as they came, half as far."""
     ended = set(skeleton.end_parents.tolist())
     bare = [j for j, children in enumerate(skeleton.children) if not children and j not in ended]
     return replace(
@@ -138,7 +138,7 @@ def _with_end_sites(skeleton: Skeleton) -> Skeleton:
 
 
 def _headings(document: Document) -> list[bytes]:
-    """`MOTION`, `Frames:` and `Frame Time:`; the time as the file writes it, where that makes sense."""
+    """Write `MOTION`, `Frames:` and `Frame Time:`; the time as the file writes it, where that makes sense."""
     moves = any(channel.kind for channel in document.channels)
     lines = motion_lines(len(document.values) if moves else 0, document.frame_time)
     own = document.text[document.motion_at : document.rows.start].splitlines()
@@ -159,7 +159,7 @@ def _heading_change(document: Document, id: str) -> str:
 
 
 def _fill(document: Document, params: RepairParams) -> tuple[Floats, Bools, list[Note]]:
-    """The values with short gaps filled, which those are, and what is to be told."""
+    """Fill short gaps in the values; say which those are, and what is to be told."""
     values = document.values
     with np.errstate(invalid="ignore"):
         bad = ~(np.abs(values) < HUGE)
@@ -188,7 +188,7 @@ def _fill(document: Document, params: RepairParams) -> tuple[Floats, Bools, list
 
 
 def _bridge(column: Floats, start: int, end: int, *, wraps: bool) -> None:
-    """Fills `column[start:end]` in a straight line between its neighbours; angles go the shorter way round."""
+    """Fill `column[start:end]` in a straight line between its neighbours; angles go the shorter way round."""
     before = column[start - 1] if start else column[end]
     after = column[end] if end < len(column) else column[start - 1]
     step = after - before
@@ -198,7 +198,7 @@ def _bridge(column: Floats, start: int, end: int, *, wraps: bool) -> None:
 
 
 def _rows(document: Document, values: Floats, filled: Bools, newline: bytes) -> Iterator[bytes]:
-    """All rows, one a line: numbers as they are written, but for those with exponents and those filled in."""
+    """Write all rows, one a line: numbers as they are written, but for those with exponents and those filled in."""
     columns = np.array([k for k, channel in enumerate(document.channels) if channel.kind], dtype=np.intp)
     text = document.rows.text
     if not len(columns):
@@ -216,7 +216,7 @@ def _rows(document: Document, values: Floats, filled: Bools, newline: bytes) -> 
 
 
 def _strange(text: bytes, starts: Ints, ends: Ints) -> Bools:
-    """Words that are more than digits, a sign and a point."""
+    """Find words that are more than digits, a sign and a point."""
     low, high = int(starts.min()), int(ends.max())
     raw = np.frombuffer(text, np.uint8, high - low, low)
     odd = np.concatenate([[0], np.cumsum((raw > ord("9")) | (raw == ord("+")))])

@@ -16,12 +16,12 @@ from footfix.motion.clip import Clip, Floats, Skeleton
 Column = Callable[[int], Floats]
 
 
-def said_again(document: Document, said: Mapping[int, Floats]) -> Clip | None:
-    """The motion that a document would have if it were written with other numbers and read again.
+def reread_motion(document: Document, new: Mapping[int, Floats]) -> Clip | None:
+    """Find the motion that a document would have if it were written with other numbers and read again.
 
     Args:
         document: the file as it was.
-        said: column -> (F,) what its numbers are now, in the file's units, or degrees.
+        new: column -> (F,) what its numbers are now, in the file's units, or degrees.
 
     Returns:
         The clip [m], y up, to the last bit what reading gives; None where only reading can say: a row that is odd
@@ -32,13 +32,13 @@ def said_again(document: Document, said: Mapping[int, Floats]) -> Clip | None:
         return None
 
     def column(which: int) -> Floats:
-        return said[which] if which in said else rows.values[:, which]
+        return new[which] if which in new else rows.values[:, which]
 
     base = position_base(document.skeleton, document.channels, column, len(rows.values))
     if not np.array_equal(base, document.base):
         return None
     clip, channels = document.clip, document.channels
-    owners = {kind: {channels[k].joint for k in said if channels[k].kind == kind} for kind in "PR"}
+    owners = {kind: {channels[k].joint for k in new if channels[k].kind == kind} for kind in "PR"}
     changed = sorted(owners["P"] | owners["R"])
     roots = [joint for joint in changed if clip.skeleton.parents[joint] < 0]
     others = [joint for joint in changed if clip.skeleton.parents[joint] >= 0]
@@ -52,7 +52,7 @@ def said_again(document: Document, said: Mapping[int, Floats]) -> Clip | None:
 
 
 def _alone(document: Document, joints: Sequence[int], column: Column) -> Clip:
-    """Some joints, each by itself, in the units and axes of the file."""
+    """Take some joints, each by itself, in the units and axes of the file."""
     own = {joint: k for k, joint in enumerate(joints)}
     mine = [k for k, channel in enumerate(document.channels) if channel.joint in own]
     channels = [document.channels[k]._replace(joint=own[document.channels[k].joint]) for k in mine]

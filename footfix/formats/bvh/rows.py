@@ -35,7 +35,7 @@ class Rows:
 
 
 def consecutive(rows: Rows) -> list[tuple[int, int]]:
-    """Stretches of rows `[a, b)` whose words follow one another without a gap; a short row is its own."""
+    """Find stretches of rows `[a, b)` whose words follow one another without a gap; a short row is its own."""
     assert rows.first is not None
     columns = rows.values.shape[1]
     breaks = np.diff(rows.first) != columns
@@ -45,7 +45,7 @@ def consecutive(rows: Rows) -> list[tuple[int, int]]:
 
 
 def offset_of(rows: Rows, frame: int, column: int) -> int:
-    """Where in the text a number of a row stands; the end of the rows where a short row has none."""
+    """Find where in the text a number of a row stands; the end of the rows where a short row has none."""
     word = frame * rows.values.shape[1] if rows.first is None else int(rows.first[frame])
     word += column if rows.width is None else min(column, int(rows.width[frame]) - 1)
     for starts, _ in token_chunks(rows.text, rows.start, rows.stop):

@@ -25,7 +25,7 @@ Columns = dict[int, Floats]  # column -> (F,) its numbers
 
 
 def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, Columns]:
-    """The text with some of its numbers replaced.
+    """Replace some of the numbers of a text.
 
     Args:
         text: the file.
@@ -36,9 +36,9 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, C
         The new text, and what it says in the columns that were to change; of rows that lack numbers, nothing.
     """
     changed = sorted((change for change in changed if change.frames.any()), key=lambda change: change.column)
-    said = {change.column: rows.values[:, change.column].copy() for change in changed}
+    numbers = {change.column: rows.values[:, change.column].copy() for change in changed}
     if not changed:
-        return text, said
+        return text, numbers
     some = np.flatnonzero(np.any([change.frames for change in changed], axis=0))
     first, last = int(some[0]), int(some[-1])
     out, done = BytesIO(), 0  # not a list of pieces: joining them takes the memory of the file once more
@@ -51,14 +51,14 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, C
             out.write(text[done : int(starts[0, 0])] + _row_text(rows, frame, here))
             done = int(ends[0, -1])
         elif here:
-            piece, done = _splice_block(text, rows, span, starts, ends, here, done, said)
+            piece, done = _splice_block(text, rows, span, starts, ends, here, done, numbers)
             out.write(piece)
     out.write(memoryview(text)[done:])
-    return out.getvalue(), said
+    return out.getvalue(), numbers
 
 
 def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
-    """A row that lacks numbers can't be mended number by number: all of it anew."""
+    """Write a row that lacks numbers anew, all of it: it can't be mended number by number."""
     values = rows.values[frame].copy()
     for change in changed:
         values[change.column] = change.values[frame]
@@ -67,7 +67,7 @@ def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
 
 
 def row_blocks(rows: Rows) -> Iterator[RowBlock]:
-    """The places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
+    """List the places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
     columns = rows.values.shape[1]
     if not rows.values.size:
         return
@@ -89,9 +89,9 @@ def row_blocks(rows: Rows) -> Iterator[RowBlock]:
 
 
 def _splice_block(
-    text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int, said: Columns
+    text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int, numbers: Columns
 ) -> tuple[bytes, int]:
-    """The text from `done` up to the end of the block's last new number, and that place; `said` is told the numbers."""
+    """Write the text from `done` up to the block's last new number, and note its numbers in `numbers`; give its end."""
     columns = np.array([change.column for change in changed])
     mask = np.stack([change.frames[span] for change in changed], axis=1)
     values = np.stack([change.values[span] for change in changed], axis=1)
@@ -105,7 +105,7 @@ def _splice_block(
         return b"", done
     if len(used) < len(starts):
         starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
-    _tell(said, columns, span.start + used, mask, meant(values[mask], places))
+    _note_down(numbers, columns, span.start + used, mask, meant(values[mask], places))
     low, high = int(starts[0, 0]), int(ends[-1, -1])
     if (ends - starts).max() > _LONGEST or any(text.find(own, low, high) >= 0 for own in (b"\0", _ROW_END)):
         return _one_by_one(text, rows.comma, starts[mask], ends[mask], fixed(values[mask], places), done)
@@ -123,7 +123,7 @@ def _splice_block(
 
 
 def _one_by_one(text: bytes, comma: bool, starts: Ints, ends: Ints, new: Bytes, done: int) -> tuple[bytes, int]:
-    """The same, number by number: for what does not fit into tables of letters."""
+    """Replace number by number what does not fit into tables of letters."""
     pieces = list[bytes]()
     for start, end, letters in zip(starts.tolist(), ends.tolist(), new, strict=True):
         word = letters.tobytes().translate(None, b"\0")
@@ -132,15 +132,15 @@ def _one_by_one(text: bytes, comma: bool, starts: Ints, ends: Ints, new: Bytes, 
     return b"".join(pieces), done
 
 
-def _tell(said: Columns, columns: Ints, frames: Ints, mask: Bools, new: Floats) -> None:
-    numbers = np.empty(mask.shape)
-    numbers[mask] = new
+def _note_down(numbers: Columns, columns: Ints, frames: Ints, mask: Bools, new: Floats) -> None:
+    values = np.empty(mask.shape)
+    values[mask] = new
     for k, column in enumerate(columns.tolist()):
-        said[column][frames[mask[:, k]]] = numbers[mask[:, k], k]
+        numbers[column][frames[mask[:, k]]] = values[mask[:, k], k]
 
 
 def _words(text: bytes, starts: Ints, ends: Ints) -> Bytes:
-    """(N, longest) the letters of words, NUL behind them."""
+    """Make (N, longest) the letters of words, NUL behind them."""
     sizes = ends - starts
     low, longest = int(starts[0]), int(sizes.max())
     raw = np.frombuffer(text, np.uint8, min(len(text), int(starts[-1]) + longest) - low, low)
@@ -151,7 +151,7 @@ def _words(text: bytes, starts: Ints, ends: Ints) -> Bytes:
 
 
 def _run_text(text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, formatted: Bytes) -> list[bytes]:
-    """The text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
+    """Write the text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
     count, n = starts.shape
     raw = np.frombuffer(text, np.uint8)
     if comma:

@@ -34,7 +34,7 @@ _STRANGERS = (
 
 
 def refuse_strangers(head: bytes) -> None:
-    """Names what is found under the name of a BVH and is none, by its first bytes.
+    """Name what is found under the name of a BVH and is none, by its first bytes.
 
     Raises:
         InputError: it is one of those.
@@ -46,7 +46,7 @@ def refuse_strangers(head: bytes) -> None:
 
 
 def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
-    """The text of a file as bytes that words can be found in, and the encoding to give it back in.
+    """Decode a file as bytes that words can be found in; say in which encoding to give it back.
 
     Args:
         data: the file.
@@ -88,14 +88,14 @@ def _from_wide(data: bytes, encoding: str, notes: Notes) -> bytes:
 
 
 def readable(word: bytes | str, limit: int = 40) -> str:
-    """A word of a file, fit to be shown: printable, and not long."""
+    """Make a word of a file fit to be shown: printable, and not long."""
     shown = word[: limit + 1] if isinstance(word, str) else word[: limit + 1].decode("utf-8", "replace")
     shown = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in shown)
     return shown if len(shown) <= limit else shown[:limit] + "..."
 
 
 def place(text: bytes, offset: int) -> tuple[int, int]:
-    """Line and column of an offset, both from 1; the column counts characters."""
+    """Find line and column of an offset, both from 1; the column counts characters."""
     end = b"\n" if text.find(b"\n", 0, 1 << 20) >= 0 else b"\r"
     line = text.count(end, 0, offset) + 1
     start = text.rfind(end, 0, offset) + 1
@@ -105,13 +105,21 @@ def place(text: bytes, offset: int) -> tuple[int, int]:
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What is too much. A file beyond them is refused before memory is spent on it."""
+    """What is too much. A file beyond them is refused before memory is spent on it.
 
-    bytes: int = 4 << 30  # [bytes] of a file: an hour of 200 joints at 120 frames per second
-    header: int = 64 << 20  # [bytes] in which the MOTION part must have begun
-    frames: int = 20_000_000  # 46 hours at 120 frames per second
-    joints: int = 5_000  # a body with face and hands has 200
-    nesting: int = 5_000  # joints below joints
+    Args:
+        bytes: of a file; the default holds an hour of 200 joints at 120 frames per second [bytes].
+        header: in which the MOTION part must have begun [bytes].
+        frames: of a clip; the default is 46 hours at 120 frames per second [count].
+        joints: of a skeleton; a body with face and hands has 200 [count].
+        nesting: joints below joints [count].
+    """
+
+    bytes: int = 4 << 30
+    header: int = 64 << 20
+    frames: int = 20_000_000
+    joints: int = 5_000
+    nesting: int = 5_000
 
 
 @dataclass
@@ -149,7 +157,7 @@ class Cursor:
     start: int = 0
 
     def peek(self) -> bytes:
-        """The next word (a brace is a word of its own), empty at the end; comments are passed over."""
+        """Look at the next word (a brace is a word of its own), empty at the end; comments are passed over."""
         while True:
             found = _WORD.search(self.text, self.pos)
             if found is None:
@@ -165,18 +173,18 @@ class Cursor:
             self.pos = comment.end() if comment else found.end()
 
     def take(self) -> bytes:
-        """The next word, and steps over it."""
+        """Read the next word, and step over it."""
         word = self.peek()
         self.pos = self.start + len(word)
         return word
 
     def line(self, stop: bytes = b"") -> bytes:
-        """The rest of the line, or up to the first of the bytes `stop`; steps over it."""
+        """Read the rest of the line, or up to the first of the bytes `stop`; step over it."""
         found = re.compile(rb"[^\r\n" + re.escape(stop) + rb"]*").match(self.text, self.pos)
         self.pos = found.end() if found else self.pos
         return found[0] if found else b""
 
     def fail(self, what: str, *, at: int | None = None, hint: str = "") -> InputError:
-        """The error that says where the walk stopped making sense."""
+        """Make the error that says where the walk stopped making sense."""
         line, column = place(self.text, self.start if at is None else at)
         return InputError(what, line=line, column=column, hint=hint)

@@ -38,7 +38,7 @@ class Hierarchy:
     miscounts: list[tuple[int, int, int]] = field(default_factory=list)  # where, said, named
 
     def skeleton(self) -> Skeleton:
-        """In the units and axes of the file."""
+        """Make the skeleton in the units and axes of the file."""
         n = len(self.names)
         moved, turned = np.zeros((n, 3), dtype=bool), np.zeros((n, 3), dtype=bool)
         for channel in self.channels:

@@ -7,7 +7,7 @@ import numpy as np
 from footfix.formats.bvh.channels import changes
 from footfix.formats.bvh.document import Document
 from footfix.formats.bvh.read import decode
-from footfix.formats.bvh.reread import said_again
+from footfix.formats.bvh.reread import reread_motion
 from footfix.formats.bvh.splice import Columns, splice
 from footfix.formats.bvh.text import Limits
 from footfix.motion.clip import Clip
@@ -16,7 +16,7 @@ _LIMITS = Limits()
 
 
 def encode(document: Document, clip: Clip | None = None) -> bytes:
-    """Writes the file with the motion of `clip`.
+    """Write the file with the motion of `clip`.
 
     Where `clip` has the very numbers of `document.clip`, the text stays as it is to the byte. Elsewhere the
     numbers of the channels that changed are replaced: with the file's own decimals and at least 6, without
@@ -31,7 +31,7 @@ def encode(document: Document, clip: Clip | None = None) -> bytes:
 
 
 def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tuple[bytes, Clip]:
-    """Writes the file with the motion of `clip`, as `encode` does, and says what reading it again will find.
+    """Write the file with the motion of `clip`, as `encode` does, and say what reading it again will find.
 
     Args:
         document: the file.
@@ -41,12 +41,12 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
     Returns:
         The file, and the motion in it [m], y up; `document.clip` itself where nothing changed.
     """
-    text, said = _spliced(document, clip)
+    text, numbers = _spliced(document, clip)
     written = _encoded(document, text)
     if text == document.text:
         return written, document.clip
     with np.errstate(invalid="ignore"):
-        again = said_again(document, said)
+        again = reread_motion(document, numbers)
     if again is None:
         read = decode(written, name=document.name, limits=limits)
         again = read.placed(unit_m=document.unit_m, up=document.up).clip
@@ -58,7 +58,7 @@ def _encoded(document: Document, text: bytes) -> bytes:
 
 
 def _spliced(document: Document, clip: Clip) -> tuple[bytes, Columns]:
-    """The text with the motion of `clip`, and what it says in the columns that changed."""
+    """Splice the motion of `clip` into the text; say what it holds in the columns that changed."""
     old, rows = document.clip, document.rows
     if clip is old:
         return document.text, {}

@@ -39,12 +39,16 @@ function readMotion(packed) {
     ? points.before : unpack(packed.points.after, shown, soles.length * 3, quantum.points);
   speeds.after = packed.speeds.after === null
     ? speeds.before : unpack(packed.speeds.after, shown, soles.length, quantum.speeds);
+  const drawn = [...new Set(packed.bones.flat())];
+  if (!drawn.length) drawn.push(...packed.parents.keys());
   return {
     ...packed,
+    ground: packed.ground === null ? null : unpack(packed.ground, shown, 3, quantum.points),
+    drawn, // the joints that a bone goes to: of what stays behind at the origin there is none
     joints: { before, after: corrected(before, packed.joints, shown, joints, quantum.joints) },
     points,
     speeds,
-    size: sizeOf(before, shown, joints, packed.floor),
+    size: sizeOf(before, { shown, joints, drawn, floor: packed.floor }),
   };
 }
 
@@ -71,10 +75,10 @@ function corrected(before, packed, shown, joints, quantum) {
 }
 
 /** How large the figure usually is: `height` above its floor and `radius` about its middle. */
-function sizeOf(positions, shown, joints, floor) {
+function sizeOf(positions, { shown, joints, drawn, floor }) {
   const sizes = { height: [], radius: [] };
   for (let i = 0; i < shown; i += Math.max(1, Math.floor(shown / 50))) {
-    const [low, high] = bounds(positions, i, joints);
+    const [low, high] = bounds(positions, i * joints, drawn);
     sizes.height.push(high[1] - Math.min(floor, low[1]));
     sizes.radius.push(Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2);
   }
@@ -82,13 +86,14 @@ function sizeOf(positions, shown, joints, floor) {
   return { height: usual(sizes.height, 0.5), radius: usual(sizes.radius, 0.9) };
 }
 
-/** The corners of the box about a figure at a shown frame. */
-function bounds(positions, i, joints) {
+/** The corners of the box about the joints that are drawn; `base` is the first joint of a frame. */
+function bounds(positions, base, drawn) {
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  for (let at = i * joints * 3; at < (i + 1) * joints * 3; at += 3) {
+  for (const joint of drawn) {
     for (let k = 0; k < 3; k++) {
-      low[k] = Math.min(low[k], positions[at + k]);
-      high[k] = Math.max(high[k], positions[at + k]);
+      const value = positions[(base + joint) * 3 + k];
+      low[k] = Math.min(low[k], value);
+      high[k] = Math.max(high[k], value);
     }
   }
   return [low, high];

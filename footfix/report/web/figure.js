@@ -40,26 +40,17 @@ function headingAt({ joints, parents, hips, root, shown }, index) {
 }
 
 /** The way of the figure's middle, smoothed over a second, so that a camera that follows does not bob. */
-function smoothPath({ joints, parents, shown, step, frameTime }) {
+function smoothPath({ joints, parents, drawn, shown, step, frameTime }) {
   const half = Math.round(0.5 / (frameTime * step));
   const path = new Float32Array(shown * 3);
-  for (let k = 0; k < 3; k++) {
-    const sums = new Float64Array(shown + 1);
-    for (let i = 0; i < shown; i++) sums[i + 1] = sums[i] + middle(joints.after, parents.length, i, k);
-    for (let i = 0; i < shown; i++) {
-      const reach = Math.min(half, i, shown - 1 - i);
-      path[i * 3 + k] = (sums[i + reach + 1] - sums[i - reach]) / (2 * reach + 1);
-    }
+  const sums = [0, 1, 2].map(() => new Float64Array(shown + 1));
+  for (let i = 0; i < shown; i++) {
+    const [low, high] = bounds(joints.after, i * parents.length, drawn);
+    for (let k = 0; k < 3; k++) sums[k][i + 1] = sums[k][i] + (low[k] + high[k]) / 2;
+  }
+  for (let i = 0; i < shown; i++) {
+    const reach = Math.min(half, i, shown - 1 - i);
+    for (let k = 0; k < 3; k++) path[i * 3 + k] = (sums[k][i + reach + 1] - sums[k][i - reach]) / (2 * reach + 1);
   }
   return path;
-}
-
-/** The middle of the box about a figure, along one axis. */
-function middle(positions, joints, i, k) {
-  let [low, high] = [Infinity, -Infinity];
-  for (let at = i * joints * 3 + k; at < (i + 1) * joints * 3; at += 3) {
-    low = Math.min(low, positions[at]);
-    high = Math.max(high, positions[at]);
-  }
-  return (low + high) / 2;
 }

@@ -7,7 +7,7 @@ document.getElementById("filter").addEventListener("input", (event) => {
   const wanted = event.target.value.trim().toLowerCase();
   let shown = 0;
   for (const row of table.tBodies[0].rows) {
-    row.hidden = !row.cells[0].textContent.toLowerCase().includes(wanted);
+    row.hidden = !row.querySelector("th").textContent.toLowerCase().includes(wanted);
     shown += row.hidden ? 0 : 1;
   }
   document.getElementById("count").textContent = wanted ? `${shown} of ${table.tBodies[0].rows.length} clips` : "";

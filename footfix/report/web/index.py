@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -9,16 +10,19 @@ from string import Template
 from urllib.parse import quote
 
 from footfix.measure.plants import NOTICED_MM
+from footfix.report import words
 from footfix.report.offenders import Offender, Path
 from footfix.report.text import released
-from footfix.report.verdict import Report, Verdict, judge, number, section
+from footfix.report.thumbnail import LAYERS, SIZE, Thumbnail
+from footfix.report.verdict import Report, Verdict, judge, largest_change, measure_rows, number, section
 from footfix.report.web import sections
-from footfix.report.web.markup import name, text
+from footfix.report.web.markup import name, path_name, text
 from footfix.report.web.page import asset, fingerprint, script
 from footfix.version import __version__
 
-MOST_OFFENDERS = 24
-_SIZE = 120  # of a small picture, in its own units
+MOST_OFFENDERS, MOST_FIGURES = 24, 200
+_SIZE = 120  # of a small picture from above, in its own units
+_PATH = re.compile(r"[ML0-9 .-]*")
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +57,9 @@ def render_index(rows: Sequence[IndexRow]) -> str:
         clips=f"{len(rows)} {'clip' if len(rows) == 1 else 'clips'}",
         verdict=text(_verdict(verdicts)),
         badges=" ".join(_badges(verdicts)),
-        tiles=_tiles(verdicts),
+        tiles=_tiles(judged),
         offenders="\n".join(_offenders(rows)),
-        rows="\n".join(_row(row, verdict) for row, verdict in judged),
+        rows="\n".join(_row(row, verdict, k < MOST_FIGURES) for k, (row, verdict) in enumerate(judged)),
         version=text(__version__),
     )
 
@@ -83,31 +87,74 @@ def _badges(verdicts: Sequence[Verdict]) -> Iterator[str]:
         yield sections.badge(tone, f"{count} {word}")
 
 
-def _tiles(verdicts: Sequence[Verdict]) -> str:
+def _tiles(judged: Sequence[tuple[IndexRow, Verdict]]) -> str:
+    verdicts = [verdict for _, verdict in judged]
     worst = [max((getattr(each, key) for each in verdicts), default=0.0) for key in ("worst_before", "worst_after")]
     sums = [sum(getattr(verdict, key) for verdict in verdicts) for key in ("plants", "over_before", "over_after")]
+    failed = sum(verdict.word == "failed" for verdict in verdicts)
+    came_worse = sum(_came_worse(row.report, verdict) for row, verdict in judged)
+    changes = [(change, row) for row, _ in judged if (change := largest_change(row.report))]
+    change, where = max(changes, key=lambda pair: pair[0].degrees, default=(None, None))
     return (
         sections.tile("Clips", "", str(len(verdicts)))
-        + sections.tile("Footplants", "", str(sums[0]))
+        + (sections.tile("Clips that failed", "", str(failed)) if failed else "")
+        + sections.tile("Footplants", "", str(sums[0]), meaning=words.PLANT)
         + sections.tile(f"Slide over {NOTICED_MM:g} mm", "", str(sums[1]), str(sums[2]))
         + sections.tile("Longest slide", "mm", f"{worst[0]:.0f}", f"{worst[1]:.0f}")
-    )
+        + sections.tile("Clips that came worse", "", str(came_worse), meaning=words.CLIP_WORSE)
+        + (
+            sections.placed_tile(
+                "Largest joint change", "°", f"{change.degrees:.0f}",
+                f"{_link(where, change.frame)}, {name(change.joint)}, frame {change.frame}", words.CHANGE,
+            )
+            if change and where
+            else ""
+        )
+    )  # fmt: skip
 
 
-def _row(row: IndexRow, verdict: Verdict) -> str:
+def _came_worse(report: Report, verdict: Verdict) -> bool:
+    """Whether some plant slides farther than before, or a measure of the first screen grew."""
+    return bool(verdict.worse) or any(row.worse for row in measure_rows(report) if row.headline)
+
+
+def _link(row: IndexRow, frame: int | None = None) -> str:
+    """The name of a clip, as a link to its page, and to a frame of it, where it has one."""
+    if not row.page:
+        return path_name(row.source)
+    return f'<a href="{_address(row.page)}{"" if frame is None else f"#f={frame}"}">{path_name(row.source)}</a>'
+
+
+def _row(row: IndexRow, verdict: Verdict, pictured: bool) -> str:
     after = section(row.report, "after")
     below, jitter = (number(after.get(key)) for key in ("penetration_mm", "jitter_100m_s3"))
-    link = f'<a href="{_address(row.page)}">{name(row.source)}</a>' if row.page else name(row.source)
-    remark = row.error or "; ".join(released(row.report))
+    change = largest_change(row.report)
+    offender = row.offenders[0] if row.offenders and pictured else None
+    picture = _figure(offender.figure) if offender else ""
+    figures = (
+        (str(verdict.plants), str(verdict.over_before), str(verdict.over_after),
+         f"{verdict.worst_before:.1f}", f"{verdict.worst_after:.1f}")
+        if verdict.plants
+        else ("–",) * 5
+    )  # fmt: skip
+    worse = str(verdict.worse) if verdict.worse else "▲" if _came_worse(row.report, verdict) else ""
+    told = _without_path(row.error, row.source) if row.error else "; ".join(sections.shortened(released(row.report), 2))
+    bars = sections.bars(verdict.worst_before, verdict.worst_after, 5 * NOTICED_MM) if verdict.plants else ""
     return (
-        f'<tr><th scope="row">{link}</th><td class="word">{sections.badge(verdict.tone, verdict.word)}</td>'
-        f"<td>{verdict.plants}</td><td>{verdict.over_before}</td><td>{verdict.over_after}</td>"
-        f"<td>{verdict.worst_before:.1f}</td><td>{verdict.worst_after:.1f}</td>"
-        f'<td data-value="{verdict.worst_after:.3f}">'
-        f"{sections.bars(verdict.worst_before, verdict.worst_after, 5 * NOTICED_MM)}</td>"
+        f'<tr><td class="figure">{picture}</td><th scope="row">{_link(row)}</th>'
+        f'<td class="word">{sections.badge(verdict.tone, verdict.word, verdict.text)}</td>'
+        f"{''.join(f'<td>{figure}</td>' for figure in figures)}"
+        f'<td data-value="{verdict.worst_after:.3f}">{bars}</td><td>{worse}</td>'
+        f"<td>{'–' if change is None else f'{change.degrees:.0f}'}</td>"
         f"<td>{'–' if below is None else f'{below:.1f}'}</td><td>{'–' if jitter is None else f'{jitter:.2f}'}</td>"
-        f"<td>{text(remark)}</td></tr>"
+        f'<td class="word remark">{text(told)}</td></tr>'
     )
+
+
+def _without_path(error: str, source: str) -> str:
+    """An error without the path that it begins with: the clip's name stands beside it."""
+    at = error.find(f"{source}:")
+    return error[at + len(source) + 1 :].strip() if at >= 0 else error
 
 
 def _address(page: str) -> str:
@@ -121,14 +168,23 @@ def _address(page: str) -> str:
 
 def _offenders(rows: Sequence[IndexRow]) -> Iterator[str]:
     pairs = [(row, offender) for row in rows for offender in row.offenders[:2]]  # one clip must not fill the wall
+    pairs = [pair for pair in pairs if max(pair[1].before_mm, pair[1].after_mm) >= 1.0]  # these two stand still
     pairs.sort(key=lambda pair: (pair[1].after_mm, pair[1].before_mm), reverse=True)
     for row, offender in pairs[:MOST_OFFENDERS]:
-        title = f"{offender.effector.replace('_', ' ')} {offender.start}–{offender.end}"
-        link = f'<a href="{_address(row.page)}">{name(row.source)}</a>' if row.page else name(row.source)
+        title = f"{offender.effector.replace('_', ' ')}, frames {offender.start}–{offender.end}"
         yield (
-            f"<li>{_picture(offender)}<p>{link}</p><p>{text(title)}</p>"
+            f'<li><div class="pair">{_figure(offender.figure)}{_picture(offender)}</div>'
+            f"<p>{_link(row, offender.frame)}</p><p>{text(title)}</p>"
             f'<p><span class="was">{offender.before_mm:.0f}</span> → <b>{offender.after_mm:.0f}</b> mm</p></li>'
         )
+
+
+def _figure(drawing: Thumbnail) -> str:
+    """A figure before and after, small; what is no drawing (a journal of another version) is left out."""
+    if len(drawing) != len(LAYERS) or not all(isinstance(path, str) and _PATH.fullmatch(path) for path in drawing):
+        return ""
+    paths = "".join(f'<path class="{layer}" d="{path}"/>' for layer, path in zip(LAYERS, drawing, strict=True) if path)
+    return f'<svg class="thumb" viewBox="0 0 {SIZE} {SIZE}" aria-hidden="true">{paths}</svg>'
 
 
 def _picture(offender: Offender) -> str:

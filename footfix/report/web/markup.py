@@ -7,12 +7,15 @@ HTML, the slash is written as a reference too: no name can then put an address i
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 _HTML = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;", "`": "&#96;", "/": "&#47;"}
     | {chr(code): "\N{REPLACEMENT CHARACTER}" for code in (*range(9), 11, 12, *range(14, 32), 127)}
 )
+
+_SEPARATORS = re.compile(r"(&#47;|_|-)")
 
 
 def text(value: object) -> str:
@@ -24,6 +27,11 @@ def text(value: object) -> str:
 def name(value: object) -> str:
     """A name from a file: isolated, so that its writing direction can't reorder the page around it."""
     return f"<bdi>{text(value)}</bdi>"
+
+
+def path_name(value: object) -> str:
+    """A name that may be long, as `name`; a line may break behind its separators."""
+    return _SEPARATORS.sub(r"\1<wbr>", name(value))
 
 
 def embedded_json(value: Any) -> str:

@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footfix.motion.clip import Clip, Floats, Ints, frozen
+from footfix.measure.seen import FEWEST, counted
+from footfix.motion.clip import Bools, Clip, Floats, Ints, frozen
+from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
+from footfix.report.web.bones import bones_of
 from footfix.report.web.pack import pack, quantize
 from footfix.rig.rig import Rig
 
@@ -47,12 +50,20 @@ class Motion:
         names: (J,) joints; an End Site has an empty name.
         parents: (J,) -1 for a root.
         root: the joint that carries the figure's travel.
+        bones: (parent, child) joints that a line is drawn between.
         hips: the joint at the top of each leg and its side, "left", "right" or "" where sides mean nothing.
+        legs: hip, knee and ankle of each leg.
+        leg_names: the name of each leg, `front_left`.
         soles: (E,) the joint that carries each sole point, in the order of the contacts' effectors.
         sole_names: (E,) their names, `left_heel`.
+        seen: (E,) the joint that measures look at: of a toe the toe joint, of a heel the ankle; -1 where only the
+            sole point is there to be looked at.
+        by_sole: (D, E) where it is the sole point that they look at all the same: a heel that stands alone.
+        counts: (D, E) the frames of plants that they count.
+        ground: (D, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
         joints_before, joints_after: (D, J, 3) [m] y up.
         soles_before, soles_after: (D, E, 3) [m].
-        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of the sole points.
+        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of what measures look at, over the ground.
         floor: [m] height of the floor.
     """
 
@@ -62,9 +73,16 @@ class Motion:
     names: tuple[str, ...]
     parents: tuple[int, ...]
     root: int
+    bones: tuple[tuple[int, int], ...]
     hips: tuple[tuple[int, str], ...]
+    legs: tuple[tuple[int, int, int], ...]
+    leg_names: tuple[str, ...]
     soles: tuple[int, ...]
     sole_names: tuple[str, ...]
+    seen: tuple[int, ...]
+    by_sole: Bools
+    counts: Bools
+    ground: Floats
     joints_before: Floats
     joints_after: Floats
     soles_before: Floats
@@ -79,12 +97,17 @@ class Motion:
                 object.__setattr__(self, f"{key}_{when}", frozen(getattr(self, f"{key}_{when}")))
 
 
-def film(before: Clip, after: Clip, rig: Rig, most: int = SHOWN_FRAMES) -> Motion:
+def film(
+    before: Clip, after: Clip, rig: Rig, contacts: Contacts | None = None, ground: Floats | None = None,
+    most: int = SHOWN_FRAMES,
+) -> Motion:  # fmt: skip
     """The motion of a page, from the clip before and after.
 
     Args:
         before, after: the clip as read and as written [m], y up.
         rig: its legs and sole points.
+        contacts: when each sole point is planted, in the order of `rig.soles`; never where it is not said.
+        ground: (F, 3) [m] how far the ground under planted feet has moved, as on a treadmill; at rest by default.
         most: frames that the page may hold.
     """
     shown = display_frames(len(before), most)
@@ -92,24 +115,64 @@ def film(before: Clip, after: Clip, rig: Rig, most: int = SHOWN_FRAMES) -> Motio
     first = _points(before.frames(shown), rig)
     second = first if after is before else _points(after.frames(shown), rig)
     ends = skeleton.end_parents.tolist()
+    parents = (*skeleton.parents.tolist(), *ends)
+    seen = tuple(_seen_joint(rig, k) for k in range(len(rig.soles)))
+    by_sole, counts = _looked_at(rig, seen, len(before), contacts)
+    moved = np.zeros((len(before), 3)) if ground is None else ground
+    was, now = (_speeds(clip, rig, shown, seen, by_sole[shown], moved) for clip in (before, after))
     return Motion(
-        frames=len(before),
-        step=int(shown[1] - shown[0]) if len(shown) > 1 else 1,
-        frame_time=before.frame_time,
-        names=(*skeleton.names, *("" for _ in ends)),
-        parents=(*skeleton.parents.tolist(), *ends),
-        root=rig.root,
+        frames=len(before), step=int(shown[1] - shown[0]) if len(shown) > 1 else 1, frame_time=before.frame_time,
+        names=(*skeleton.names, *("" for _ in ends)), parents=parents, root=rig.root,
+        bones=bones_of(parents, len(skeleton), first[0]),
         hips=tuple((leg.hip, side_of(leg.side)) for leg in rig.legs),
-        soles=tuple(sole.joint for sole in rig.soles),
-        sole_names=tuple(sole.name for sole in rig.soles),
-        joints_before=first[0],
-        joints_after=second[0],
-        soles_before=first[1],
-        soles_after=second[1],
-        speeds_before=_speeds(before, rig, shown),
-        speeds_after=_speeds(after, rig, shown),
-        floor=rig.floor,
-    )
+        legs=tuple((leg.hip, leg.knee, leg.ankle) for leg in rig.legs),
+        leg_names=tuple(leg.name for leg in rig.legs),
+        soles=tuple(sole.joint for sole in rig.soles), sole_names=tuple(sole.name for sole in rig.soles),
+        seen=seen, by_sole=by_sole[shown], counts=counts[shown], ground=moved[shown],
+        joints_before=first[0], joints_after=second[0], soles_before=first[1], soles_after=second[1],
+        speeds_before=was, speeds_after=now, floor=rig.floor,
+    )  # fmt: skip
+
+
+def seen_tracks(motion: Motion) -> tuple[Floats, Floats]:
+    """(D, E, 3), (D, E, 3) [m] over the ground: what measures look at, before and after, be it joint or sole point."""
+    joints = np.maximum(motion.seen, 0)
+    pairs = ((motion.joints_before, motion.soles_before), (motion.joints_after, motion.soles_after))
+    first, second = (np.where(motion.by_sole[..., None], soles, places[:, joints]) for places, soles in pairs)
+    return first - motion.ground[:, None], second - motion.ground[:, None]
+
+
+def _seen_joint(rig: Rig, sole: int) -> int:
+    """The joint that measures look at for a sole point, -1 where there is none."""
+    leg = rig.legs[rig.soles[sole].leg]
+    if rig.soles[sole].part == "heel":
+        return leg.ankle
+    return -1 if leg.toe is None else leg.toe
+
+
+def _looked_at(
+    rig: Rig, seen: tuple[int, ...], frames: int, contacts: Contacts | None
+) -> tuple[Bools, Bools]:
+    """(F, E) where measures look at the sole point itself, not at a joint, and (F, E) what they count of the plants."""
+    by_sole, counts = (np.zeros((frames, len(seen)), dtype=np.bool_) for _ in range(2))
+    by_sole[:, [joint < 0 for joint in seen]] = True
+    spans = [[c for c in each.contacts if c.wish != "forbid"] for each in contacts.effectors] if contacts else []
+    for k, own in enumerate(spans[: len(seen)]):
+        for contact in own:
+            counts[slice(*counted(contact)), k] = True
+    toes = {sole.leg: k for k, sole in enumerate(rig.soles) if sole.part == "toe"}
+    for k, own in enumerate(spans[: len(seen)]):
+        sole = rig.soles[k]
+        if sole.part != "heel":
+            continue
+        stands = counts[:, toes[sole.leg]] if sole.leg in toes else np.zeros(frames, dtype=np.bool_)
+        for contact in own:
+            span = slice(*counted(contact))
+            if np.count_nonzero(stands[span]) < FEWEST:
+                by_sole[contact.start : contact.end, k] = True
+            else:
+                counts[span, k] &= stands[span]
+    return by_sole, counts
 
 
 def side_of(name: str) -> str:
@@ -133,15 +196,23 @@ def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
     return joints.transpose(2, 0, 1), soles.transpose(2, 0, 1)
 
 
-def _speeds(clip: Clip, rig: Rig, shown: Ints) -> Floats:
-    """(D, E) [m/s] horizontal speed of the sole points, from the frames beside each shown one."""
+def _speeds(
+    clip: Clip, rig: Rig, shown: Ints, seen: tuple[int, ...], by_sole: Bools, ground: Floats
+) -> Floats:
+    """(D, E) [m/s] horizontal speed over the ground of what measures look at, from the frames beside each shown one."""
     if len(clip) < 2 or not rig.soles:
         return np.zeros((len(shown), len(rig.soles)))
     behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)
-    tracks = rig.tracks(rig.pose(clip.frames(np.concatenate([behind, ahead]))))
-    steps = np.stack([each[len(shown) :] - each[: len(shown)] for each in tracks], axis=1)  # (D, E, 3) [m]
-    speeds: Floats = np.hypot(steps[..., 0], steps[..., 2]) / ((ahead - behind) * clip.frame_time)[:, None]
-    return speeds
+    pose = rig.pose(clip.frames(np.concatenate([behind, ahead])))
+    rolled = ground[ahead] - ground[behind]  # (D, 3) [m]
+
+    def pace(track: Floats) -> Floats:  # (2 D, 3) [m]
+        step = track[len(shown) :] - track[: len(shown)] - rolled
+        return np.asarray(np.hypot(step[:, 0], step[:, 2]) / ((ahead - behind) * clip.frame_time))
+
+    soles = np.stack([pace(track) for track in rig.tracks(pose)], axis=1)
+    joints = [soles[:, k] if joint < 0 else pace(pose.position(joint)) for k, joint in enumerate(seen)]
+    return np.where(by_sole, soles, np.stack(joints, axis=1))
 
 
 _JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # what one step of the packed integers means [m, m, m/s]
@@ -163,9 +234,13 @@ def packed(motion: Motion, lines: Lines) -> dict[str, Any]:
         "frameTime": motion.frame_time,
         "parents": list(motion.parents),
         "root": motion.root,
+        "bones": [list(bone) for bone in motion.bones],
         "hips": [list(hip) for hip in motion.hips],
+        "legs": [[*leg, name] for leg, name in zip(motion.legs, motion.leg_names, strict=True)],
         "soles": list(motion.soles),
+        "seen": list(motion.seen),
         "floor": motion.floor,
+        "ground": pack(quantize(motion.ground, _POINT)) if motion.ground.any() else None,
         "lines": {"height": lines.height, "speed": lines.speed},
         "quantum": {"joints": _JOINT, "points": _POINT, "speeds": _SPEED},
         "joints": {"before": pack(before), **_packed_change(motion)},

@@ -12,16 +12,20 @@ from functools import cache
 from string import Template
 from typing import Any
 
+from footfix.report import words
+from footfix.report.again import Again, quoted
 from footfix.report.verdict import Report, entries, judge, number, source_name
 from footfix.report.web import sections
 from footfix.report.web.chart import chart
+from footfix.report.web.details import details_table
 from footfix.report.web.markup import embedded_json, name, text
 from footfix.report.web.motion import Lines, Motion, packed
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "stage.js", "orbit.js", "contacts.js",
-    "bars.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "camera.js", "figure.js", "seen.js", "floor.js", "stage.js",
+    "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js", "pointer.js", "editor.js", "table.js",
+    "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
 )  # fmt: skip
 
 
@@ -35,12 +39,14 @@ class PageData:
             editing is this document with other contacts.
         motion: the figure before and after; None where there is none to show (a clip that failed).
         lines: drawn into the curves of height and speed.
+        again: how the clip is cleaned again from edited contacts; None where that is not known.
     """
 
     report: Report
     contacts: Mapping[str, Any] = field(default_factory=dict)
     motion: Motion | None = None
     lines: Lines = field(default_factory=Lines)
+    again: Again | None = None
 
 
 @cache
@@ -85,9 +91,12 @@ def render(data: PageData) -> str:
         viewer=_viewer(data),
         above=asset("above.html") if data.motion else "",
         plants=sections.plants_table(plants),
+        slide_meaning=text(words.MEASURES["slide_mm"]),
+        target_meaning=text(words.OFF_TARGET),
+        floor_meaning=text(words.BELOW_FLOOR),
         plants_caption=sections.plants_caption(plants),
         measures=sections.measures_table(report),
-        details=sections.details_table(report),
+        details=details_table(report),
         version=text(__version__),
         data=_data(data),
     )
@@ -110,9 +119,15 @@ def _viewer(data: PageData) -> str:
     return Template(asset("viewer.html")).substitute(
         chart=chart(data.motion, data.contacts),
         file=text(f"{stem}.contacts.json"),
-        clip=name(file),
+        contacts=name(data.again.contacts if data.again else f"{stem}.contacts.json"),
+        command=text(data.again.command if data.again else _command(file, stem)),
         lines=text(f"{100.0 * data.lines.height:g} cm and {data.lines.speed:g} m/s, {data.lines.meaning}"),
     )
+
+
+def _command(file: str, stem: str) -> str:
+    """What to type where nothing is known of the folders."""
+    return quoted(["footfix", "clean", file, "-o", "cleaned", "--labels", f"{stem}.contacts.json", "--force"])
 
 
 def _data(data: PageData) -> str:

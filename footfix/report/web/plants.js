@@ -11,11 +11,16 @@ class PlantsTable {
     });
   }
 
-  choose(row) {
-    for (const other of this.rows) other.classList.toggle("chosen", other === row);
-    for (const other of this.rows) other.removeAttribute("aria-current");
+  /** Shows which row is looked at. */
+  mark(row) {
+    this.clear();
+    row.classList.add("chosen");
     row.setAttribute("aria-current", "true");
-    this.pick({ effector: row.dataset.effector, start: Number(row.dataset.start), end: Number(row.dataset.end) });
+  }
+
+  choose(row) {
+    this.mark(row);
+    this.pick(plantOf(row));
   }
 
   /** Chooses the next or the previous plant in the order that is shown. */
@@ -34,4 +39,9 @@ class PlantsTable {
       row.removeAttribute("aria-current");
     }
   }
+}
+
+/** The plant that a row is about. */
+function plantOf({ dataset }) {
+  return { effector: dataset.effector, start: Number(dataset.start), end: Number(dataset.end) };
 }

@@ -112,7 +112,7 @@ class TimelineInput {
   hoverAt(x, y, finger) {
     const { timeline } = this;
     const inside = x >= timeline.gutter && x <= timeline.right;
-    timeline.hover = inside ? { frame: timeline.frameAt(x), lane: timeline.laneAt(y) } : null;
+    timeline.hover = inside ? { frame: timeline.frameAt(x), lane: timeline.laneAt(y), knees: timeline.kneesAt(y) } : null;
     const { kind } = timeline.hit(x, y, finger);
     timeline.canvas.style.cursor = { end: "ew-resize", bar: "pointer", empty: "cell", none: "crosshair" }[kind];
     timeline.player.changed();

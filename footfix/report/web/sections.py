@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 from footfix.measure.plants import NOTICED_MM
+from footfix.report import words
 from footfix.report.text import released
 from footfix.report.verdict import (
     Report,
     Tone,
     Verdict,
     entries,
-    floor_taken,
     largest_change,
     measure_rows,
     number,
@@ -34,51 +33,80 @@ _MARKS: Mapping[Tone, str] = {
 }
 
 
-def badge(tone: Tone, word: str) -> str:
-    """A mark and a word: how a clip came out."""
+def badge(tone: Tone, word: str, told: str = "") -> str:
+    """A mark and a word: how a clip came out, and the sentence behind it as a tooltip."""
+    title = f' title="{text(told)}"' if told else ""
     return (
-        f'<span class="badge {tone}"><svg viewBox="0 0 16 16" aria-hidden="true">{_MARKS[tone]}</svg>'
+        f'<span class="badge {tone}"{title}><svg viewBox="0 0 16 16" aria-hidden="true">{_MARKS[tone]}</svg>'
         f"{text(word)}</span>"
     )
 
 
 def tiles(report: Report, verdict: Verdict) -> str:
-    """The numbers of the first screen."""
+    """The numbers of the first screen: what was wrong, what it cost, and nothing that is zero before and after."""
     parts = []
     if verdict.plants:
-        parts.append(tile("Footplants", "", str(verdict.plants)))
-        parts.append(tile(f"Slide over {NOTICED_MM:g} mm", "", str(verdict.over_before), str(verdict.over_after)))
-        parts.append(tile("Longest slide", "mm", f"{verdict.worst_before:.0f}", f"{verdict.worst_after:.0f}"))
-    parts += [
-        tile(row.headline, row.unit, row.before, row.after, row.worse) for row in measure_rows(report) if row.headline
-    ]
+        parts.append(tile("Footplants", "", str(verdict.plants), meaning=words.PLANT))
+        over = str(verdict.over_before), str(verdict.over_after)
+        parts.append(tile(f"Slide over {NOTICED_MM:g} mm", "", *over, meaning=words.MEASURES["share_over_21mm"]))
+        longest = f"{verdict.worst_before:.0f}", f"{verdict.worst_after:.0f}"
+        parts.append(tile("Longest slide", "mm", *longest, meaning=words.MEASURES["slide_mm"]))
     change = largest_change(report)
     if change:
-        where = f"{name(change.joint)}, frame {change.frame}"
-        figure = f'<b>{change.degrees:.0f}</b> <small class="where">{where}</small>'
-        parts.append(f"<div><dt>Largest joint change <small>°</small></dt><dd>{figure}</dd></div>")
+        parts.append(placed_tile("Largest joint change", "°", f"{change.degrees:.0f}",
+                                 f"{name(change.joint)}, {_at(change.frame)}", words.CHANGE))  # fmt: skip
+    if verdict.worse:
+        parts.append(tile("Plants that came worse", "", str(verdict.worse), meaning=words.WORSE))
+    parts += [
+        tile(row.headline, row.unit, row.before, row.after, row.worse, words.MEASURES.get(row.key, ""))
+        for row in measure_rows(report)
+        if row.headline
+    ]
     drift = number(section(report, "correction").get("root_path_drift_m"))
-    if drift is not None:
-        parts.append(tile("Drift of the path", "cm", f"{100.0 * drift:.1f}"))
+    if drift is not None and drift >= 0.0005:
+        parts.append(tile("Drift of the path", "cm", f"{100.0 * drift:.1f}", meaning=words.DRIFT))
     return "".join(parts)
 
 
-def tile(label: str, unit: str, before: str, after: str = "", worse: bool = False) -> str:
-    """One number, or one before and one after; a triangle where it got worse."""
+def tile(label: str, unit: str, before: str, after: str = "", worse: bool = False, meaning: str = "") -> str:
+    """One number, or one before and one after; a triangle where it got worse; nothing where both are zero."""
+    if after and _is_zero(before) and _is_zero(after):
+        return ""
     figure = f"<b>{text(before)}</b>"
-    if after:
+    if after == before:
+        figure += ' <small>as before</small>'
+    elif after:
         figure = (
             f'<span class="was">{text(before)}</span><span class="to" aria-hidden="true">→</span>'
             f'<span class="unseen"> before, </span><b>{text(after)}</b><span class="unseen"> after</span>'
         )
     if worse:
         figure += '<span class="worse" title="more than before">▲<span class="unseen"> more than before</span></span>'
-    return f"<div><dt>{text(label)}{f' <small>{text(unit)}</small>' if unit else ''}</dt><dd>{figure}</dd></div>"
+    return f"{_label(label, unit, meaning)}<dd>{figure}</dd></div>"
+
+
+def placed_tile(label: str, unit: str, figure: str, where: str, meaning: str) -> str:
+    """One number and where it is from; `where` is HTML."""
+    return f'{_label(label, unit, meaning)}<dd><b>{text(figure)}</b> <small class="where">{where}</small></dd></div>'
+
+
+def _at(frame: int) -> str:
+    """A frame, as a link that shows it."""
+    return f'<a href="#f={max(frame, 0)}">frame {frame}</a>'
+
+
+def _label(label: str, unit: str, meaning: str) -> str:
+    told = f' title="{text(meaning)}"' if meaning else ""
+    return f"<div{told}><dt>{text(label)}{f' <small>{text(unit)}</small>' if unit else ''}</dt>"
+
+
+def _is_zero(figure: str) -> bool:
+    return not figure.strip("0.–")
 
 
 _FATES = (
     ("pinned", "pinned to their places"),
-    ("kept", "kept as they were, still enough"),
+    ("kept", "left alone"),
     ("partly", "held in part"),
     ("released", "let go"),
 )
@@ -91,8 +119,14 @@ def fate(report: Report) -> str:
 
 
 def released_list(report: Report) -> str:
-    """What was let go, and why."""
-    return "".join(f"<li>{text(line)}</li>" for line in released(report))
+    """What was let go, and why: the commonest reasons, since the table of plants has them all."""
+    return "".join(f"<li>{text(line)}</li>" for line in shortened(released(report), 3))
+
+
+def shortened(lines: Sequence[str], most: int) -> list[str]:
+    """The first lines, and how many more there are."""
+    rest = len(lines) - most
+    return [*lines[:most], *([f"and {rest} more {'reason' if rest == 1 else 'reasons'}"] if rest > 0 else [])]
 
 
 def measures_table(report: Report) -> str:
@@ -100,7 +134,7 @@ def measures_table(report: Report) -> str:
     return "\n".join(
         f'<tr><th scope="row">{text(row.label)}</th><td>{row.before}</td>'
         f"<td>{'▲ ' if row.worse else ''}{row.after}</td>"
-        f"<td>{text(row.unit)}</td></tr>"
+        f'<td class="unit">{text(row.unit)}</td><td class="word">{text(words.MEASURES.get(row.key, ""))}</td></tr>'
         for row in measure_rows(report)
     )
 
@@ -117,16 +151,17 @@ def _plant_row(plant: Report, longest: float) -> str:
     before, after = (number(plant.get(f"slide_{when}_mm")) for when in ("before", "after"))
     outcome, reason = str(plant.get("outcome") or ""), str(plant.get("reason") or "")
     side = side_of(effector) or "left"
+    meaning = words.OUTCOMES[outcome][1] if outcome in words.OUTCOMES else ""
     return (
         f'<tr data-effector="{text(effector)}" data-start="{start}" data-end="{end}">'
         f'<th scope="row" class="{side}"><button type="button">{name(effector.replace("_", " "))}</button></th>'
         f'<td data-value="{start}">{start}–{end}</td>'
         f"<td{_travel(plant, 'before')}>{_figure(before)}</td><td{_travel(plant, 'after')}>{_figure(after)}</td>"
-        f'<td data-value="{after or 0.0:.3f}">{bars(before, after, longest)}</td>'
-        f'<td class="word">{text(outcome)}</td>'
-        f"<td>{_figure(number(plant.get('penetration_after_mm')))}</td>"
-        f"<td>{_figure(number(plant.get('residual_mm')))}</td>"
-        f"<td>{text(reason)}</td></tr>"
+        f'<td class="slide" data-value="{after or 0.0:.3f}">{bars(before, after, longest)}</td>'
+        f'<td class="target">{_figure(number(plant.get("residual_mm")))}</td>'
+        f'<td class="floor">{_figure(number(plant.get("penetration_after_mm")))}</td>'
+        f'<td class="word became" title="{text(meaning)}">{text(words.outcome(outcome))}'
+        f"{f'<small>{text(reason)}</small>' if reason else ''}</td></tr>"
     )
 
 
@@ -174,30 +209,11 @@ def notes_list(notes: Sequence[Report]) -> str:
 def _where(note: Report) -> str:
     parts = []
     if note.get("start") is not None:
-        parts.append(f"frames {text(note['start'])}–{text(note.get('end', ''))}")
+        start, span = number(note["start"]), f"{text(note['start'])}–{text(note.get('end', ''))}"
+        parts.append(f"frames {span}" if start is None else f'<a href="#f={max(int(start), 0)}">frames {span}</a>')
     if note.get("line") is not None:
         parts.append(f"line {text(note['line'])}")
     joints = note.get("joints")
     if joints and isinstance(joints, list | tuple):
         parts.append("joints " + ", ".join(name(joint) for joint in joints))
     return "; ".join(parts)
-
-
-def details_table(report: Report) -> str:
-    """How it was done: rig, settings and times, as rows of dotted keys and values."""
-    floor = floor_taken(report)
-    rows = [f'<tr><th scope="row">floor</th><td>{text(floor)}</td></tr>'] if floor else []
-    for part in ("method", "output", "rig", "correction", "settings", "seconds"):
-        for key, value in _leaves(part, report.get(part)):
-            rows.append(f'<tr><th scope="row">{text(key)}</th><td>{text(value)}</td></tr>')
-    return "\n".join(rows)
-
-
-def _leaves(key: str, value: Any) -> Iterator[tuple[str, str]]:
-    if isinstance(value, Mapping):
-        for inner, item in value.items():
-            yield from _leaves(f"{key}.{inner}", item)
-    elif isinstance(value, float):
-        yield key, f"{value:.6g}"
-    elif value is not None:
-        yield key, ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)

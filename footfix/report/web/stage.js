@@ -3,12 +3,13 @@
 class Stage {
   constructor(canvas, motion, player, contacts) {
     Object.assign(this, { canvas, motion, player, contacts });
-    this.show = { before: true, trails: true, prints: true, follow: true };
+    this.figures = "both"; // "before", "both", "after" or "beside": side by side
+    this.show = { trails: true, prints: true, follow: true };
     this.camera = new Camera(motion.size.radius);
-    this.closeUp = null; // [x, y, z] of a plant that is looked at, or null for the whole figure
-    this.bones = motion.parents.flatMap((parent, joint) => (parent >= 0 ? [[parent, joint]] : []));
+    this.closeUp = null; // {target, radius} of a leg that is looked at, or null for the whole figure
     this.sides = sidesOf(motion);
     this.feet = feetOf(motion, contacts.effectors);
+    this.seen = new Seen(motion, contacts);
     this.path = smoothPath(motion);
     this.frame(null);
     this.view("three-quarter");
@@ -31,12 +32,38 @@ class Stage {
     this.camera.pan = [0, 0, 0];
   }
 
-  /** Close up on a place on the floor, or, with null, back to the whole figure. */
-  frame(place) {
-    this.closeUp = place;
+  /** Close up on a ball {target, radius}, or, with null, back to the whole figure. */
+  frame(ball) {
+    const { size } = this.motion;
+    this.closeUp = ball;
     this.camera.pan = [0, 0, 0];
-    this.camera.distance = place ? this.motion.size.height * 0.75 : this.motion.size.radius * 3.7;
-    this.camera.target = place || this.restingTarget();
+    this.camera.distance = 3.7 * (ball ? Math.max(ball.radius, 0.2 * size.height) : size.radius);
+    this.camera.target = ball ? ball.target : this.restingTarget();
+  }
+
+  /** The ball about the whole leg of an effector, from hip to toes, through the frames [start, end). */
+  legBall(lane, start, end) {
+    const { motion, contacts } = this;
+    const name = contacts.effectors[lane].name.replace(/_(heel|toe)$/, "");
+    const leg = motion.legs.find((each) => each[3] === name);
+    const joints = [...(leg ? leg.slice(0, 3) : []), motion.soles[lane]];
+    const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    const take = (places, at) => {
+      for (let k = 0; k < 3; k++) {
+        low[k] = Math.min(low[k], places[at + k]);
+        high[k] = Math.max(high[k], places[at + k]);
+      }
+    };
+    const first = Math.min(motion.shown - 1, Math.round(start / motion.step));
+    const last = Math.min(motion.shown - 1, Math.round(end / motion.step));
+    for (let i = first; i <= last; i++) {
+      for (const when of ["before", "after"]) {
+        for (const joint of joints) take(motion.joints[when], (i * motion.parents.length + joint) * 3);
+        take(motion.points[when], (i * motion.soles.length + lane) * 3);
+      }
+    }
+    const radius = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2;
+    return { target: low.map((value, k) => (value + high[k]) / 2), radius: Math.min(radius, motion.size.radius) };
   }
 
   // ---- drawing -------------------------------------------------------------------------------------
@@ -45,18 +72,54 @@ class Stage {
     const { context, width, height } = fit(this.canvas);
     this.context = context;
     this.theme = theme;
-    if (this.closeUp) this.camera.target = this.closeUp;
+    if (this.closeUp) this.camera.target = this.closeUp.target;
     else if (this.show.follow) this.camera.target = this.restingTarget();
-    this.camera.aim(width, height);
     context.clearRect(0, 0, width, height);
     context.lineCap = context.lineJoin = "round";
-    this.drawGrid();
-    if (this.show.prints) this.drawPrints();
-    this.drawChosen();
-    this.drawShadow();
-    if (this.show.trails) this.drawTrails();
-    if (this.show.before) this.drawGhost();
-    this.drawFigure();
+    if (this.figures === "beside") {
+      ["before", "after"].forEach((when, k) => this.drawHalf(when, (k * width) / 2, width / 2, height));
+    } else {
+      this.camera.aim(width, height);
+      this.drawScene(this.figures === "before" ? "before" : "after", this.figures === "both");
+      if (this.figures !== "both") this.drawTitle(this.figures);
+    }
+  }
+
+  /** One figure in its half of the stage, seen as the other one. */
+  drawHalf(when, left, width, height) {
+    const { context } = this;
+    context.save();
+    context.beginPath();
+    context.rect(left, 0, width, height);
+    context.clip();
+    context.translate(left, 0);
+    this.camera.aim(width, height);
+    this.drawScene(when, false);
+    this.drawTitle(when);
+    context.restore();
+    if (left > 0) {
+      context.fillStyle = this.theme.line;
+      context.fillRect(left, 0, 1, height);
+    }
+  }
+
+  drawTitle(when) {
+    this.context.font = this.theme.strong;
+    this.context.textAlign = "left";
+    this.context.textBaseline = "top";
+    this.context.fillStyle = when === "before" ? this.theme.was : this.theme.ink;
+    this.context.fillText(when, 10, 8);
+  }
+
+  /** The figure before or after, and with `ghost` the one before behind the one after. */
+  drawScene(when, ghost) {
+    drawGrid(this);
+    if (this.show.prints) drawPrints(this, when, ghost);
+    drawChosen(this, when, ghost);
+    drawShadow(this, when);
+    if (this.show.trails) this.drawTrails(when, ghost);
+    if (ghost) this.drawGhost();
+    this.drawFigure(when);
   }
 
   joint(positions, joint) {
@@ -107,109 +170,8 @@ class Stage {
     }
   }
 
-  /** Floor squares that grow with the distance, fading out away from the target. */
-  drawGrid() {
-    const { camera, context } = this;
-    this.square = roundStep(camera.distance * 0.11);
-    const reach = 14;
-    const cx = Math.round((camera.target[0] + camera.pan[0]) / this.square);
-    const cz = Math.round((camera.target[2] + camera.pan[2]) / this.square);
-    const floor = this.motion.floor;
-    context.strokeStyle = this.theme.line;
-    context.lineWidth = 1;
-    const layers = [[], [], [], []];
-    for (let a = -reach; a <= reach; a++) {
-      for (let b = -reach; b < reach; b++) {
-        const away = Math.hypot(a, b + 0.5) / reach;
-        if (away >= 1) continue;
-        const layer = layers[Math.floor(away * 4)];
-        const [u, v, w] = [a * this.square, b * this.square, (b + 1) * this.square];
-        const [ox, oz] = [cx * this.square, cz * this.square];
-        layer.push([[ox + u, floor, oz + v], [ox + u, floor, oz + w]]);
-        layer.push([[ox + v, floor, oz + u], [ox + w, floor, oz + u]]);
-      }
-    }
-    layers.forEach((segments, k) => {
-      context.beginPath();
-      for (const [a, b] of segments) {
-        const line = camera.segment(a, b);
-        if (!line) continue;
-        context.moveTo(line[0][0], line[0][1]);
-        context.lineTo(line[1][0], line[1][1]);
-      }
-      context.globalAlpha = [1, 0.75, 0.45, 0.2][k];
-      context.stroke();
-    });
-    context.globalAlpha = 1;
-  }
-
-  /** Where each planted heel and toe stands: its way over the floor before, its place after. */
-  drawPrints() {
-    const { motion, player, theme } = this;
-    const near = 4 / motion.frameTime;
-    const thick = Math.max(1.5, Math.min(4, this.camera.focal * motion.size.height * 0.004 / this.camera.distance));
-    this.contacts.lanes.forEach((lane, k) => {
-      if (k >= motion.soles.length) return;
-      for (const contact of lane) {
-        if (wishOf(contact) === "forbid") continue;
-        const away = Math.max(contact.start - player.frame, player.frame - contact.end, 0);
-        if (away > near) continue;
-        const alpha = away === 0 ? 1 : 0.55 * (1 - away / near) + 0.1;
-        const was = this.printOf(motion.points.before, k, contact);
-        const is = this.printOf(motion.points.after, k, contact);
-        if (this.show.before) this.trace(was, theme.was, thick, { alpha });
-        this.trace(is, this.sideColor(k), thick, { alpha });
-        this.context.globalAlpha = alpha;
-        this.dot(is[is.length >> 1], thick * 1.7, this.sideColor(k), theme.stage);
-        this.context.globalAlpha = 1;
-      }
-    });
-  }
-
-  /** The plant that is looked at: its way before and after, and around its place how far viewers let it slide. */
-  drawChosen() {
-    const { selection } = this.contacts;
-    if (!selection || selection.lane >= this.motion.soles.length) return;
-    const { lane, contact } = selection;
-    const is = this.printOf(this.motion.points.after, lane, contact);
-    const [x, y, z] = is[is.length >> 1];
-    const ring = Array.from({ length: 49 }, (_, k) => {
-      const turn = (k / 48) * 2 * Math.PI;
-      return [x + NOTICED * Math.cos(turn), y, z + NOTICED * Math.sin(turn)];
-    });
-    this.trace(ring, this.theme.ink, 1.2, { dash: [3, 3] });
-    this.trace(this.printOf(this.motion.points.before, lane, contact), this.theme.was, 3);
-    this.trace(is, this.sideColor(lane), 3);
-  }
-
-  /** The way of a sole point over the floor during a contact, at the height it has on average. */
-  printOf(points, lane, contact) {
-    const { step, shown } = this.motion;
-    const first = Math.min(shown - 1, Math.ceil(contact.start / step));
-    const last = Math.max(first, Math.min(shown - 1, Math.ceil(contact.end / step) - 1));
-    const places = [];
-    for (let i = first; i <= last; i++) places.push(this.point(points, lane, i));
-    const height = places.reduce((sum, place) => sum + place[1], 0) / places.length;
-    return places.map(([x, , z]) => [x, height, z]);
-  }
-
-  drawShadow() {
-    const { motion, context, camera } = this;
-    context.beginPath();
-    for (const [a, b] of this.bones) {
-      const [p, q] = [this.joint(motion.joints.after, a), this.joint(motion.joints.after, b)];
-      const line = camera.segment([p[0], motion.floor, p[2]], [q[0], motion.floor, q[2]]);
-      if (!line) continue;
-      context.moveTo(line[0][0], line[0][1]);
-      context.lineTo(line[1][0], line[1][1]);
-    }
-    context.lineWidth = Math.max(3, Math.min(18, (camera.focal * motion.size.height * 0.03) / camera.distance));
-    context.strokeStyle = this.theme.shadow;
-    context.stroke();
-  }
-
   /** The way of each sole point through the last second. */
-  drawTrails() {
+  drawTrails(when, ghost) {
     const { motion, player, theme } = this;
     const length = Math.round(1 / (motion.frameTime * motion.step));
     const first = Math.max(0, player.index - length);
@@ -219,35 +181,35 @@ class Stage {
       return places;
     };
     motion.soles.forEach((_, lane) => {
-      if (this.show.before) this.trace(track(motion.points.before, lane), theme.was, 1.2, { dash: [4, 3], alpha: 0.8 });
-      this.trace(track(motion.points.after, lane), this.sideColor(lane), 1.5, { alpha: 0.6 });
+      if (ghost) this.trace(track(motion.points.before, lane), theme.was, 1.2, { dash: [4, 3], alpha: 0.8 });
+      this.trace(track(motion.points[when], lane), this.sideColor(lane), 1.5, { alpha: 0.6 });
     });
   }
 
   drawGhost() {
     const { motion, theme, context } = this;
     const width = Math.max(1.2, Math.min(2.4, (this.camera.focal * motion.size.height * 0.006) / this.camera.distance));
-    for (const [a, b] of this.bones) {
+    for (const [a, b] of motion.bones) {
       this.trace([this.joint(motion.joints.before, a), this.joint(motion.joints.before, b)], theme.was, width);
     }
     for (const foot of this.feet) {
-      const corners = this.footCorners(foot, motion.joints.before, motion.points.before);
+      const corners = this.footCorners(foot, "before");
       this.trace([...corners, corners[0]], theme.was, Math.max(1, width * 0.8));
     }
     context.globalAlpha = 1;
   }
 
   /** Bones and feet, the farthest first. */
-  drawFigure() {
+  drawFigure(when) {
     const { motion, camera } = this;
     const parts = [];
-    for (const [a, b] of this.bones) {
-      const [p, q] = [this.joint(motion.joints.after, a), this.joint(motion.joints.after, b)];
+    for (const [a, b] of motion.bones) {
+      const [p, q] = [this.joint(motion.joints[when], a), this.joint(motion.joints[when], b)];
       const line = camera.segment(p, q);
       if (line) parts.push({ depth: (line[0][2] + line[1][2]) / 2, draw: () => this.drawBone(line, this.sides[b]) });
     }
     for (const foot of this.feet) {
-      const corners = this.footCorners(foot, motion.joints.after, motion.points.after).map((p) => camera.project(...p));
+      const corners = this.footCorners(foot, when).map((p) => camera.project(...p));
       if (corners.every(Boolean)) parts.push({ depth: corners[0][2], draw: () => this.drawFoot(corners, foot) });
     }
     parts.sort((one, other) => other.depth - one.depth);
@@ -255,7 +217,7 @@ class Stage {
     motion.soles.forEach((_, lane) => {
       const planted = this.contacts.lanes[lane] && this.contacts.planted(lane, this.player.frame);
       const color = this.sideColor(lane);
-      const place = this.point(motion.points.after, lane);
+      const place = this.point(motion.points[when], lane);
       if (planted) this.dot(place, 5.5, color, this.theme.stage);
       else this.dot(place, 2.5, this.theme.stage, color);
     });
@@ -294,8 +256,9 @@ class Stage {
     context.stroke();
   }
 
-  footCorners(foot, positions, points) {
-    return [this.joint(positions, foot.ankle), this.point(points, foot.heel), this.point(points, foot.toe)];
+  footCorners(foot, when) {
+    const { joints, points } = this.motion;
+    return [this.joint(joints[when], foot.ankle), this.point(points[when], foot.heel), this.point(points[when], foot.toe)];
   }
 
   sideColor(lane) {

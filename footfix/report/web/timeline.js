@@ -1,10 +1,11 @@
-// The timeline: for each effector its contacts, its height and its horizontal speed, before and after.
+// The timeline: for each heel and toe its contacts and its curves, and below them the change of the knees.
 
 const LANE = 18; // heights in CSS pixels
 const HEIGHT_PLOT = 46;
 const SPEED_PLOT = 30;
 const GAP = 14;
 const RULER = 24;
+const DENSE = 0.04; // [s] a pixel from which on steps run together: then envelopes and slides are shown
 const GRIP = 7; // how near to an end of a bar a pointer has to be; twice that for a finger
 
 class Timeline {
@@ -17,7 +18,8 @@ class Timeline {
     this.draft = null; // {lane, contact, old} while a contact is dragged
     this.rows = Math.min(contacts.effectors.length, motion.soles.length);
     this.still = new Still(); // all but the playhead
-    canvas.style.height = `${RULER + this.rows * (LANE + HEIGHT_PLOT + SPEED_PLOT + GAP) + 4}px`;
+    this.knees = kneeRows(motion);
+    canvas.style.height = `${this.bottom + 4}px`;
     this.tops = this.rangeTops();
     [this.gutter, this.right] = [96, canvas.clientWidth - 12];
   }
@@ -38,7 +40,11 @@ class Timeline {
       speed: Math.max(roundStep(motion.size.height * 0.7), 2 * motion.lines.speed),
     };
     near.bottom = Math.max(low, -near.height / 4);
-    return { near, whole: { height: Math.max(high, 0.01), speed: Math.max(fast, 0.1), bottom: Math.min(low, 0) } };
+    return {
+      near,
+      whole: { height: Math.max(high, 0.01), speed: Math.max(fast, 0.1), bottom: Math.min(low, 0) },
+      slide: Math.round(3000 * NOTICED), // [mm]; longer ones are cut off, so that those near what is noticed are seen
+    };
   }
 
   // ---- places --------------------------------------------------------------------------------------
@@ -63,6 +69,26 @@ class Timeline {
 
   top(lane) {
     return RULER + lane * (LANE + HEIGHT_PLOT + SPEED_PLOT + GAP);
+  }
+
+  /** The top of a row of knees. */
+  kneeTop(row) {
+    return this.top(this.rows) + row * (KNEE_PLOT + GAP);
+  }
+
+  get bottom() {
+    return this.kneeTop(this.knees.length);
+  }
+
+  /** Whether so much time is shown that curves would be a smear. */
+  get dense() {
+    const [from, to] = this.window;
+    return ((to - from) * this.motion.frameTime) / (this.right - this.gutter) > DENSE;
+  }
+
+  /** The row of knees at a height of the canvas, or null. */
+  kneesAt(y) {
+    return this.knees[Math.floor((y - this.kneeTop(0)) / (KNEE_PLOT + GAP))] || null;
   }
 
   laneAt(y) {
@@ -139,10 +165,11 @@ class Timeline {
       context.rect(this.gutter, this.top(lane), this.right - this.gutter, LANE + HEIGHT_PLOT + SPEED_PLOT + GAP);
       context.clip();
       this.drawTints(context, theme, lane);
-      this.drawPlots(context, theme, lane);
+      drawCurves(this, context, theme, lane);
       this.drawBars(context, theme, lane);
       context.restore();
     }
+    this.knees.forEach((row, k) => drawKnees(this, context, theme, row, this.kneeTop(k)));
   }
 
   drawRuler(context, theme) {
@@ -161,7 +188,7 @@ class Timeline {
       if (x < this.right - 14) context.fillText(`${(k * step).toFixed(digits)} s`, x, 10);
       context.beginPath();
       context.moveTo(x, RULER - 8);
-      context.lineTo(x, this.top(this.rows) - GAP);
+      context.lineTo(x, this.bottom - GAP);
       context.stroke();
     }
   }
@@ -180,8 +207,11 @@ class Timeline {
     const wide = this.gutter > 90;
     context.fillText(`${Number((height * 100).toPrecision(2))} cm`, x, top + LANE + 10);
     context.fillText(wide ? "height" : "h", x, top + LANE + HEIGHT_PLOT / 2 + 6);
-    context.fillText(`${Number(speed.toPrecision(2))} m/s`, x, top + LANE + HEIGHT_PLOT + 10);
-    context.fillText(wide ? "speed" : "v", x, top + LANE + HEIGHT_PLOT + SPEED_PLOT - 5);
+    const { dense } = this;
+    const most = dense ? `${this.tops.slide} mm` : `${Number(speed.toPrecision(2))} m/s`;
+    context.fillText(most, x, top + LANE + HEIGHT_PLOT + 10);
+    const second = dense ? "slide" : "speed";
+    context.fillText(wide ? second : second[0], x, top + LANE + HEIGHT_PLOT + SPEED_PLOT - 5);
   }
 
   get axis() {
@@ -198,69 +228,6 @@ class Timeline {
       context.fillRect(a, this.top(lane) + LANE, b - a, HEIGHT_PLOT + SPEED_PLOT);
     }
     context.globalAlpha = 1;
-  }
-
-  drawPlots(context, theme, lane) {
-    const { motion } = this;
-    const { height, speed, bottom } = this.axis;
-    const top = this.top(lane) + LANE;
-    const rise = (HEIGHT_PLOT - 6) / (height - bottom);
-    const heightAt = (metres) => top + HEIGHT_PLOT - 2 - (metres - bottom) * rise;
-    const speedAt = (value) => top + HEIGHT_PLOT + SPEED_PLOT - (value * (SPEED_PLOT - 4)) / speed;
-    const rule = (y, dash, within = true) => {
-      if (!within) return;
-      context.beginPath();
-      context.moveTo(this.gutter, y);
-      context.lineTo(this.right, y);
-      context.setLineDash(dash);
-      context.strokeStyle = theme.axis;
-      context.lineWidth = 1;
-      context.stroke();
-      context.setLineDash([]);
-    };
-    rule(heightAt(0), []);
-    rule(speedAt(0), []);
-    rule(heightAt(motion.lines.height), [1, 3], motion.lines.height <= height);
-    rule(speedAt(motion.lines.speed), [1, 3], motion.lines.speed <= speed);
-    const lanes = motion.soles.length;
-    for (const when of ["before", "after"]) {
-      const color = when === "before" ? theme.was : this.color(theme, lane);
-      const points = motion.points[when];
-      const speeds = motion.speeds[when];
-      this.curve(context, (i) => heightAt(points[(i * lanes + lane) * 3 + 1] - motion.floor), color, when, top, HEIGHT_PLOT);
-      this.curve(context, (i) => speedAt(speeds[i * lanes + lane]), color, when, top + HEIGHT_PLOT, SPEED_PLOT + 2);
-    }
-  }
-
-  /** A curve over the window; where samples are closer than pixels, the range within each pixel. */
-  curve(context, y, color, when, top, tall) {
-    const { step, shown } = this.motion;
-    const first = Math.max(0, Math.floor(this.window[0] / step) - 1);
-    const last = Math.min(shown - 1, Math.ceil(this.window[1] / step) + 1);
-    context.save();
-    context.beginPath();
-    context.rect(this.gutter, top, this.right - this.gutter, tall);
-    context.clip();
-    context.beginPath();
-    const dense = (last - first) / (this.right - this.gutter) > 2;
-    let [column, low, high] = [null, 0, 0];
-    for (let i = first; i <= last; i++) {
-      const [px, py] = [this.x(i * step), y(i)];
-      if (!dense) context.lineTo(px, py);
-      else if (Math.round(px) !== column) {
-        if (column !== null) {
-          context.lineTo(column, low);
-          context.lineTo(column, high);
-        }
-        [column, low, high] = [Math.round(px), py, py];
-      } else [low, high] = [Math.min(low, py), Math.max(high, py)];
-    }
-    context.strokeStyle = color;
-    context.lineWidth = when === "before" ? 1.3 : 1.7;
-    context.lineJoin = "round";
-    context.setLineDash(when === "before" && !dense ? [4, 3] : []);
-    context.stroke();
-    context.restore();
   }
 
   drawBars(context, theme, lane) {

@@ -37,8 +37,13 @@ class Viewer {
     this.player.listeners.add(() => this.refresh());
     this.contacts.listeners.add(() => this.refresh());
     this.wireControls();
-    this.wireKeys();
+    wireKeys(this);
     this.wireLooks();
+    openPage(this);
+    addEventListener("hashchange", () => {
+      this.player.pause();
+      openPage(this);
+    });
     this.refresh();
   }
 
@@ -57,6 +62,7 @@ class Viewer {
     const { player, timeline, motion } = this;
     const [seconds, frame] = [player.seconds.toFixed(2), player.frame];
     element("time").textContent = `${seconds} s · frame ${frame} of ${motion.frames}`;
+    element("time").href = `#f=${frame}`;
     element("scrub").value = String(player.index);
     element("scrub").setAttribute("aria-valuetext", `frame ${frame}, ${seconds} seconds`);
     const play = element("play");
@@ -64,7 +70,7 @@ class Viewer {
     play.dataset.playing = String(player.playing);
     element("loop").setAttribute("aria-pressed", String(player.loop !== null));
     const at = timeline.hover || { frame: player.frame, lane: null };
-    element("readout").textContent = describe(timeline, at.frame, at.lane) + (timeline.hover ? "" : this.plantedNow());
+    element("readout").textContent = describe(timeline, at.frame, at.lane, at.knees) + (timeline.hover ? "" : this.plantedNow());
     element("square").textContent = `Floor squares: ${metres(this.stage.square)}`;
   }
 
@@ -101,6 +107,9 @@ class Viewer {
     for (const button of document.querySelectorAll("[data-show]")) {
       button.addEventListener("click", () => this.toggle(button.dataset.show));
     }
+    for (const button of document.querySelectorAll("[data-figures]")) {
+      button.addEventListener("click", () => this.showFigures(button.dataset.figures));
+    }
     act("whole", () => this.wholeFigure());
     act("zoom-in", () => this.zoomTimeline(0.5));
     act("zoom-out", () => this.zoomTimeline(2));
@@ -121,6 +130,15 @@ class Viewer {
   toggle(name) {
     const { show } = this.stage;
     show[name] = this.press(document.querySelector(`[data-show="${name}"]`), !show[name]);
+    this.refresh();
+  }
+
+  /** Shows the figure "before", "after", "both" in one place, or both "beside" each other. */
+  showFigures(which) {
+    this.stage.figures = which;
+    for (const button of document.querySelectorAll("[data-figures]")) {
+      this.press(button, button.dataset.figures === which);
+    }
     this.refresh();
   }
 
@@ -158,76 +176,27 @@ class Viewer {
     this.refresh();
   }
 
-  /** Jumps to a plant, looks at its place from close by and loops over it with a little before and after. */
-  showPlant({ effector, start, end }) {
-    const { motion, player, timeline, stage } = this;
+  /** Makes a plant the one that is looked at; gives its lane, -1 where it has none. */
+  choose({ effector, start }) {
     const lane = this.contacts.effectors.findIndex((each) => each.name === effector);
-    const around = Math.max(0.15 / motion.frameTime, 0.25 * (end - start));
-    if (lane >= 0 && lane < motion.soles.length) {
-      const middle = Math.min(motion.shown - 1, Math.round((start + end) / 2 / motion.step));
-      stage.frame(stage.point(motion.points.after, lane, middle));
-      this.contacts.select(lane, this.contacts.lanes[lane].find((each) => each.start === start) || null);
-    }
+    if (lane < 0 || lane >= this.motion.soles.length) return -1;
+    this.contacts.select(lane, this.contacts.lanes[lane].find((each) => each.start === start) || null);
+    return lane;
+  }
+
+  /** Jumps to a plant, looks at its leg from close by and loops over it with a little before and after. */
+  showPlant(plant) {
+    const { motion, player, timeline, stage } = this;
+    const { effector, start, end } = plant;
+    const second = 1 / motion.frameTime;
+    const around = Math.min(Math.max(0.15 * second, 0.25 * (end - start)), 0.5 * second);
+    const lane = this.choose(plant);
+    if (lane >= 0) stage.frame(stage.legBall(lane, start - 0.1 * second, end + 0.1 * second));
     timeline.zoomTo(start - 3 * around, end + 3 * around);
     player.loopOver({ from: start - around, to: end + around });
     player.seek(start);
     player.play();
     this.say(`${effector.replaceAll("_", " ")}, frames ${start} to ${end}, playing in a loop`);
-  }
-
-  // ---- keys ------------------------------------------------------------------------------------------
-
-  wireKeys() {
-    document.addEventListener("keydown", (event) => {
-      const { target } = event;
-      if (event.defaultPrevented || event.altKey) return;
-      if (target.closest("input:not([type=range]), select, textarea")) return;
-      if (event.ctrlKey || event.metaKey) {
-        if (event.key.toLowerCase() !== "z" || !this.timeline.editing) return;
-        if (event.shiftKey) this.contacts.redo();
-        else this.editor.undo();
-      } else if (!(target === this.stage.canvas && this.orbit.key(event)) && !this.pageKey(event)) return;
-      event.preventDefault();
-      this.refresh();
-    });
-  }
-
-  pageKey(event) {
-    const { player, motion } = this;
-    const onControl = event.target.closest("button, a, summary, input");
-    const far = event.shiftKey ? 10 : 1;
-    const keys = {
-      " ": () => player.toggle(),
-      ArrowLeft: () => player.stepBy(-far),
-      ArrowRight: () => player.stepBy(far),
-      Home: () => player.seek(0),
-      End: () => player.seek(motion.frames),
-      n: () => this.table.walk(1),
-      p: () => this.table.walk(-1),
-      l: () => this.toggleLoop(),
-      e: () => this.toggleEditing(),
-      f: () => this.toggle("follow"),
-      b: () => this.toggle("before"),
-      t: () => this.toggle("trails"),
-      1: () => this.look("front"),
-      2: () => this.look("side"),
-      3: () => this.look("top"),
-      4: () => this.look("three-quarter"),
-      0: () => this.wholeFigure(),
-      Escape: () => {
-        player.loopOver(null);
-        this.table.clear();
-        this.wholeFigure();
-      },
-      Delete: () => {
-        if (this.timeline.editing && this.contacts.selection) this.contacts.remove();
-      },
-    };
-    // Space and arrows belong to the control that has the focus.
-    if (onControl && [" ", "ArrowLeft", "ArrowRight", "Home", "End"].includes(event.key)) return false;
-    if (!(event.key in keys)) return false;
-    keys[event.key]();
-    return true;
   }
 
   /** Everything is painted anew at the next drawing. */

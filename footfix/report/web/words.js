@@ -1,16 +1,19 @@
 // What the page says in words.
 
+const OUTCOMES = { kept: "left alone", partly: "held in part", released: "let go" };
+
 /** The name of an effector as people read it. */
 function named(effector) {
   return effector.name.replaceAll("_", " ");
 }
 
 /** What the curves say at a frame, in words. */
-function describe(timeline, frame, lane) {
+function describe(timeline, frame, lane, knees = null) {
   const { motion, contacts } = timeline;
   const index = Math.max(0, Math.min(motion.shown - 1, Math.round(frame / motion.step)));
   const at = index * motion.step;
   const head = `Frame ${at}, ${(at * motion.frameTime).toFixed(2)} s`;
+  if (knees) return `${head}: ${kneesInWords(knees, index)}`;
   if (lane === null) return head;
   const lanes = motion.soles.length;
   const height = (when) => ((motion.points[when][(index * lanes + lane) * 3 + 1] - motion.floor) * 100).toFixed(1).replace("-0.0", "0.0");
@@ -26,6 +29,6 @@ function inWords(contacts, lane, frame) {
   if (wish === "forbid") return "contact forbidden";
   const certain = wish === "force" ? "forced" : `confidence ${(contact.confidence ?? 1).toFixed(2)}`;
   const fate = contacts.fate(lane, contact);
-  const slides = fate ? `, ${fate.outcome}, slides ${fate.before?.toFixed(0)} → ${fate.after?.toFixed(0)} mm` : "";
+  const slides = fate ? `, ${OUTCOMES[fate.outcome] || fate.outcome}, slides ${fate.before?.toFixed(0)} → ${fate.after?.toFixed(0)} mm` : "";
   return `planted ${contact.start}–${contact.end}, ${certain}${slides}`;
 }

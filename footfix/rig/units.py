@@ -33,7 +33,7 @@ _CLEAR = 0.25  # evidence by which one up axis must lead
 
 
 @dataclass(frozen=True)
-class Survey:
+class FileUnits:
     """What a clip in file units and axes says about its scale and its up axis.
 
     Args:
@@ -49,8 +49,8 @@ class Survey:
     origins: Mapping[str, str] = field(default_factory=dict)
 
 
-def survey(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> Survey:
-    """Finds metres per unit and the up axis of a clip.
+def infer_units(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> FileUnits:
+    """Find metres per unit and the up axis of a clip.
 
     Args:
         clip: in the units and axes of its file.
@@ -67,7 +67,7 @@ def survey(clip: Clip, params: RigParams | None = None, proper: slice | None = N
     figure = figures(seen, params, y_up=False)[0]
     unit, unit_notes, unit_origin = _unit(figure.length)
     up, up_notes = _up(seen, figure)
-    return Survey(
+    return FileUnits(
         unit_m=params.unit_m or unit,
         up=params.up or up,
         notes=(() if params.unit_m else unit_notes) + (() if params.up else up_notes),
@@ -88,7 +88,7 @@ def _unit(leg: float) -> tuple[float, tuple[Note, ...], str]:
 
 
 def _other_units(leg: float, chosen: str) -> tuple[Note, ...]:
-    """A note where a unit that was not chosen would make the figure a usual grown-up, and the chosen one does not."""
+    """Note a unit that was not chosen and would make the figure a usual grown-up, where the chosen one does not."""
     sizes = {name: leg * unit for name, unit, _, _ in _UNITS}
     usual = [name for name, size in sizes.items() if _GROWN_UP[0] <= size <= _GROWN_UP[1]]
     if not usual or chosen in usual:
@@ -108,7 +108,7 @@ def _up(seen: Sample, figure: Figure) -> tuple[str, tuple[Note, ...]]:
 
 
 def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
-    """What speaks for each axis being up: axis -> kind of evidence -> its weight.
+    """Weigh what speaks for each axis being up: axis -> kind of evidence -> its weight.
 
     Somebody upright leans 1.5 towards one axis and next to nothing towards the others, which settles it. For those
     who lie, crawl or turn cartwheels the rest has to outweigh a lean the wrong way: the lowest joint keeps to one
@@ -139,21 +139,21 @@ def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
 
 
 def _trunk(seen: Sample, figure: Figure) -> Floats:
-    """(S, 3) the middle of what is not legs."""
+    """Compute (S, 3) the middle of what is not legs."""
     legs = {joint for limb in figure.limbs for joint in seen.below(limb.branch)}
     others = [joint for joint in range(len(seen.skeleton)) if joint not in legs]
     return np.asarray(seen.places[:, others].mean(axis=1))
 
 
 def _at_rest(seen: Sample, figure: Figure) -> Floats:
-    """(3,) where the hips are from the ankles in the rest pose, in leg lengths; joints bear no turns there."""
+    """Compute (3,) where the hips are from the ankles in the rest pose, in leg lengths; joints bear no turns there."""
     bones = seen.skeleton.offsets
     spans = [-np.sum([bones[joint] for joint in limb.chain[1:]], axis=0) for limb in figure.limbs]
     return np.asarray(np.nan_to_num(np.mean(spans, axis=0)) / figure.length)
 
 
 def _ground(heights: Floats, leg: float) -> float:
-    """The height to which the lowest joint comes back most often."""
+    """Find the height to which the lowest joint comes back most often."""
     lowest = np.sort(heights.min(axis=1))
     band = 0.05 * leg
     count = np.searchsorted(lowest, lowest + band, side="right") - np.arange(len(lowest))
@@ -162,18 +162,18 @@ def _ground(heights: Floats, leg: float) -> float:
 
 
 def _steady(heights: Floats, leg: float) -> float:
-    """How steadily the lowest joint stays at one height, 0 to 1."""
+    """Measure how steadily the lowest joint stays at one height, 0 to 1."""
     low, high = np.quantile(heights.min(axis=1), [0.1, 0.9])
     return float(np.exp(-(high - low) / (0.15 * leg)))
 
 
 def _lying(heights: Floats, ground: float, leg: float) -> float:
-    """How much of the body is down on the ground, 0 to 1: all of it where somebody lies."""
+    """Measure how much of the body is down on the ground, 0 to 1: all of it where somebody lies."""
     return float((np.abs(heights - ground) < 0.2 * leg).mean())
 
 
 def vector(axis: str) -> Floats:
-    """The unit vector (3,) of an axis, "-z" for instance."""
+    """Make the unit vector (3,) of an axis, "-z" for instance."""
     unit = np.zeros(3)
     unit["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
     return unit

@@ -1,0 +1,54 @@
+"""What a command that writes files says last: what it wrote, and which page to open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from footfix.batch.task import PAGE, FileResult
+from footfix.report.text import printable
+
+
+def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: str = "", every: bool = False) -> str:
+    """One line on what was written, the clip or the folder first, ending in the page to open; "" if nothing was.
+
+    Args:
+        results: of all clips; those that an earlier run had done are counted.
+        extra: files of the whole run; a page among them is the one to open.
+        hint: said at the end, where there is no such page.
+        every: name every file, a line each.
+    """
+    whole = [str(path) for path in extra]
+    anew = [result for result in results if not result.skipped]
+    files = [*(path for result in anew for path in result.written), *whole]
+    before = len(results) - len(anew)
+    done = f"{before} {'clip was' if before == 1 else 'clips were'} done before" if before else ""
+    if not files:
+        return done
+    pages = [path for path in whole if path.endswith(".html")]
+    if len(results) == 1 and not pages:
+        pages = [path for path in results[0].written if path.endswith(PAGE)]
+    if every:
+        said = "\n".join(f"wrote {printable(path)}" for path in files)
+    elif len(results) == 1 and not whole:
+        first = _motion(results[0])
+        said = f"wrote {printable(first)}" + (f" and {len(files) - 1} more beside it" if len(files) > 1 else "")
+    else:
+        said = f"wrote {len(files)} files to {printable(_common(files))}"
+    last = f"open {printable(pages[0])}" if pages else hint
+    said = f"{done}; {said}" if done else said
+    return said + ("\n" if every and last else "; " if last else "") + last
+
+
+def _motion(result: FileResult) -> str:
+    """The corrected clip among the files of one."""
+    return next((path for path in result.written if not path.endswith((".json", ".html", ".png"))), result.written[0])
+
+
+def _common(files: Sequence[str]) -> str:
+    """The nearest folder that holds all files."""
+    folders = [Path(path).parent for path in files]
+    nearest = folders[0]
+    while not all(nearest in (folder, *folder.parents) for folder in folders) and nearest != nearest.parent:
+        nearest = nearest.parent
+    return str(nearest)

@@ -1,0 +1,70 @@
+"""Measures of a clip that was cleaned: what became of its plants, held and let go apart, and what cleaning cost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from footfix.measure.plants import NOTICED_MM
+
+
+@dataclass(frozen=True)
+class Held:
+    """The plants that cleaning held, and those it let go.
+
+    A plant is let go, wholly or in part, where holding it would cost more than its slide: no leg is so long, no knee so
+    quick. The report of the clip says why, plant by plant. Of a clip that was never cleaned all plants count as held.
+
+    Args:
+        held_slide_mm: slide of the worst plant that is held [mm].
+        held_over_21mm: plants that slide farther than viewers notice, of those that are held [share].
+        let_go: plants that were let go, wholly or in part [count].
+    """
+
+    held_slide_mm: float
+    held_over_21mm: float
+    let_go: int
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What cleaning cost: measures of the clip over those it had before; 1 where nothing is known of that.
+
+    Args:
+        jitter_ratio: jitter_100m_s3 now, over what it was [factor].
+        acceleration_ratio: peak_acceleration_m_s2 now, over what it was [factor].
+        knee_speed_ratio: peak_knee_speed_deg_s now, over what it was [factor].
+    """
+
+    jitter_ratio: float
+    acceleration_ratio: float
+    knee_speed_ratio: float
+
+
+# Each of the costs, and the measure it is of.
+COST_OF: Mapping[str, str] = {
+    "jitter_ratio": "jitter_100m_s3",
+    "acceleration_ratio": "peak_acceleration_m_s2",
+    "knee_speed_ratio": "peak_knee_speed_deg_s",
+}
+
+
+def held(slides: Sequence[float], let_go: Sequence[bool]) -> Held:
+    """Measure the held plants of a clip, and count the others.
+
+    Args:
+        slides: (N,) [mm] of each plant.
+        let_go: (N,) whether each was let go, wholly or in part.
+    """
+    kept = [slide for slide, gone in zip(slides, let_go, strict=True) if not gone]
+    over = sum(slide > NOTICED_MM for slide in kept)
+    return Held(max(kept, default=0.0), over / len(kept) if kept else 0.0, sum(let_go))
+
+
+def costs(now: Mapping[str, float | None], before: Mapping[str, float | None]) -> Costs:
+    """Hold measures of a clip, by name, against those it had before."""
+    ratios = {}
+    for name, measure in COST_OF.items():
+        was = before.get(measure) or 0.0
+        ratios[name] = float(f"{(now.get(measure) or 0.0) / was:.6g}") if was > 0.0 else 1.0
+    return Costs(**ratios)

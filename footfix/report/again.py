@@ -1,0 +1,72 @@
+"""The command that cleans a clip again from contacts that a person has edited."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from footfix.settings import Settings, flat, plain
+
+_NOT_REPEATED = ("gates", "limits", "report")  # they change nothing of how a clip is cleaned
+
+
+@dataclass(frozen=True)
+class Again:
+    """How a clip is cleaned again.
+
+    Args:
+        contacts: name of the contacts file that the edited one takes the place of, beside the page.
+        command: what to type in the folder of the page, quoted for a shell.
+    """
+
+    contacts: str
+    command: str
+
+
+def clean_again(source: Path, target: Path, contacts: Path, settings: Settings) -> Again:
+    """The command that cleans a clip again, for the folder in which its contacts file and its page lie.
+
+    It names no place of this machine but how clip and outputs lie to each other, so that it holds when all are moved.
+
+    Args:
+        source: path of the clip.
+        target: path of the corrected clip.
+        contacts: path of the contacts file.
+        settings: those that held; what differs from the defaults is repeated.
+    """
+    folder = contacts.parent
+    words = ["footfix", "clean", _seen_from(folder, source), *_where(folder, source, target)]
+    defaults = dict(flat(Settings()))
+    for path, value in flat(settings):
+        if path.split(".")[0] not in _NOT_REPEATED and value != defaults[path]:
+            words += ["--set", f"{path}={json.dumps(plain(value), ensure_ascii=False)}"]
+    words += ["--labels", contacts.name, "--force"]
+    return Again(contacts.name, quoted(words))
+
+
+def _seen_from(folder: Path, path: Path) -> str:
+    """A path relative to a folder; as it is where they lie on different drives."""
+    try:
+        return os.path.relpath(path, folder)
+    except ValueError:
+        return str(path)
+
+
+def _where(folder: Path, source: Path, target: Path) -> list[str]:
+    """The options that make the corrected clip land where it did."""
+    if os.path.realpath(source) == os.path.realpath(target):
+        return ["--in-place"]
+    if target.name == source.name:
+        return ["-o", _seen_from(folder, target.parent)]
+    beside = target.parent.resolve() == source.parent.resolve()
+    return [] if beside else ["-o", _seen_from(folder, target)]
+
+
+def quoted(words: Sequence[str]) -> str:
+    """Words as one line for the shell of this system."""
+    return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)
