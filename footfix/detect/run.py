@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.auto import AutoParams, auto
+from footfix.detect.locked import let_go
 from footfix.detect.lyard import LyardParams, lyard
 from footfix.detect.threshold import ThresholdParams, threshold
 from footfix.detect.tracks import Finding, Tracks, tracks_of
@@ -88,11 +89,12 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
     Returns:
         Contacts for each sole point of the rig, with notes on what is doubtful.
     """
-    finding = find(tracks_of(clip, rig), params)
+    tracks = tracks_of(clip, rig)
+    finding = find(tracks, params)
     # detectors answer heel, toe for each leg; the rig may list its sole points in another order
     order = [2 * sole.leg + (sole.part == "toe") for sole in rig.soles]
     confidence = None if finding.confidence is None else finding.confidence[:, order]
-    contacts = rig.no_contacts(clip).with_mask(finding.mask[:, order], confidence)
+    contacts = rig.no_contacts(clip).with_mask(let_go(finding.mask, tracks)[:, order], confidence)
     return replace(contacts, method=params.method, notes=finding.notes)
 
 
