@@ -10,7 +10,7 @@ from footfix.motion.contacts import runs
 
 _RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program
 _SHARE, _FEWEST = 0.5, 5  # of a contact's steps, and at least so many
-_SNAP = 0.0114  # [leg lengths] in one frame: 1 cm of a grown-up
+_SNAP = 0.0114  # [leg lengths] in the one frame beside the rest: 1 cm of a grown-up; a foot that lifts is slower
 
 
 def let_go(mask: Bools, tracks: Tracks) -> Bools:
@@ -37,5 +37,5 @@ def _rest(place: Floats, frame_time: float) -> tuple[int, int]:
     if len(rests) < max(_FEWEST, _SHARE * len(step)):
         return 0, len(place)
     first, last = int(rests[0]), int(rests[-1]) + 2
-    comes, goes = step[:first].max(initial=0.0) > _SNAP, step[last - 1 :].max(initial=0.0) > _SNAP
+    comes, goes = (step[at].max(initial=0.0) > _SNAP for at in (slice(max(first - 1, 0), first), slice(last - 1, last)))
     return first if comes else 0, last if goes else len(place)

@@ -89,12 +89,11 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
     Returns:
         Contacts for each sole point of the rig, with notes on what is doubtful.
     """
-    tracks = tracks_of(clip, rig)
-    finding = find(tracks, params)
+    finding = find(tracks_of(clip, rig), params)
     # detectors answer heel, toe for each leg; the rig may list its sole points in another order
     order = [2 * sole.leg + (sole.part == "toe") for sole in rig.soles]
     confidence = None if finding.confidence is None else finding.confidence[:, order]
-    contacts = rig.no_contacts(clip).with_mask(let_go(finding.mask, tracks)[:, order], confidence)
+    contacts = rig.no_contacts(clip).with_mask(finding.mask[:, order], confidence)
     return replace(contacts, method=params.method, notes=finding.notes)
 
 
@@ -109,6 +108,11 @@ def find(tracks: Tracks, params: DetectParams) -> Finding:
         )
         finding = find(replace(tracks, frame_time=1.0 / _ASSUMED), params)
         return finding._replace(notes=(*finding.notes, Note("frame-rate-implausible", text, "warning")))
+    finding = _by_method(tracks, params)
+    return finding._replace(mask=let_go(finding.mask, tracks))
+
+
+def _by_method(tracks: Tracks, params: DetectParams) -> Finding:
     if params.method == "threshold":
         return threshold(tracks, params.threshold)
     if params.method == "adaptive":
