@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.auto import AutoParams, auto
+from footfix.detect.locked import let_go
 from footfix.detect.lyard import LyardParams, lyard
 from footfix.detect.threshold import ThresholdParams, threshold
 from footfix.detect.tracks import Finding, Tracks, tracks_of
@@ -107,6 +108,11 @@ def find(tracks: Tracks, params: DetectParams) -> Finding:
         )
         finding = find(replace(tracks, frame_time=1.0 / _ASSUMED), params)
         return finding._replace(notes=(*finding.notes, Note("frame-rate-implausible", text, "warning")))
+    finding = _by_method(tracks, params)
+    return finding._replace(mask=let_go(finding.mask, tracks))
+
+
+def _by_method(tracks: Tracks, params: DetectParams) -> Finding:
     if params.method == "threshold":
         return threshold(tracks, params.threshold)
     if params.method == "adaptive":
