@@ -7,7 +7,7 @@ from pathlib import PurePath
 from typing import Any
 
 from footfix.errors import InputError
-from footfix.formats.document import open_document, repair
+from footfix.formats.document import legible, open_document, repair
 from footfix.job import placed
 from footfix.notes import Note
 from footfix.report import document as report_format
@@ -21,8 +21,9 @@ def repair_file(data: bytes, name: str, settings: Settings) -> tuple[bytes, list
     Raises:
         InputError: it can't be read.
     """
+    data, first = legible(data, name=name)
     mended, notes = repair(open_document(data, name=name, limits=settings.limits))
-    return mended, report_format.notes(notes)
+    return mended, report_format.notes((*first, *notes))
 
 
 def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from footfix.notes import Note
 from footfix.rig.crop import Crop, crop
 from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig
+from footfix.rig.rounds import Rounds, rounds_of
 from footfix.settings import Settings
 
 
@@ -67,12 +68,14 @@ class Prepared:
         clip: F frames, smoothed where its channels are to be.
         rigs: legs and soles of each figure.
         crops: the frames in which the legs of each figure move.
+        rounds: of each figure's motion where it is a cycle.
         notes: what smoothing has to tell.
     """
 
     clip: Clip
     rigs: tuple[Rig, ...]
     crops: tuple[Crop, ...]
+    rounds: tuple[Rounds | None, ...]
     notes: tuple[Note, ...] = ()
 
 
@@ -193,23 +196,30 @@ def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], proper: slice) 
 
     Args:
         clip: F frames, metres, y up.
-        settings: whether channels are smoothed.
+        settings: whether channels are smoothed, and cycles looked for.
         rigs: legs and soles of each figure.
         proper: the frames that are motion (`motion_proper`).
     """
     notes: tuple[Note, ...] = ()
     if settings.smooth.channels:
         clip, notes = smooth_clip(clip, settings.smooth, proper)
-    return Prepared(clip, tuple(rigs), tuple(crop(clip, rig, proper) for rig in rigs), notes)
+    crops = tuple(crop(clip, rig, proper) for rig in rigs)
+    rounds = tuple(
+        None if any(motion.cut) else rounds_of(clip, rig, settings.enforce.cycle)
+        for rig, motion in zip(rigs, crops, strict=True)
+    )
+    return Prepared(clip, tuple(rigs), crops, rounds, notes)
 
 
 def find_contacts(prepared: Prepared, settings: Settings) -> Contacts:
-    """Detect the contacts of all figures."""
-    clip = prepared.clip
-    return joined([
-        motion.contacts_back(detect_contacts(motion.clip(clip), rig, settings.detect))
-        for rig, motion in zip(prepared.rigs, prepared.crops, strict=True)
-    ])  # fmt: skip
+    """Detect the contacts of all figures; those of cycles on rounds laid end to end."""
+    found = []
+    for rig, motion, rounds in zip(prepared.rigs, prepared.crops, prepared.rounds, strict=True):
+        if rounds:
+            found.append(rounds.contacts_back(detect_contacts(rounds.clip, rig, settings.detect)))
+        else:
+            found.append(motion.contacts_back(detect_contacts(motion.clip(prepared.clip), rig, settings.detect)))
+    return joined(found)
 
 
 def correct(prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple[Clip, tuple[Figure, ...]]:
@@ -266,8 +276,12 @@ def measure_as_it_is(
         settings: how a ground that moves is found.
     """
     found = []
-    for rig, motion in zip(prepared.rigs, prepared.crops, strict=True):
+    for rig, motion, rounds in zip(prepared.rigs, prepared.crops, prepared.rounds, strict=True):
         within = motion.contacts(contacts.only(sole.name for sole in rig.soles))
-        ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, settings.enforce.ground))
+        params = settings.enforce.ground
+        if rounds:
+            ground = rounds.track_back(ground_of(rounds.clip, rig, rounds.contacts(within), params))
+        else:
+            ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, params))
         found.append(measure(clip, rig, motion.contacts_back(within), belt=ground))
     return tuple(found)

@@ -11,7 +11,7 @@ import numpy as np
 from footfix.enforce import ground as grounds
 from footfix.enforce import pins as pinning
 from footfix.enforce.correction import Correction, apply
-from footfix.enforce.cycle import Cycle, find_cycle, solved_as_cycle
+from footfix.enforce.cycle import correction_back, cycle_note, plants_back
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.leg import (
@@ -38,6 +38,7 @@ from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
 from footfix.rig.rig import Rig
+from footfix.rig.rounds import Rounds, rounds_of
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
 _SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
@@ -139,14 +140,12 @@ def enforce(
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
     """
+    by_paper = params.method == "root" or params.solver != "whole_clip"
+    rounds = None if by_paper or any(cut) else rounds_of(clip, rig, params.cycle)
+    if rounds:
+        return _as_cycle(rounds, rig, contacts, params)
     task = _task(clip, rig, contacts, params)
-    if params.method == "root" or params.solver != "whole_clip":
-        done, after = _by_paper(clip, rig, task, params)
-    else:
-        cycle = _cycle(clip, rig, task, params, cut)
-        if cycle:
-            task = replace(task, notes=(*task.notes, _cycle_note(cycle, clip)))
-        done, after = _by_least_squares(clip, rig, task, params, cut, cycle)
+    done, after = (_by_paper if by_paper else _by_least_squares)(clip, rig, task, params, cut)
     plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
 
@@ -189,7 +188,9 @@ def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Ta
     return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)
 
 
-def _by_paper(clip: Clip, rig: Rig, task: Task, params: EnforceParams) -> tuple[Correction, list[CorrectedLeg]]:
+def _by_paper(
+    clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]
+) -> tuple[Correction, list[CorrectedLeg]]:
     """The correction by a paper's own way, and the legs as it leads them."""
     way: Callable[..., Correction]
     own: GlardonParams | KimNeffParams | LyardRootParams
@@ -226,7 +227,7 @@ def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
 
 
 def _by_least_squares(
-    clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool], cycle: Cycle | None
+    clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]
 ) -> tuple[Correction, list[CorrectedLeg]]:
     """The correction by one least squares over the whole clip, and the legs as it leads them."""
     problem = problem_of(clip, rig, task, params, cut)
@@ -234,7 +235,7 @@ def _by_least_squares(
     x = np.zeros((problem.unknowns, len(clip)))
     wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
     if wanted and len(clip) >= _FEWEST:
-        x = _faded(solved_as_cycle(problem, cycle, solve) if cycle else solve(problem), problem)
+        x = _faded(solve(problem), problem)
     x = params.strength * x
     less = (params.strength - 1.0) * task.lift * np.array([[0.0], [1.0], [0.0]])  # the legs are raised by all of it
     after = [CorrectedLeg.of_state(leg, x[:3] + less, x[own]) for leg, own in zip(task.legs, columns, strict=True)]
@@ -242,20 +243,15 @@ def _by_least_squares(
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
 
 
-def _cycle(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Cycle | None:
-    """The clip's round, where it is a cycle or said to be one."""
-    if params.cycle == "no" or any(cut) or len(clip) < _FEWEST:
-        return None
-    found = find_cycle(clip, rig, task.pose)
-    return found or (Cycle(len(clip) - 1, 0.0) if params.cycle == "yes" else None)
-
-
-def _cycle_note(cycle: Cycle, clip: Clip) -> Note:
-    text = (
-        f"the clip is a cycle of {cycle.frames * clip.frame_time:.2f} s: its last frame leads to the first, and the "
-        "correction is closed at the seam (enforce.cycle=no leaves it open)"
+def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
+    """The enforcement of a cycle, on rounds of it laid end to end."""
+    found = enforce(rounds.clip, rig, rounds.contacts(contacts), replace(params, cycle="no"))
+    return Enforcement(
+        plants_back(found.plants, rounds, contacts, rig),
+        correction_back(found.correction, rounds),
+        (*rounds.notes_back(found.notes), cycle_note(rounds)),
+        rounds.track_back(found.ground),
     )
-    return Note("cycle", text)
 
 
 def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:

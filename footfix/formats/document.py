@@ -1,7 +1,7 @@
 """The seam between files and clips: what the rest of the house asks of a file of motion, whatever its format.
 
 A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
-`footfix.formats.suffixes`.
+`footfix.formats.suffixes`; it may have `legible`, too.
 """
 
 from __future__ import annotations
@@ -75,6 +75,18 @@ def open_document(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> D
     """
     document: Document = _format(name).decode(data, name=name, limits=limits)
     return document
+
+
+def legible(data: bytes, *, name: str = "") -> tuple[bytes, tuple[Note, ...]]:
+    """Put right what keeps a file from being read at all, with a note for each change; most formats know nothing such.
+
+    Args:
+        data: the file.
+        name: what it is called.
+    """
+    known = getattr(_format(name), "legible", None)
+    mended: tuple[bytes, tuple[Note, ...]] = known(data) if known else (data, ())
+    return mended
 
 
 def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tuple[bytes, Clip]:

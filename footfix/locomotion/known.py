@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.enforce.cycle import find_cycle
 from footfix.enforce.run import pose_of
 from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
+from footfix.rig.cycle import find_cycle
 from footfix.rig.rig import Rig
 
 _TURNED = 1e-4  # [rad] what three decimals of a degree leave, and their sum over a few axes

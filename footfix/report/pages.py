@@ -66,7 +66,7 @@ def redraw(
     report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
     again: Again | None = None,
 ) -> dict[str, bytes]:  # fmt: skip
-    """The pages of a clip that was cleaned before.
+    """Draw the pages of a clip whose report is there already.
 
     Args:
         report: its report document.

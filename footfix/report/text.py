@@ -42,7 +42,7 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
     lines += [f"  {line}" for line in loop_lines(report)]
     rows = [row for row in measure_rows(report) if row.headline or verbose]
     if max(verdict.worst_before, verdict.worst_after) >= 0.5:
-        lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm")
+        lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm{_travel(report)}")
     if verbose:
         width = max((len(row.label) for row in rows), default=0)
         lines += [f"  {row.label:<{width}}  {row.before:>8} -> {row.after:>8} {_unit(row)}" for row in rows]
@@ -100,3 +100,12 @@ def _unit(row: Row) -> str:
 def printable(text: str) -> str:
     """Text from a stranger's file without control characters, so that it can't drive a terminal."""
     return "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in text)
+
+
+def _travel(report: Report) -> str:
+    """How far the plants come from first to last frame, which a drift makes longer than any slide from the middle."""
+    far = [
+        max((number(plant.get(f"travel_{when}_mm")) or 0.0 for plant in entries(report, "plants")), default=0.0)
+        for when in ("before", "after")
+    ]
+    return f", longest travel first to last {far[0]:.0f} -> {far[1]:.0f} mm" if any(far) else ""

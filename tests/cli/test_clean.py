@@ -16,9 +16,11 @@ from walker_plan import Gait
 
 from footfix.formats.bvh import decode
 from footfix.formats.contacts import Labels
+from footfix.inspection import inspect_file
 from footfix.job import Outputs, clean_file, read
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, runs
+from footfix.report.inspection import describe
 from footfix.settings import ReportParams, Settings
 
 SETTINGS = Settings(report=ReportParams(kind="json"))
@@ -150,6 +152,19 @@ def test_two_figures_in_one_file_are_both_cleaned_as_each_alone() -> None:
     motions = [each.motion.decode().split("MOTION\n")[1].splitlines()[2:] for each in (outputs, *alone)]
     rows = [[line.split() for line in lines] for lines in motions]
     assert rows[0] == [a + b for a, b in zip(rows[1], rows[2], strict=True)]
+
+
+def test_inspect_lists_every_figure_of_a_file() -> None:
+    first = exports.bvh(walker(60).clip)
+    second = exports.bvh(artefacts.turned(walker(60, 2).clip, 0.4, (2.0, 1.0)))
+    found = inspect_file(side_by_side(first, second), "two.bvh", SETTINGS)
+    told = describe(found)
+    assert len(found["figures"]) == 2
+    for number, figure in enumerate(found["figures"], start=1):
+        assert f"figure {number}: 2 legs of {figure['leg_length_m']:.3f} m" in told
+        for leg in figure["legs"]:
+            assert f"{leg['name']} leg: {leg['hip']} > {leg['knee']} > {leg['ankle']} > {leg['toe']}" in told
+    assert "figure" not in describe(inspect_file(first, "one.bvh", SETTINGS))
 
 
 # ---- nothing to do, and doing it twice --------------------------------------------------------------

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.errors import InputError
+from footfix.formats.bvh.glued import apart, said
 from footfix.formats.bvh.numbers import foreign, number, tokens, words
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor, Notes, readable
@@ -26,6 +27,7 @@ def read_ragged(cursor: Cursor, layouts: list[int], declared: int | None) -> Row
     starts, ends = tokens(text, start, stop)
     values, strange = _numbers(text, starts, ends)
     line = _lines(text, starts, start, stop)
+    _refuse_glued(cursor, starts, ends, line, strange, layouts)
     keep = _keep_rows(cursor, starts, ends, line, strange)
     stop = start if not len(starts) else stop
     firsts, counts = _line_counts(line, keep)
@@ -107,6 +109,26 @@ def _lines(text: bytes, starts: Ints, start: int, stop: int) -> Ints:
     raw = np.frombuffer(text, np.uint8, stop - start, start)
     breaks = np.flatnonzero((raw == ord("\n")) | (raw == ord("\r"))) + start
     return np.asarray(np.searchsorted(breaks, starts))
+
+
+def _refuse_glued(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange: Bools, layouts: list[int]) -> None:
+    """Refuse numbers that run together, in lines that are rows when they are put apart.
+
+    Raises:
+        InputError: there are such.
+    """
+    counts = np.bincount(line) if strange.any() else np.zeros(0, dtype=np.intp)
+    more = np.zeros_like(counts)
+    first: dict[int, int] = {}
+    for k in np.flatnonzero(strange).tolist():
+        extra = len(apart(cursor.text[starts[k] : ends[k]])) - 1
+        if extra:
+            more[line[k]] += extra
+            first.setdefault(int(line[k]), k)
+    for at, k in first.items():
+        if counts[at] + more[at] in layouts:
+            what, hint = said(cursor.text[starts[k] : ends[k]])
+            raise cursor.fail(what, at=int(starts[k]), hint=hint)
 
 
 def _keep_rows(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange: Bools) -> Bools:

@@ -162,13 +162,19 @@ def _plant_row(plant: Report, longest: float) -> str:
         f'<tr data-effector="{text(effector)}" data-start="{start}" data-end="{end}">'
         f'<th scope="row" class="{side}"><button type="button">{name(effector.replace("_", " "))}</button></th>'
         f'<td data-value="{start}">{start}–{end}</td>'
-        f"<td>{_figure(before)}</td><td>{_figure(after)}</td>"
+        f"<td{_travel(plant, 'before')}>{_figure(before)}</td><td{_travel(plant, 'after')}>{_figure(after)}</td>"
         f'<td class="slide" data-value="{after or 0.0:.3f}">{bars(before, after, longest)}</td>'
         f'<td class="target">{_figure(number(plant.get("residual_mm")))}</td>'
         f'<td class="floor">{_figure(number(plant.get("penetration_after_mm")))}</td>'
         f'<td class="word became" title="{text(meaning)}">{text(words.outcome(outcome))}'
         f"{f'<small>{text(reason)}</small>' if reason else ''}</td></tr>"
     )
+
+
+def _travel(plant: Report, when: str) -> str:
+    """What is shown beside a slide where one points at it: the way from the first frame to the last."""
+    far = number(plant.get(f"travel_{when}_mm"))
+    return "" if far is None else f' title="{far:.1f} mm from its first frame to its last"'
 
 
 def _figure(value: float | None) -> str:

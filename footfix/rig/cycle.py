@@ -1,0 +1,108 @@
+"""Clips that are cycles: the last frame leads to the first, moved on by the travel of one round.
+
+Steps of a cycle are done on several rounds of it laid end to end (see `rounds.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints, take_frames
+from footfix.motion.kinematics import Pose
+from footfix.rig.rig import Rig
+
+_SAME = 0.3  # of the clip's usual step, root mean square over the joints: poses that differ by less are one
+_ALIKE = 0.45  # the same of two steps, one of them over the seam: the feet of a cycle that was cut by hand may jerk
+_MOVES = 0.2  # of the usual step: less than this at the seam is a pause, not a stride
+_TILT = 3.0  # [degrees] by which the root may lean otherwise
+_HEIGHT = 0.02  # [leg lengths] by which its height may differ
+_EQUAL = 2e-4  # [rad, leg lengths] frames that differ by less are the same to the digits of a file
+_LONGEST = 12.0  # [s] of one round, or where the first frame stands at the end once more,
+_LONGEST_SAME = 120.0  # [s]
+_FEWEST = 8  # frames of one round
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One round of a cycle.
+
+    Args:
+        frames: of one round; the clip has one more where its last frame repeats the first.
+        yaw: [rad] by which a round turns the figure.
+    """
+
+    frames: int
+    yaw: float
+
+
+def may_be_cycle(clip: Clip) -> bool:
+    """Whether a clip is neither too short nor too long for one round."""
+    return len(clip) >= _FEWEST and len(clip) * clip.frame_time <= _LONGEST_SAME
+
+
+def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
+    """Find whether a clip is a cycle.
+
+    Its last frame is the first one, moved over the floor and turned about the vertical; or a step before that, and
+    the figure steps on as it does in the steps beside. It moves at the seam, since two pauses are no cycle, unless
+    the two frames are the same to the digit.
+
+    Args:
+        clip: F frames.
+        rig: its root.
+        pose: of the clip, with the root.
+    """
+    frames = len(clip)
+    if not may_be_cycle(clip) or _tilt(pose.rotation(rig.root)[[0, -1]]) > np.radians(_TILT):
+        return None
+    above = clip.skeleton.ancestors(rig.root)
+    joints = [joint for joint in range(len(clip.skeleton)) if joint not in above]
+
+    def step(a: Ints, b: Ints) -> Floats:  # (n, J, 3) [rad]
+        before, after = (np.stack([take_frames(clip.turn(joint), at) for joint in joints], axis=1) for at in (a, b))
+        return rotation.to_rotation_vector(rotation.multiply(rotation.inverse(before), after))
+
+    every = np.arange(0, frames - 1, 1 if frames * clip.frame_time <= _LONGEST else 1 + frames // 200)
+    usual = _size(step(every, every + 1))
+    first, last, over = step(np.array([0, frames - 2, frames - 1]), np.array([1, frames - 1, 0]))
+    height, turn = pose.position(rig.root)[:, 1], pose.rotation(rig.root)
+    low, yaw = _HEIGHT * rig.leg_length, _yaw(turn)
+    if usual < 1e-6:
+        return None
+    if _size(over) < _EQUAL and abs(height[-1] - height[0]) < _EQUAL * rig.leg_length:
+        return Cycle(frames - 1, yaw)
+    if frames * clip.frame_time > _LONGEST or min(_size(first), _size(last)) < _MOVES * usual:
+        return None
+    if _size(over) < _SAME * usual and abs(height[-1] - height[0]) < low:
+        return Cycle(frames - 1, yaw)
+    beside = 0.5 * (first + last)
+    rise = 0.5 * (height[1] - height[0] + height[-1] - height[-2])
+    if _size(over - beside) < _ALIKE * usual and abs(height[0] - height[-1] - rise) < low:
+        return Cycle(frames, yaw + 0.5 * (_yaw(turn[:2]) + _yaw(turn[-2:])))
+    return None
+
+
+def said_to_be_one(pose: Pose, rig: Rig) -> Cycle:
+    """The cycle of a clip whose last frame is said to be the first of the next round."""
+    return Cycle(len(pose.positions) - 1, _yaw(pose.rotation(rig.root)))
+
+
+def _size(turns: Floats) -> float:
+    """[rad] root mean square of rotation vectors (..., 3)."""
+    return float(np.sqrt(np.mean(np.sum(turns**2, axis=-1))))
+
+
+def _tilt(turns: Floats) -> float:
+    """[rad] by which the vertical of the last of some frames (n, 4) differs from the first's."""
+    up = rotation.rotate(rotation.inverse(turns), np.array([0.0, 1.0, 0.0]))
+    return float(np.arccos(np.clip(up[0] @ up[-1], -1.0, 1.0)))
+
+
+def _yaw(turns: Floats) -> float:
+    """[rad] about the vertical from the first to the last of some frames (n, 4)."""
+    q = rotation.multiply(turns[-1], rotation.inverse(turns[0]))
+    yaw = 2.0 * np.arctan2(q[1], q[3])
+    return float(yaw - 2.0 * np.pi * np.round(yaw / (2.0 * np.pi)))
