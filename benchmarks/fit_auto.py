@@ -4,7 +4,7 @@
 
 TRUTH is a folder of clips with a `NAME.truth.json` each (contacts that force plates measured). With --cross the
 takes are split by subject into five parts, each judged by what was fitted to the other four; with --write what
-was fitted to all of them is written to footfix/detect/fitted.py. Both need some minutes. The result is the
+was fitted to all of them is written to footfix/detect/fitted.txt. Both need some minutes. The result is the
 same on every run: all chance comes from fixed seeds.
 """
 
@@ -17,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 from detection import Table, quicker, truths
-from fit_network import Batch, FitParams, Moments, fit_by_committee, module, rounded
+from fit_network import Batch, FitParams, Moments, fit_by_committee, rounded, table
 from fit_takes import Take, made, recorded
 from fit_timing import Moments as Events
-from fit_timing import fit_timing, lines, moments
+from fit_timing import fit_timing, moments
 from fit_variants import variant
 
 from footfix.detect.auto import AutoParams, auto
@@ -31,7 +31,7 @@ FOLDS = 5
 QUICKER = 1.7  # how much faster runs are judged once more: as fast as sprints, 0.12 to 0.18 s a stance
 VARIANTS = 8  # of each recorded take; the first is as recorded, and one in six is without toe joints
 WALKERS, WALKER_VARIANTS, WALKER_WEIGHT = 300, 2, 0.25
-FITTED = Path(__file__).resolve().parent.parent / "footfix" / "detect" / "fitted.py"
+FITTED = Path(__file__).resolve().parent.parent / "footfix" / "detect" / "fitted.txt"
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,17 +98,17 @@ def timing_without(part: int | None, all_of: list[tuple[Events, Events]]) -> Tim
 def cross_validated(folder: Path) -> Table:
     """Each take judged by what has not seen its subject."""
     all_of, all_events = pieces(folder), events(folder)
-    table = Table()
+    scores = Table()
     for part in range(FOLDS):
         network, timing = fitted_without(part, all_of), timing_without(part, all_events)
         for _, subject, truth, tracks in truths(folder):
             if fold(subject) == part:
-                table.add(truth, auto(tracks, AutoParams(), network, timing), tracks.frame_time)
+                scores.add(truth, auto(tracks, AutoParams(), network, timing), tracks.frame_time)
                 if truth.kind.startswith("run"):
                     truth, tracks = quicker(truth, tracks, QUICKER)
-                    table.add(truth, auto(tracks, AutoParams(), network, timing), tracks.frame_time)
+                    scores.add(truth, auto(tracks, AutoParams(), network, timing), tracks.frame_time)
         print(f"part {part + 1} of {FOLDS} judged", flush=True)
-    return table
+    return scores
 
 
 def main() -> None:
@@ -128,7 +128,7 @@ def main() -> None:
             "several variants."
         )
         network, timing = fitted_without(None, all_of), timing_without(None, events(asked.truth))
-        FITTED.write_bytes(module(network, lines(timing), said).encode())
+        FITTED.write_bytes(table(network, timing, said).encode())
 
 
 if __name__ == "__main__":

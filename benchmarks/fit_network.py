@@ -1,4 +1,4 @@
-"""Fits the network of `footfix.detect.network` by gradient descent, and writes its numbers as a module.
+"""Fits the network of `footfix.detect.network` by gradient descent, and writes its numbers as a table.
 
 The truth says of a moment which states a foot may be in: plates know only that some part of it stands, a made
 walker knows which. So the loss of a moment is minus the logarithm of the probability of all allowed states.
@@ -11,10 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from footfix.detect.evidence import COLUMNS
+from footfix.detect.fitted import PARTS, TEN_THOUSANDTHS, THOUSANDTHS
 from footfix.detect.network import Network
+from footfix.detect.timing import Timing
 
 Batch = NDArray[np.float32]
 
@@ -186,71 +188,27 @@ def rounded(network: Network) -> Network:
     return replace(network, **{name: np.round(getattr(network, name), 3) for name in names})
 
 
-def module(network: Network, timing: list[str], said: str) -> str:
-    """The text of `footfix/detect/fitted.py`.
+def table(network: Network, timing: Timing, said: str) -> str:
+    """The text of `footfix/detect/fitted.txt`, which `footfix.detect.fitted` reads.
 
     Args:
-        network: what to write.
-        timing: the lines that hold what tells when feet land and leave.
-        said: a sentence on what it was fitted to.
+        network, timing: what to write.
+        said: lines on what they were fitted to.
     """
 
-    def numbers(array: NDArray[np.float64]) -> list[str]:
-        rows = np.atleast_2d(np.round(1e3 * array).astype(int)).tolist()
-        return [" ".join(f"{v:5d}" for v in row) for row in rows]
+    def section(name: str, array: ArrayLike, scale: float = THOUSANDTHS) -> list[str]:
+        rows = np.atleast_2d(np.round(scale * np.asarray(array)).astype(int)).tolist()
+        return [f"[{name}]", *(" ".join(f"{v:5d}" for v in row) for row in rows)]
 
-    lines = [
-        '"""The numbers that detection uses, in thousandths. Written by benchmarks/fit_auto.py.',
-        "",
-        said,
-        '"""',
-        "",
-        "from __future__ import annotations",
-        "",
-        "import numpy as np",
-        "",
-        "from footfix.detect.network import Network",
-        "from footfix.detect.timing import Line, Timing",
-        "from footfix.motion.clip import Floats",
-        "",
-        f"TAPS = {network.taps}  # [0.01 s]",
-        "",
-        "# Tables are text, which is read in no time; of numbers, Python would make a program first.",
-        "# Of each kind of evidence: its mean and spread, then for each tap what it says to each hidden unit.",
-        "HIDDEN = {",
-    ]
+    lines = ["# Written by benchmarks/fit_auto.py.", *(f"# {line}" for line in said.splitlines())]
+    lines += section("taps", network.taps, 1.0)
     for e, name in enumerate(COLUMNS):
-        mean, spread = (round(1e3 * float(each[e])) for each in (network.mean, network.spread))
-        lines.append(f'    "{name}": ({mean}, {spread}, """')
-        lines += numbers(network.hidden[:, e])
-        lines.append('"""),')
-    lines.append("}")
-    for label, array in (
-        ("HIDDEN_BIAS", network.hidden_bias), ("MIXING", network.mixing), ("MIXING_BIAS", network.mixing_bias),
-        ("ANSWER", network.answer), ("ANSWER_BIAS", network.answer_bias),
-    ):  # fmt: skip
-        lines += [f'{label} = """', *numbers(array), '"""']
-    lines += [
-        "",
-        "",
-        "def _table(text: str) -> Floats:",
-        '    """A table of thousandths."""',
-        "    return 1e-3 * np.array([row.split() for row in text.split(\"\\n\") if row], dtype=np.float64)",
-        "",
-        "",
-        "_hidden = list(HIDDEN.values())",
-        "NETWORK = Network(",
-        "    taps=TAPS,",
-        "    mean=1e-3 * np.array([mean for mean, _, _ in _hidden]),",
-        "    spread=1e-3 * np.array([spread for _, spread, _ in _hidden]),",
-        "    hidden=np.array([_table(text) for _, _, text in _hidden]).swapaxes(0, 1),",
-        "    hidden_bias=_table(HIDDEN_BIAS)[0],",
-        "    mixing=_table(MIXING),",
-        "    mixing_bias=_table(MIXING_BIAS)[0],",
-        "    answer=_table(ANSWER),",
-        "    answer_bias=_table(ANSWER_BIAS)[0],",
-        ")",
-        *timing,
-        "",
-    ]
-    return "\n".join(lines)
+        lines += section(f"{name}: mean, spread", [network.mean[e], network.spread[e]])
+        lines += section(f"{name}: hidden", network.hidden[:, e])
+    for part in PARTS:
+        lines += section(part, getattr(network, part))
+    for name, line in (("landing", timing.landing), ("leaving", timing.leaving)):
+        lines += section(f"{name}: taps", line.taps, 1.0)
+        lines += section(f"{name}: weights", line.weights, TEN_THOUSANDTHS)
+        lines += section(f"{name}: bias, farthest", [line.bias, line.farthest], TEN_THOUSANDTHS)
+    return "\n".join([*lines, ""])

@@ -119,18 +119,3 @@ def _line(all_of: Sequence[Moments], farthest: float) -> Line:
     weights = MICRO * np.round(slopes / MICRO)
     bias = float(MICRO * np.round((usual - mean @ weights) / MICRO))
     return Line(all_of[0].taps, weights, bias, farthest)
-
-
-def lines(timing: Timing) -> list[str]:
-    """The lines of `footfix/detect/fitted.py` that hold it."""
-    out = ["", "# How much later than a moment a foot lands and leaves [us], by braking and tipping around then."]
-    out.append("TIMING = Timing(")
-    for name, line in (("landing", timing.landing), ("leaving", timing.leaving)):
-        weights = ", ".join(str(round(float(weight) / MICRO)) for weight in line.weights)
-        out += [
-            f"    {name}=Line(",
-            f"        taps={line.taps}, weights=1e-4 * np.array(({weights})),",
-            f"        bias=1e-4 * {round(line.bias / MICRO)}, farthest={line.farthest},",
-            "    ),",
-        ]
-    return [*out, ")"]

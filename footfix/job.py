@@ -121,7 +121,7 @@ def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None)
 
 def clean_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
-    again: Again | None = None,
+    again: Again | None = None, leave: str = "",
 ) -> Outputs:  # fmt: skip
     """Clean one clip.
 
@@ -132,6 +132,7 @@ def clean_file(
         labels: contacts given by hand.
         output: the name of the corrected file, for the report.
         again: how the clip is cleaned again from edited contacts, for its page.
+        leave: why the clip stays as it is, if it does: it is what a cleaning made, and `labels` are its contacts.
 
     Raises:
         InputError: the clip can't be used; says why.
@@ -141,10 +142,14 @@ def clean_file(
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
         return _too_short(data, document, source, settings, output)
+    if leave:
+        settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
         prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper), proper)
+        if leave:
+            prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
         contacts = find_contacts(prepared, settings, labels)
-        corrected, figures = correct(prepared, contacts, settings)
+        corrected, figures = correct(prepared, contacts, settings, leave=bool(leave))
         # the file, and what it says when it is read again
         written, reread = rewrite(document, corrected, limits=settings.limits)
     results = measure_figures(clip, reread, figures)

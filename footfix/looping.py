@@ -17,6 +17,7 @@ from footfix.formats.document import Document, rewrite, select
 from footfix.job import Outputs, Status, about, contacts_json, find_contacts, read, source_entry
 from footfix.locomotion.loop import Loop, as_round
 from footfix.motion.contacts import Contacts
+from footfix.motion.doubled import Doubled
 from footfix.motion.leadin import motion_proper
 from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
@@ -64,12 +65,14 @@ def loop_file(
         # the file, and what it says when it is read again
         written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
     cycle = as_round(reread, loop.rig, loop.travel, settings.loop)
-    figure = Figure(loop.rig, loop.contacts, loop.contacts, loop.plants, loop.correction, loop.ground, loop.notes)
+    every = Doubled(np.arange(len(cycle)), len(cycle))
+    contacts = loop.contacts
+    figure = Figure(loop.rig, contacts, contacts, loop.plants, loop.correction, loop.ground, every, loop.notes)
     (result,) = measure_figures(loop.captured, cycle, (figure,))
     status: Status = "unchanged" if written == data else "cleaned"
     source = source_entry(data, name, clip)
     report = _report(document, loop, result, settings, source=source, status=status, output=output)
-    contacts = _contacts(loop.contacts, len(reread))
+    contacts = _contacts(contacts, len(reread))
     made = {**source, "sha256": hashlib.sha256(written).hexdigest(), "frames": len(reread)}
     made["file"] = PurePath(output).name if output else source["file"]
     contacts_file = contacts_json(contacts, made, report["rig"], settings)

@@ -13,16 +13,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from footfix.detect.run import detect_contacts
+from footfix.detect.run import detect_over
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.put_back import put_back
+from footfix.enforce.put_back import put_back, repeated
 from footfix.enforce.run import enforce, ground_of
 from footfix.locomotion.loop import Loop, make_loop
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts, joined
+from footfix.motion.doubled import Doubled, doubled
 from footfix.motion.leadin import motion_proper
 from footfix.motion.smoothing import smooth_clip
 from footfix.notes import Note
@@ -68,13 +69,15 @@ class Prepared:
         clip: F frames, smoothed where its channels are to be.
         rigs: legs and soles of each figure.
         crops: the frames in which the legs of each figure move.
+        doubles: which of these repeat the one before.
         rounds: of each figure's motion where it is a cycle.
-        notes: what smoothing has to tell.
+        notes: what smoothing, and frames that are repeated, have to tell.
     """
 
     clip: Clip
     rigs: tuple[Rig, ...]
     crops: tuple[Crop, ...]
+    doubles: tuple[Doubled, ...]
     rounds: tuple[Rounds | None, ...]
     notes: tuple[Note, ...] = ()
 
@@ -90,6 +93,7 @@ class Figure:
         plants: what became of each of these.
         correction: what was changed.
         ground: (F, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
+        thin: which frames of the clip repeat the one before, and are not measured.
         notes: what the steps have to tell.
     """
 
@@ -99,6 +103,7 @@ class Figure:
     plants: tuple[Footplant, ...]
     correction: Correction
     ground: Floats
+    thin: Doubled
     notes: tuple[Note, ...]
 
 
@@ -201,46 +206,53 @@ def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], proper: slice) 
         proper: the frames that are motion (`motion_proper`).
     """
     notes: tuple[Note, ...] = ()
+    crops = tuple(crop(clip, rig, proper) for rig in rigs)
+    doubles = tuple(doubled(motion.clip(clip)) for motion in crops)
     if settings.smooth.channels:
         clip, notes = smooth_clip(clip, settings.smooth, proper)
-    crops = tuple(crop(clip, rig, proper) for rig in rigs)
     rounds = tuple(
-        None if any(motion.cut) else rounds_of(clip, rig, settings.enforce.cycle)
-        for rig, motion in zip(rigs, crops, strict=True)
+        None if any(motion.cut) else rounds_of(thin.clip(clip), rig, settings.enforce.cycle)
+        for rig, motion, thin in zip(rigs, crops, doubles, strict=True)
     )
-    return Prepared(clip, tuple(rigs), crops, rounds, notes)
+    for thin in doubles:
+        notes += thin.notes(clip)
+    return Prepared(clip, tuple(rigs), crops, doubles, rounds, notes)
 
 
 def find_contacts(prepared: Prepared, settings: Settings) -> Contacts:
     """Detect the contacts of all figures; those of cycles on rounds laid end to end."""
-    found = []
-    for rig, motion, rounds in zip(prepared.rigs, prepared.crops, prepared.rounds, strict=True):
-        if rounds:
-            found.append(rounds.contacts_back(detect_contacts(rounds.clip, rig, settings.detect)))
-        else:
-            found.append(motion.contacts_back(detect_contacts(motion.clip(prepared.clip), rig, settings.detect)))
-    return joined(found)
+    figures = zip(prepared.rigs, prepared.crops, prepared.doubles, prepared.rounds, strict=True)
+    return joined([
+        motion.contacts_back(detect_over(motion.clip(prepared.clip), rig, settings.detect, thin, rounds))
+        for rig, motion, thin, rounds in figures
+    ])  # fmt: skip
 
 
-def correct(prepared: Prepared, contacts: Contacts, settings: Settings) -> tuple[Clip, tuple[Figure, ...]]:
+def correct(
+    prepared: Prepared, contacts: Contacts, settings: Settings, *, leave: bool = False
+) -> tuple[Clip, tuple[Figure, ...]]:  # fmt: skip
     """Take the foot skate out of every figure: one after the other, since each has legs and a root of its own.
 
     Args:
         prepared: the clip and its figures.
         contacts: of all figures.
         settings: how contacts are enforced.
+        leave: whether every plant stays as it is.
 
     Returns:
         The clip with all figures corrected, and what became of each.
     """
     clip, figures = prepared.clip, []
-    for rig, motion in zip(prepared.rigs, prepared.crops, strict=True):
+    for rig, motion, thin in zip(prepared.rigs, prepared.crops, prepared.doubles, strict=True):
         own = contacts.only(sole.name for sole in rig.soles)
         within = motion.contacts(own)
-        found = put_back(enforce(motion.clip(clip), rig, within, settings.enforce, cut=motion.cut), clip, motion)
+        distinct = thin.clip(motion.clip(clip))
+        done = enforce(distinct, rig, thin.contacts(within), settings.enforce, cut=motion.cut, leave=leave)
+        found = put_back(repeated(done, thin), clip, motion)
         notes = (*rig.notes, *prepared.notes, *own.notes, *found.notes)
         planted = motion.contacts_back(within)
-        figures.append(Figure(rig, own, planted, found.plants, found.correction, found.ground, notes))
+        measured = thin.among(motion.start, len(clip))
+        figures.append(Figure(rig, own, planted, found.plants, found.correction, found.ground, measured, notes))
         clip = apply(clip, found.correction)
     return clip, tuple(figures)
 
@@ -255,8 +267,10 @@ def measure_figures(before: Clip, after: Clip, figures: Sequence[Figure]) -> tup
     """
     results = []
     for each in figures:
-        was = measure(before, each.rig, each.planted, belt=each.ground)
-        now = was if after is before else measure(after, each.rig, each.planted, belt=each.ground)
+        thin = each.thin
+        planted, ground = thin.contacts(each.planted), thin.track(each.ground)
+        was = measure(thin.clip(before), each.rig, planted, belt=ground)
+        now = was if after is before else measure(thin.clip(after), each.rig, planted, belt=ground)
         results.append(Result(
             clip=after, rig=each.rig, contacts=each.contacts, plants=each.plants, correction=each.correction,
             before=was[0], after=now[0], plants_before=was[1], plants_after=now[1], notes=each.notes,
@@ -276,12 +290,15 @@ def measure_as_it_is(
         settings: how a ground that moves is found.
     """
     found = []
-    for rig, motion, rounds in zip(prepared.rigs, prepared.crops, prepared.rounds, strict=True):
+    figures = zip(prepared.rigs, prepared.crops, prepared.doubles, prepared.rounds, strict=True)
+    for rig, motion, thin, rounds in figures:
         within = motion.contacts(contacts.only(sole.name for sole in rig.soles))
-        params = settings.enforce.ground
+        params, distinct = settings.enforce.ground, thin.contacts(within)
         if rounds:
-            ground = rounds.track_back(ground_of(rounds.clip, rig, rounds.contacts(within), params))
+            ground = rounds.track_back(ground_of(rounds.clip, rig, rounds.contacts(distinct), params))
         else:
-            ground = motion.track_back(ground_of(motion.clip(prepared.clip), rig, within, params))
-        found.append(measure(clip, rig, motion.contacts_back(within), belt=ground))
+            ground = ground_of(thin.clip(motion.clip(prepared.clip)), rig, distinct, params)
+        measured, planted = thin.among(motion.start, len(clip)), motion.contacts_back(within)
+        ground = measured.track(motion.track_back(thin.track_back(ground)))
+        found.append(measure(measured.clip(clip), rig, measured.contacts(planted), belt=ground))
     return tuple(found)

@@ -264,3 +264,20 @@ def test_the_largest_joint_change_is_named() -> None:
     assert document.corrections([nothing], clip) == document.NO_CORRECTION
     both = document.corrections([nothing, change], clip)
     assert both == entry
+
+
+@pytest.mark.parametrize("times", [2, 3])
+def test_frames_that_are_repeated_are_cleaned_as_if_they_were_not(times: int) -> None:
+    clip = artefacts.wander(make(Gait(fps=30.0, duration=3.0)).clip, 0.05)
+    long = replace(clip.frames(np.repeat(np.arange(len(clip)), times)), frame_time=clip.frame_time / times)
+    rig = find_rig(clip)
+    one, other = (pipeline.clean(each, rig=rig) for each in (clip, long))
+    assert "frames-doubled" in {note.id for note in other.notes} - {note.id for note in one.notes}
+    for effector, again in zip(one.contacts.effectors, other.contacts.effectors, strict=True):
+        assert [(times * c.start, times * c.end) for c in effector.contacts] == [
+            (c.start, c.end) for c in again.contacts
+        ]
+    for k in range(times):
+        assert np.allclose(other.clip.rotations[k::times], one.clip.rotations, atol=1e-6)
+        assert np.array_equal(other.clip.rotations[k::times], other.clip.rotations[::times])
+    assert other.after.slide_mm == pytest.approx(one.after.slide_mm, abs=0.01)

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePath
 from typing import Any
 
-from footfix.batch.files import STDIN
-from footfix.batch.task import REPORT, FileResult, Task
+from footfix.batch.cleanings import contacts_of, report_beside
+from footfix.batch.task import FileResult, Task
 from footfix.errors import UsageError
 from footfix.formats.contacts import Labels
 from footfix.meanings import Meaning, meanings
 from footfix.measure.cleaned import COST_OF, Costs, Held, costs, held
 from footfix.measure.clip import WORLD, Measures
 from footfix.measure.plants import NOTICED_MM
-from footfix.motion.contacts import Contact
 from footfix.settings import suggest
 
 # Every measure that may be gated, with its meaning and unit, from where it is defined.
@@ -86,7 +83,7 @@ def check(task: Task, data: bytes) -> FileResult:
     given = {**task.settings.gates, **task.extra.get("gates", {})}
     gates = given or {name: gate.most for name, gate in DEFAULTS.items()}
     known(gates)
-    report = _report_beside(task)
+    report = report_beside(task)
     before, labels = _cleaning(task, report)
     entry, measures, notes, plants = measure_file(data, source, task.settings, labels=task.labels or labels)
     plants = [{**plant, **fate} for plant, fate in zip(plants, _fates(report, plants), strict=True)]
@@ -125,29 +122,13 @@ def _why(measure: str, plants: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     return {"why": f"{counted}; {place}" + (f", {worst['let_go']}" if worst["let_go"] else "")}
 
 
-def _report_beside(task: Task) -> Mapping[str, Any]:
-    """The report of the cleaning that a clip came from, where it lies beside it; nothing elsewhere."""
-    if task.job.source == STDIN:
-        return {}
-    path = Path(task.folder, task.job.source)
-    stem = path.name.removesuffix(path.suffix)
-    for name in dict.fromkeys((stem, stem.removesuffix(".clean"))):
-        try:
-            report: Any = json.loads(path.with_name(name + REPORT).read_bytes())
-        except (OSError, ValueError):
-            continue
-        if isinstance(report, dict) and report.get("output") == PurePath(path).name and report.get("before"):
-            return {**report, "file": name + REPORT}
-    return {}
-
-
 def _cleaning(
     task: Task, report: Mapping[str, Any]
 ) -> tuple[Mapping[str, float | None] | None, Labels | None]:  # fmt: skip
     """Measures of the clip before it was cleaned, and its contacts."""
     if not report:
         return None, None
-    return report["before"], None if task.extra.get("anew") else _held(report, str(report["file"]))
+    return report["before"], None if task.extra.get("anew") else contacts_of(report)
 
 
 def _fates(report: Mapping[str, Any], plants: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
@@ -159,20 +140,6 @@ def _fates(report: Mapping[str, Any], plants: Sequence[Mapping[str, Any]]) -> li
             why = f": {each['reason']}" if each.get("reason") else ""
             fates[each.get("effector"), each.get("start"), each.get("end")] = words[each["outcome"]] + why
     return [{"let_go": fates.get((p["effector"], p["start"], p["end"]), "")} for p in plants]
-
-
-def _held(report: Mapping[str, Any], name: str) -> Labels | None:
-    """The plants that cleaning found of each effector, as labels."""
-    held: dict[str, tuple[Contact, ...]] = {}
-    try:
-        for plant in report["plants"]:
-            contact = Contact(int(plant["start"]), int(plant["end"]))
-            held[str(plant["effector"])] = (*held.get(str(plant["effector"]), ()), contact)
-    except (KeyError, TypeError, ValueError):
-        return None
-    rigs = report.get("figures") or [report.get("rig") or {}]
-    names = [str(sole["name"]) for rig in rigs for sole in rig.get("soles", ())]
-    return Labels({each: held.get(each, ()) for each in names}, source=name)
 
 
 def _no_reference(wanted: list[str]) -> dict[str, Any]:

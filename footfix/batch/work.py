@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from footfix.batch.cleanings import contacts_of, its_own
 from footfix.batch.files import STDIN, read_whole, sync_folder, write_whole
 from footfix.batch.outputs import is_within
 from footfix.batch.task import CONTACTS, REPORT, FileResult, Task, beside
@@ -110,7 +111,15 @@ def _clean(task: Task) -> FileResult:
     if job.target is not None and job.source != STDIN:
         here = Path(task.folder)
         again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
-    return _made(task, partial(clean_file, again=again))
+
+    def make(data: bytes, name: str, settings: Settings, *, labels: Labels | None, output: str | None) -> Outputs:
+        own, leave = its_own(task, data), ""
+        if own is not None:
+            labels = contacts_of(own)
+            leave = f"footfix wrote this file, as {own['file']} says, so it stays as it is; --anew cleans it again"
+        return clean_file(data, name, settings, labels=labels, output=output, again=again, leave=leave)
+
+    return _made(task, make)
 
 
 def _loop(task: Task) -> FileResult:
@@ -134,7 +143,7 @@ def _made(task: Task, make: Callable[..., Outputs], what: str = "") -> FileResul
         return done
     output = None if job.target is None else job.target.name
     outputs = make(data, job.source, task.settings, labels=task.labels, output=output)
-    report = {**outputs.report, "fingerprint": key}
+    report = {**outputs.report, "fingerprint": key, "output_sha256": hashlib.sha256(outputs.motion).hexdigest()}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
     _write(task, files)
     return FileResult(

@@ -66,6 +66,7 @@ class Whole:
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @click.option("--resume", is_flag=True, help="Go on with an interrupted run: leave what is done already.")
+@click.option("--anew", is_flag=True, help="Clean even files that footfix wrote, as a report beside them says.")
 @click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
 @click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
               help="How failures are told.")  # fmt: skip
@@ -73,8 +74,8 @@ class Whole:
 @shared
 def clean(
     src: tuple[str, ...], output: Path | None, in_place: bool, method: str | None, given: Given,
-    report: str | None, png: bool, dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many,
-    common: Common,
+    report: str | None, png: bool, dry_run: bool, force: bool, resume: bool, anew: bool, junit: Path | None, style: str,
+    many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Take the foot skate out of clips.
 
@@ -94,14 +95,14 @@ def clean(
         options.setdefault("report", {})["png"] = True
     return cleaned(
         src, output=output, in_place=in_place, options=options, given=given, dry_run=dry_run, force=force,
-        resume=resume, junit=junit, style=style, many=many, common=common,
+        resume=resume, anew=anew, junit=junit, style=style, many=many, common=common,
     )  # fmt: skip
 
 
 def cleaned(
     src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], given: Given,
     dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many, common: Common,
-    work: Callable[[Task], FileResult] = clean_one, ending: str = "clean",
+    work: Callable[[Task], FileResult] = clean_one, ending: str = "clean", anew: bool = False,
 ) -> int:  # fmt: skip
     """Settle inputs and outputs, run, and sum up; the same for every command that makes a clip of each clip.
 
@@ -112,6 +113,7 @@ def cleaned(
         given: contacts that were given.
         many, common: which inputs, on what, and how much is told.
         work: what makes the outputs of a task.
+        anew: whether clips that a cleaning wrote are worked on again.
         ending: of the names of outputs beside their input, and of the command in JUnit.
     """
     if output is not None and in_place:
@@ -131,7 +133,7 @@ def cleaned(
         raise UsageError("--json and a clip on standard output exclude each other; say where the clip goes with -o")
     few = len(jobs) == 1 or common.as_json
     tasks = [
-        replace(task, dry_run=dry_run, resume=resume and not force, keep_report=few, tag=many.tag,
+        replace(task, extra={"anew": anew}, dry_run=dry_run, resume=resume and not force, keep_report=few, tag=many.tag,
                 wrote=past.hashes.get(task.job.name, {}) if task.job.name in past.begun else None)
         for task in tasks_for(jobs, found, config, given)
     ]  # fmt: skip

@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from footfix.detect import fitted
 from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
-from footfix.detect.fitted import NETWORK, TIMING
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.path import masks, resting, stretches
+from footfix.detect.stepping import SteppingParams, stepping
 from footfix.detect.timing import Timing, timed
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
@@ -27,6 +28,7 @@ class AutoParams:
         rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
         highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
         steep: [leg lengths] of height beyond it for each nat that standing costs.
+        stepping: when a foot that looks planted steps.
         kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """
@@ -36,17 +38,18 @@ class AutoParams:
     rise: float = 0.01
     highest: float = 0.065
     steep: float = 0.005
+    stepping: SteppingParams = field(default_factory=SteppingParams)
     kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
 
 PARTS, WAYS = ("heel", "toe"), ("ahead", "behind")
 CHUNK = 12_000  # grid steps that are weighed at a time, which bounds memory
-_MARGIN = 200  # grid steps beyond a chunk that its evidence may depend on
+_MARGIN = 250  # grid steps beyond a chunk that its evidence may depend on
 
 
 def auto(
-    tracks: Tracks, params: AutoParams, network: Network = NETWORK, timing: Timing = TIMING
+    tracks: Tracks, params: AutoParams, network: Network | None = None, timing: Timing | None = None
 ) -> Finding:
     """Contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip.
 
@@ -54,12 +57,13 @@ def auto(
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
     """
     sampled = resample(tracks)
-    answers = logits(sampled, params, network)
+    answers = logits(sampled, params, fitted.network() if network is None else network)
+    when = fitted.timing() if timing is None else timing
     per_frame = tracks.frame_time / STEP
     columns: list[Bools] = []
     sure: list[Floats] = []
     for k, (foot, answer) in enumerate(zip(tracks.feet, answers, strict=True)):
-        plants = timed(stretches(answer, params.switch, params.roll), sampled, k, timing)
+        plants = timed(stretches(answer, params.switch, params.roll), sampled, k, when)
         heel, toe = masks(plants, len(tracks), per_frame)
         for part, point in ((heel, foot.heel), (toe, foot.toe)):
             down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)
@@ -82,8 +86,9 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
     answers: list[list[Floats]] = [[] for _ in sampled.tracks.feet]
     for first in range(0, steps, chunk):
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
-        for k, curves in enumerate(evidence(sampled, slice(low, high))):
-            answer = grounded(network.logits(curves), curves, params)
+        part = slice(low, high)
+        alone = tuple(grounded(network.logits(curves), curves, params) for curves in evidence(sampled, part))
+        for k, answer in enumerate(stepping(alone, sampled, part, params.stepping)):
             answers[k].append(answer[first - low : first - low + chunk])
     return tuple(np.concatenate(answer) for answer in answers)
 

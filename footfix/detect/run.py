@@ -14,9 +14,11 @@ from footfix.detect.threshold import ThresholdParams, threshold
 from footfix.detect.tracks import Finding, Tracks, tracks_of
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
+from footfix.motion.doubled import Doubled, doubled
 from footfix.notes import Note
 from footfix.rig.crop import crop
 from footfix.rig.rig import Rig
+from footfix.rig.rounds import Rounds, rounds_of
 
 Method = Literal["auto", "threshold", "adaptive", "lyard"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -54,7 +56,25 @@ def detect(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Conta
         Contacts for each sole point of the rig, with notes on what is doubtful.
     """
     motion = crop(clip, rig)
-    return motion.contacts_back(detect_contacts(motion.clip(clip), rig, params))
+    own = motion.clip(clip)
+    thin = doubled(own)
+    rounds = None if any(motion.cut) else rounds_of(thin.clip(own), rig, "find")
+    return motion.contacts_back(detect_over(own, rig, params, thin, rounds))
+
+
+def detect_over(clip: Clip, rig: Rig, params: DetectParams, thin: Doubled, rounds: Rounds | None) -> Contacts:
+    """Find the contacts of a clip that is all motion on the frames that are not repeated, and of a cycle on rounds.
+
+    Args:
+        clip: F frames in metres, y up.
+        rig: its legs and sole points.
+        params: which detector.
+        thin: which of its frames repeat the one before.
+        rounds: of the others, where the clip is a cycle.
+    """
+    if rounds:
+        return thin.contacts_back(rounds.contacts_back(detect_contacts(rounds.clip, rig, params)))
+    return thin.contacts_back(detect_contacts(thin.clip(clip), rig, params))
 
 
 def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Contacts:

@@ -9,6 +9,9 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, frozen
 from footfix.motion.kinematics import forward
+from footfix.rig.followers import Follower
+
+_NOTHING = 1e-9  # [m, rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,12 +24,14 @@ class Correction:
         joints: the joints whose rotations are replaced.
         rotations: (F, len(joints), 4) xyzw their new local rotations; where nothing is to change, the very
             numbers of the clip, so that what did not need changing stays the same to the digit.
+        followers: joints outside the legs that go along with a foot.
     """
 
     root: int
     root_shift: Floats
     joints: tuple[int, ...]
     rotations: Floats
+    followers: tuple[Follower, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("root_shift", "rotations"):
@@ -46,4 +51,27 @@ def apply(clip: Clip, correction: Correction) -> Clip:
         places[correction.root] = np.array(clip.place(correction.root), order="F")
         places[correction.root][moved] += shift
     turns = {joint: correction.rotations[:, k] for k, joint in enumerate(correction.joints)}
-    return clip.with_joints(places, turns) if places or turns else clip
+    corrected = clip.with_joints(places, turns) if places or turns else clip
+    for follower in correction.followers if places or turns else ():
+        corrected = _led_along(clip, corrected, follower)
+    return corrected
+
+
+def _led_along(before: Clip, after: Clip, follower: Follower) -> Clip:
+    """The corrected clip with a joint where it was before in the frame of its foot, in frames in which it is not."""
+    joint, foot = follower.joint, follower.foot
+    parent = int(after.skeleton.parents[joint])
+    was = forward(before, sorted({joint, foot}))
+    now = forward(after, sorted({joint, foot, *({parent} - {-1})}))
+    turn = rotation.multiply(now.rotation(foot), rotation.inverse(was.rotation(foot)))
+    place = now.position(foot) + rotation.rotate(turn, was.position(joint) - was.position(foot))
+    turned = rotation.multiply(turn, was.rotation(joint)) if follower.turns else was.rotation(joint)
+    off = np.linalg.norm(place - now.position(joint), axis=1) > _NOTHING
+    twisted = rotation.angle(rotation.multiply(rotation.inverse(turned), now.rotation(joint))) > _NOTHING
+    if parent >= 0:
+        back = rotation.inverse(now.rotation(parent))
+        place, turned = rotation.rotate(back, place - now.position(parent)), rotation.multiply(back, turned)
+    places = np.where(off[:, None], place, after.place(joint))
+    turns = np.where(twisted[:, None], turned, after.turn(joint))
+    able = after.skeleton.rotates[joint] and np.any(twisted)
+    return after.with_joints({joint: places} if np.any(off) else {}, {joint: turns} if able else {})

@@ -181,8 +181,18 @@ def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, par
         if len(leg.points) > 2:
             frames = flat if np.any(flat) else on[k, 1] if np.any(on[k, 1]) else np.ones_like(flat)
             tips[k] = np.median(leg.place(TIP)[1, frames])
-    heights = tuple(float(rest[p.effector]) if abs(own[p.id] - rest[p.effector]) < near else own[p.id] for p in plants)
+    heights = tuple(_height(own[p.id], float(rest[p.effector]), nominal(rig, p.effector), near) for p in plants)
     return Floors(rest, tips, heights)
+
+
+def _height(own: float, rest: float, floor: float, near: float) -> float:
+    """[m] the height a plant stands at: its own on a step, the usual one of its joint near that.
+
+    Where a joint usually is below the rig's floor, no plant that came in higher is drawn below the floor with it.
+    """
+    if abs(own - rest) >= near:
+        return own
+    return max(rest, min(own, floor))
 
 
 def nominal(rig: Rig, effector: int) -> float:
@@ -335,7 +345,7 @@ def pins(
     """
     own = [plant for plant in plants if plant.leg == k]
     effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
-    step = _floor_steps(own, floors, len(leg.flexion))
+    step = _floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
     found: list[Pins] = []
     for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
         part = POINTS[min(point, TOE)]
@@ -403,7 +413,8 @@ def _pins(
         slip[1] = np.diff(track[1])
     if not leg.turns:  # the root is not to follow a leg that can't
         hold[:] = draw[:] = placed[:] = 0.0
-    lowest = np.minimum(track[1], rest + step - params.sink * rig.leg_length)
+    usual = rest if point == TIP else max(rest, nominal(rig, own[0].effector)) if own else rest
+    lowest = np.minimum(track[1], usual + step - params.sink * rig.leg_length)
     unsure = [p for p in own if not (keep[p.id] or p.force or by_hand[p.id]) and p.end - p.start >= 2]
     spans = tuple((p.start, p.end) for p in unsure)
     return Pins(hold, slip, stand, level, draw, lowest, place, placed, spans)
@@ -425,10 +436,11 @@ def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParam
     return ramp
 
 
-def _floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int) -> Floats:
+def _floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
     """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
     step = np.zeros(frames)
-    by_plant = sorted((p.start, p.end, floors.plants[p.id] - floors.rest[p.effector]) for p in plants)
+    steps = [floors.plants[p.id] - floors.rest[p.effector] for p in plants]
+    by_plant = sorted((p.start, p.end, up if abs(up) >= near else 0.0) for p, up in zip(plants, steps, strict=True))
     if not by_plant:
         return step
     known = np.full(frames, np.nan)

@@ -11,6 +11,7 @@ from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import Enforcement
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
+from footfix.motion.doubled import Doubled
 from footfix.rig.crop import Crop
 
 _REST = 1e-3  # [rad] root mean square over the joints: frames that differ by less are the same pose
@@ -39,6 +40,31 @@ def put_back(found: Enforcement, clip: Clip, crop: Crop) -> Enforcement:
         notes=crop.notes_back(found.notes),
         ground=crop.track_back(found.ground),
     )
+
+
+def repeated(found: Enforcement, thin: Doubled) -> Enforcement:
+    """Put an enforcement of the frames that are not repeated back among all: what was the same stays the same.
+
+    Args:
+        found: on the frames that `thin` keeps.
+        thin: which frames those are.
+    """
+    if not thin:
+        return found
+    shift, rotations = (thin.track_back(each) for each in (found.correction.root_shift, found.correction.rotations))
+    return replace(
+        found,
+        plants=tuple(_repeated(plant, thin) for plant in found.plants),
+        correction=replace(found.correction, root_shift=shift, rotations=rotations),
+        notes=thin.notes_back(found.notes),
+        ground=thin.track_back(found.ground),
+    )
+
+
+def _repeated(plant: Footplant, thin: Doubled) -> Footplant:
+    """The plant over all frames."""
+    held = tuple((thin.first(start), thin.first(end)) for start, end in plant.held)
+    return replace(plant, start=thin.first(plant.start), end=thin.first(plant.end), held=held)
 
 
 def _moved(plant: Footplant, by: int) -> Footplant:

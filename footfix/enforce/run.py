@@ -37,6 +37,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
+from footfix.rig.followers import Follower, find_followers
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 
@@ -126,8 +127,9 @@ class Task:
 
 
 def enforce(
-    clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, *, cut: tuple[bool, bool] = (False, False)
-) -> Enforcement:
+    clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams, *, cut: tuple[bool, bool] = (False, False),
+    leave: bool = False,
+) -> Enforcement:  # fmt: skip
     """Hold the plants of a clip where they are planted.
 
     Args:
@@ -136,18 +138,35 @@ def enforce(
         contacts: when each sole point is planted; the effectors in the order of `rig.soles`.
         params: method and measures.
         cut: whether frames of a T-pose were cut off before the first frame, and after the last.
+        leave: whether every plant stays as it is: the clip is what enforcement made of another.
 
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
     """
+    if leave:
+        params = replace(params, method="ik", solver="whole_clip", heights="keep", style=StyleParams())
     by_paper = params.method == "root" or params.solver != "whole_clip"
     rounds = None if by_paper or any(cut) else rounds_of(clip, rig, params.cycle)
     if rounds:
-        return _as_cycle(rounds, rig, contacts, params)
+        return _as_cycle(rounds, rig, contacts, params, leave)
     task = _task(clip, rig, contacts, params)
+    if leave:
+        stays = tuple(replace(plant, asked=None, force=False) for plant in task.plants)
+        task = replace(task, plants=stays, keep=(True,) * len(stays))
     done, after = (_by_paper if by_paper else _by_least_squares)(clip, rig, task, params, cut)
+    followers = find_followers(clip, rig)
+    done = replace(done, followers=followers)
+    task = replace(task, notes=(*task.notes, *_followers_note(followers, clip)))
     plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
+
+
+def _followers_note(followers: Sequence[Follower], clip: Clip) -> tuple[Note, ...]:
+    names = tuple(clip.skeleton.names[each.joint] for each in followers)
+    if not names:
+        return ()
+    be = "a joint outside the legs is" if len(names) == 1 else f"{len(names)} joints outside the legs are"
+    return (Note("followers", f"{be} where the feet are, and will go along: {', '.join(names)}", joints=names),)
 
 
 def pose_of(clip: Clip, rig: Rig) -> Pose:
@@ -243,9 +262,9 @@ def _by_least_squares(
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
 
 
-def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams) -> Enforcement:
+def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams, leave: bool) -> Enforcement:
     """The enforcement of a cycle, on rounds of it laid end to end."""
-    found = enforce(rounds.clip, rig, rounds.contacts(contacts), replace(params, cycle="no"))
+    found = enforce(rounds.clip, rig, rounds.contacts(contacts), replace(params, cycle="no"), leave=leave)
     return Enforcement(
         plants_back(found.plants, rounds, contacts, rig),
         correction_back(found.correction, rounds),

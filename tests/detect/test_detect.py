@@ -15,7 +15,7 @@ from walker_plan import Gait
 import footfix
 from footfix.detect.auto import AutoParams, logits
 from footfix.detect.evidence import resample
-from footfix.detect.fitted import NETWORK
+from footfix.detect.fitted import network
 from footfix.detect.run import METHODS, DetectParams, Method, detect
 from footfix.detect.tracks import tracks_of
 from footfix.formats import bvh
@@ -215,7 +215,7 @@ def test_chunks_change_nothing() -> None:
     clip = walk("turn").clip
     sampled = resample(tracks_of(clip, find_rig(clip)))
     for whole, parts in zip(
-        logits(sampled, AutoParams(), NETWORK), logits(sampled, AutoParams(), NETWORK, chunk=70), strict=True
+        logits(sampled, AutoParams(), network()), logits(sampled, AutoParams(), network(), chunk=70), strict=True
     ):
         assert parts == pytest.approx(whole, abs=1e-9)
 

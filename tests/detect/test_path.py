@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from footfix.detect import path
 from footfix.detect.evidence import COLUMNS, STEP, catmull_rom, evidence, floors, resample
-from footfix.detect.fitted import NETWORK
+from footfix.detect.fitted import network
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Floats
@@ -91,13 +91,14 @@ def test_a_part_that_does_not_rise_between_two_contacts_of_a_plant_never_left() 
 def test_the_network_is_what_its_numbers_say() -> None:
     random = np.random.default_rng(0)
     seen = random.normal(size=(50, len(COLUMNS)))
-    answer = NETWORK.logits(seen)
+    fitted = network()
+    answer = fitted.logits(seen)
     for t in (0, 20, 49):
-        z = (seen - NETWORK.mean) / NETWORK.spread
-        rows = z[np.clip(t + np.array(NETWORK.taps), 0, 49)]  # (taps, columns)
-        first = np.tanh(np.einsum("te,teh->h", rows, NETWORK.hidden) + NETWORK.hidden_bias)
-        second = np.tanh(first @ NETWORK.mixing + NETWORK.mixing_bias)
-        logits = second @ NETWORK.answer + NETWORK.answer_bias
+        z = (seen - fitted.mean) / fitted.spread
+        rows = z[np.clip(t + np.array(fitted.taps), 0, 49)]  # (taps, columns)
+        first = np.tanh(np.einsum("te,teh->h", rows, fitted.hidden) + fitted.hidden_bias)
+        second = np.tanh(first @ fitted.mixing + fitted.mixing_bias)
+        logits = second @ fitted.answer + fitted.answer_bias
         assert answer[t] == pytest.approx(logits - np.log(np.exp(logits).sum()))
     assert np.exp(answer).sum(axis=1) == pytest.approx(1.0)
 

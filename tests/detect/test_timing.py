@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from footfix.detect.evidence import STEP, Sampled
-from footfix.detect.fitted import TIMING
+from footfix.detect.fitted import timing
 from footfix.detect.network import FLAT, HEEL, TOE
 from footfix.detect.path import Stretch
 from footfix.detect.timing import SHARE, Line, Timing, braking, seen, timed, tipping
@@ -83,7 +83,7 @@ def test_stretches_keep_their_order_and_plants_move_by_a_share_of_their_time(see
     every = [Stretch(a, b, part) for (a, b), part in zip(pairwise(edges), 4 * (HEEL, FLAT, TOE), strict=False)]
     plants = [every[0:2], every[3:6], every[7:8], every[9:11]]  # what lies between them is a swing
     found = [stretch for plant in plants for stretch in plant]
-    after = timed(found, wild, 0, TIMING)
+    after = timed(found, wild, 0, timing())
     assert [stretch.state for stretch in after] == [stretch.state for stretch in found]
     assert all(one.end <= other.start for one, other in pairwise(after))
     assert all(stretch.start <= stretch.end for stretch in after)
@@ -107,8 +107,8 @@ def test_a_plant_starts_when_the_foot_is_braked_and_ends_when_it_tips() -> None:
 
 def test_what_the_clip_cuts_stays_cut() -> None:
     cut = [Stretch(-np.inf, np.inf, FLAT)]
-    assert timed(cut, sampled(np.zeros(100)), 0, TIMING) == cut
-    assert timed([], sampled(np.zeros(100)), 0, TIMING) == []
+    assert timed(cut, sampled(np.zeros(100)), 0, timing()) == cut
+    assert timed([], sampled(np.zeros(100)), 0, timing()) == []
 
 
 def test_a_curve_is_seen_between_its_steps() -> None:

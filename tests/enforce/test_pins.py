@@ -375,3 +375,23 @@ def test_what_is_let_slide_is_neither_held_nor_drawn() -> None:
     assert not laid_out(made, contacts_of(made, left_toe=spans), keep=True)[0][TOE].spans
     by_hand = contacts_of(made, "labels", left_toe=[Contact(10, 40)])
     assert not laid_out(made, by_hand)[0][TOE].spans
+
+
+def test_where_feet_usually_are_below_the_floor_none_is_drawn_there_that_came_in_higher() -> None:
+    made = still()
+    leg = made.rig.leg_length
+    down = np.zeros((FRAMES, 3))
+    down[30:, 1] = -0.03 * leg  # most of the time
+    lowered = moved(made, down)
+    rig = made.rig
+    contacts = contacts_of(lowered, left_heel=[Contact(0, 30, 0.9), Contact(30, FRAMES, 0.9)])
+    plants, _ = footplants(contacts, rig, lowered.legs, PARAMS)
+    found = pinning.floors(plants, lowered.legs, rig, PARAMS)
+    heel = next(e for e, sole in enumerate(rig.soles) if sole.name == "left_heel")
+    own = [float(np.median(lowered.legs[0].place(HEEL)[1, p.frames])) for p in plants]
+    assert found.rest[heel] == pytest.approx(own[1]) and own[1] < nominal(rig, heel) - 0.02 * leg
+    assert found.plants == pytest.approx((min(own[0], nominal(rig, heel)), own[1]))
+    pin = laid_out(lowered, contacts)[0][HEEL]
+    sink = PARAMS.sink * leg
+    assert np.all(pin.lowest[:30] >= min(own[0], nominal(rig, heel)) - sink - 1e-9)
+    assert np.all(pin.lowest[30:] <= lowered.legs[0].place(HEEL)[1, 30:] + 1e-12)

@@ -1,0 +1,145 @@
+"""Feet that step though they look planted: what a foot does by itself is no skate.
+
+Skate is common to the figure: a root that drifts, or whose way is scaled, takes every planted foot along, and so
+does a treadmill. Two planted feet therefore go the same way at the same speed, whatever the root does. Where two
+feet that look planted part, one of them steps: the one that is the faster over the floor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from footfix.detect.evidence import STEP, Sampled, floors
+from footfix.detect.network import HEEL, SWING
+from footfix.detect.tracks import Foot
+from footfix.motion.clip import Floats
+from footfix.motion.smoothing import savgol
+
+WINDOW = 0.09  # [s] over which velocities are taken
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteppingParams:
+    """When two feet that look planted part.
+
+    Args:
+        parting: [leg lengths/s] at which two feet of a figure that stands still part as likely as not.
+        travel: how much more for each leg length/s at which the pelvis travels over the foot that stands.
+        noise: how much more for each leg length/s at which the foot moves where it rests, within some time
+            before or after, whichever is worse: on a belt and in clips that shake feet are never still.
+        rest: [s] that such a rest lasts at least.
+        within: [s] that it is looked for, before and after.
+        sharp: how steeply the odds rise with the speed; they are its power.
+    """
+
+    parting: float = 0.08
+    travel: float = 0.8
+    noise: float = 4.0
+    rest: float = 0.12
+    within: float = 2.0
+    sharp: float = 6.0
+
+
+def stepping(
+    answers: tuple[Floats, ...], sampled: Sampled, part: slice, params: SteppingParams
+) -> tuple[Floats, ...]:
+    """The log probabilities (n, 4) of each foot, given what the other of its pair does.
+
+    Two planted feet part with a probability a, by their speeds; it is this foot that steps with a probability r, by
+    which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and
+    the other's q.
+    """
+    feet = sampled.tracks.feet
+    pelvis = _velocity(sampled.tracks.pelvis[part, ::2])
+    each = [velocities(foot, part) for foot in feet]
+    speeds = [slowest(velocity) for velocity in each]
+    planted = [-np.expm1(answer[:, SWING]) for answer in answers]
+    unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
+    out = []
+    for k, mate in enumerate(sampled.mates):
+        if mate == k:
+            out.append(answers[k])
+            continue
+        travel = _to_segment(pelvis, each[mate])
+        even = params.parting + params.travel * travel + params.noise * resting_speed(speeds[k], params)
+        parts = _probability(params.sharp * _log_ratio(parting(each[k], each[mate]), even))
+        faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
+        steps = _probability(faster + unlikely[k] - unlikely[mate])
+        out.append(_stands(answers[k], planted[mate] * parts * steps))
+    return tuple(out)
+
+
+def _log_ratio(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.log(np.maximum(a, 1e-6)) - np.log(np.maximum(b, 1e-6)))
+
+
+def resting_speed(speed: Floats, params: SteppingParams) -> Floats:
+    """(n,) at most how fast a foot of some speed (n,) is while it rests, before or after, whichever is worse.
+
+    Where a clip ends too soon for a rest before or after, the other one says; infinite where there is neither.
+    """
+    steps = max(round(params.rest / STEP), 1)
+    if len(speed) <= steps:
+        return np.full_like(speed, np.inf)
+    # the highest speed within a rest that starts at each step, and one that ends there
+    starts = np.concatenate([sliding_window_view(speed, steps).max(axis=1), np.full(steps - 1, np.inf)])
+    ends = np.concatenate([np.full(steps - 1, np.inf), starts[: 1 - steps]])
+    ahead, behind = floors(starts, params.within)[0], floors(ends, params.within)[1]
+    worse = np.maximum(ahead, behind)
+    return np.where(np.isfinite(worse), worse, np.minimum(ahead, behind))
+
+
+def _probability(odds: Floats) -> Floats:
+    """(n,) of log odds (n,)."""
+    return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
+
+
+def _stands(answer: Floats, steps: Floats) -> Floats:
+    """Log probabilities (n, 4) of a foot that steps with a probability (n,) though it looks planted."""
+    out = answer.copy()
+    out[:, HEEL:] += np.log1p(-np.minimum(steps, 1.0 - 1e-6))[:, None]
+    planted = np.logaddexp.reduce(out[:, HEEL:], axis=1)
+    out[:, SWING] = np.log(np.maximum(-np.expm1(np.minimum(planted, -1e-12)), 1e-12))
+    return out
+
+
+def velocities(foot: Foot, part: slice = slice(None)) -> Floats:
+    """(n, 2, 2) [leg lengths/s] over the ground, of heel and toe."""
+    both = np.stack([foot.heel[part, ::2], foot.toe[part, ::2]], axis=1)
+    return _velocity(both)
+
+
+def _velocity(places: Floats) -> Floats:
+    return np.asarray(savgol(places, STEP, seconds=WINDOW, degree=2, derivative=1))
+
+
+def slowest(velocity: Floats) -> Floats:
+    """(n,) speed of the point between heel and toe that is slowest; it is what a sole that rolls or turns rests on."""
+    return _to_segment(np.zeros_like(velocity[:, 0]), velocity)
+
+
+def parting(one: Floats, other: Floats) -> Floats:
+    """(n,) least speed at which a point of one sole leaves a point of the other behind, of velocities (n, 2, 2)."""
+    ends = [_to_segment(one[:, k], other) for k in (0, 1)] + [_to_segment(other[:, k], one) for k in (0, 1)]
+    along, across = one[:, 1] - one[:, 0], other[:, 1] - other[:, 0]
+    apart = other[:, 0] - one[:, 0]
+    turn = _cross(along, across)
+    safe = np.where(np.abs(turn) < 1e-12, 1.0, turn)
+    s, t = _cross(apart, across) / safe, _cross(apart, along) / safe
+    meet = (np.abs(turn) >= 1e-12) & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
+    return np.asarray(np.where(meet, 0.0, np.min(ends, axis=0)))
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _to_segment(point: Floats, ends: Floats) -> Floats:
+    """(n,) distance of points (n, 2) from segments (n, 2, 2)."""
+    along = ends[:, 1] - ends[:, 0]
+    off = point - ends[:, 0]
+    share = np.clip(np.sum(off * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-12), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(off - share[:, None] * along, axis=1))

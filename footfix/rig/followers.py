@@ -1,0 +1,107 @@
+"""Helper joints that follow the feet: targets of inverse kinematics, outside the legs, that are where a foot is.
+
+Game rigs carry such joints beside the skeleton proper. They are found by where they are over the clip, not by name.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose, forward
+from footfix.rig.rig import Rig
+
+_FRAMES = 240  # looked at
+_AT = 0.01  # [leg lengths] a joint that is usually nearer to a foot's joint, and
+_NEVER = 0.03  # never farther, is where that joint is
+_FIXED = 0.004  # [leg lengths] or it is fixed to the foot within this, not far away,
+_BESIDE = 0.35  # [leg lengths]
+_MOVES = 0.15  # [leg lengths] while its parent sees the foot go as far as this,
+_TURNS = 0.2  # [rad] and turn
+_ALONG = 0.1  # [rad] a joint that is turned otherwise than the foot by no more than this turns with it
+
+
+@dataclass(frozen=True)
+class Follower:
+    """A joint that goes where a foot goes.
+
+    Args:
+        joint: of the helper.
+        foot: the joint of the foot that it follows.
+        turns: whether it turns with it, too.
+    """
+
+    joint: int
+    foot: int
+    turns: bool
+
+
+def find_followers(clip: Clip, rig: Rig) -> tuple[Follower, ...]:
+    """Find the joints outside the legs that are where a foot's joint is, or fixed to it, over the whole clip.
+
+    Args:
+        clip: F frames.
+        rig: its legs.
+
+    Returns:
+        The followers, parents before their children; joints without position channels can't follow, and are none.
+    """
+    able = _outside(clip, rig)
+    if not able or not len(clip):
+        return ()
+    at = np.unique(np.linspace(0, len(clip) - 1, min(_FRAMES, len(clip))).astype(np.intp))
+    feet = [joint for leg in rig.legs for joint in (leg.ankle, leg.toe) if joint is not None]
+    parents = {int(clip.skeleton.parents[joint]) for joint in able} - {-1}
+    pose = forward(clip.frames(at), sorted({*able, *feet, *parents}))
+    found = []
+    for joint in able:
+        near = min(feet, key=lambda foot: float(np.median(_apart(pose, joint, foot))))
+        if _follows(pose, joint, near, int(clip.skeleton.parents[joint]), rig.leg_length):
+            found.append(Follower(joint, near, _turns_along(pose, joint, near)))
+    return tuple(found)
+
+
+def _outside(clip: Clip, rig: Rig) -> list[int]:
+    """The joints that have a place of their own, and belong to no leg, nor to what the legs hang from."""
+    skeleton = clip.skeleton
+    tops = {leg.hip for leg in rig.legs}
+    bearing = {rig.root, rig.pelvis}
+    for leg in rig.legs:
+        bearing.update((leg.hip, *skeleton.ancestors(leg.hip)))
+    able = np.flatnonzero(skeleton.translates).tolist()
+    return [joint for joint in able if joint not in bearing and not tops & {joint, *skeleton.ancestors(joint)}]
+
+
+def _apart(pose: Pose, joint: int, foot: int) -> Floats:
+    """(F,) [m] between two joints."""
+    return np.asarray(np.linalg.norm(pose.position(joint) - pose.position(foot), axis=1))
+
+
+def _in_frame(pose: Pose, joint: int, frame: int) -> Floats:
+    """(F, 3) [m] the place of a joint in another's frame."""
+    turn = rotation.inverse(pose.rotation(frame))
+    return rotation.rotate(turn, pose.position(joint) - pose.position(frame))
+
+
+def _follows(pose: Pose, joint: int, foot: int, parent: int, leg_length: float) -> bool:
+    far = _apart(pose, joint, foot) / leg_length
+    if np.median(far) < _AT and far.max() < _NEVER:
+        return True
+    if far.max() > _BESIDE or parent < 0:
+        return False
+    place = _in_frame(pose, joint, foot) / leg_length
+    if np.linalg.norm(place - np.median(place, axis=0), axis=1).max() > _FIXED:
+        return False
+    seen = _in_frame(pose, foot, parent) / leg_length
+    turned = rotation.multiply(rotation.inverse(pose.rotation(parent)), pose.rotation(foot))
+    turns = rotation.angle(rotation.multiply(rotation.inverse(turned[:1]), turned))
+    return bool(np.ptp(seen, axis=0).max() > _MOVES and turns.max() > _TURNS)
+
+
+def _turns_along(pose: Pose, joint: int, foot: int) -> bool:
+    between = rotation.multiply(rotation.inverse(pose.rotation(foot)), pose.rotation(joint))
+    middle = rotation.multiply(rotation.inverse(between[len(between) // 2][None]), between)
+    return bool(np.median(rotation.angle(middle)) < _ALONG)

@@ -1,0 +1,162 @@
+"""Feet that move by themselves step; what all of the figure does is skate, and stays a contact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import artefacts
+import numpy as np
+import pytest
+from walker import make
+from walker_gaits import Gait
+
+from footfix.detect.auto import AutoParams, logits
+from footfix.detect.evidence import resample
+from footfix.detect.fitted import network
+from footfix.detect.network import SWING
+from footfix.detect.run import DetectParams, find
+from footfix.detect.stepping import SteppingParams, parting, resting_speed, slowest, stepping, velocities
+from footfix.detect.tracks import Foot, Tracks, tracks_of
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
+from footfix.rig.find import find_rig
+
+FPS = 60.0
+SECONDS = 4.0
+BLIND = AutoParams(stepping=SteppingParams(parting=1e6))
+
+
+@cache
+def standing() -> Tracks:
+    """A figure that stands still, hips level and knees a little bent."""
+    shape = (round(SECONDS * FPS), 3)
+
+    def at(x: float, y: float, z: float) -> Floats:
+        return np.broadcast_to(np.array([x, y, z]), shape).copy()
+
+    feet = tuple(
+        Foot(side, at(x, 0.88, 0.0), at(x, 0.08, 0.0), at(x, 0.0, -0.05), at(x, 0.0, 0.13), at(x, 0.46, 0.06))
+        for side, x in (("left", 0.1), ("right", -0.1))
+    )
+    return Tracks(at(0.0, 0.93, 0.0), feet, 0.88, 1.0 / FPS)
+
+
+def shift(foot: Foot, by: Floats) -> Foot:
+    return replace(foot, ankle=foot.ankle + by, heel=foot.heel + by, toe=foot.toe + by)
+
+
+def eased(seconds: float) -> Floats:
+    """(F,) from 0 to 1 about the middle of the clip, at rest before and after."""
+    t = np.arange(len(standing())) / FPS
+    u = np.clip((t - 0.5 * (SECONDS - seconds)) / seconds, 0.0, 1.0)
+    return np.asarray(u**3 * (10.0 - 15.0 * u + 6.0 * u**2))
+
+
+def shuffled(distance: float, seconds: float, height: float, heading: float = 0.8) -> Tracks:
+    """The left foot moved over the floor [m], all else still."""
+    u = eased(seconds)
+    way = u[:, None] * distance * np.array([np.sin(heading), 0.0, np.cos(heading)])
+    way[:, 1] = height * np.sin(np.pi * u) ** 2
+    left, right = standing().feet
+    return replace(standing(), feet=(shift(left, way), right))
+
+
+def slides(tracks: Tracks, mask: Bools) -> list[float]:
+    """[m] how far heels and toes in contact are from their median places, at most."""
+    points = [point for foot in tracks.feet for point in foot.soles]
+    stands = [point[a:b, ::2] for k, point in enumerate(points) for a, b in runs(mask[:, k])]
+    return [float(np.linalg.norm(stand - np.median(stand, axis=0), axis=1).max()) for stand in stands]
+
+
+@pytest.mark.parametrize(("distance", "seconds"), [(0.05, 0.15), (0.2, 0.3), (0.15, 0.6), (0.25, 1.0), (0.4, 2.0)])
+@pytest.mark.parametrize("height", [0.0, 0.03])
+def test_a_foot_moved_beside_a_still_figure_is_two_plants(distance: float, seconds: float, height: float) -> None:
+    tracks = shuffled(distance, seconds, height)
+    mask = _found(tracks)
+    assert max(slides(tracks, mask)) < 0.021
+    assert mask[:, 2:].all(), "the foot that was left alone stands all along"
+    left = mask[:, 0] | mask[:, 1]
+    assert len(runs(left)) == 2
+    assert np.mean(left) > 1.0 - (seconds + 0.2) / SECONDS, "it stands before and after"
+
+
+def _found(tracks: Tracks, params: AutoParams | None = None) -> Bools:
+    return find(tracks, DetectParams(auto=params or AutoParams())).mask
+
+
+@pytest.mark.parametrize("seconds", [0.3, 1.0])
+def test_what_the_whole_figure_does_is_no_step(seconds: float) -> None:
+    way = eased(seconds)[:, None] * np.array([0.2, 0.0, 0.1])
+    still = standing()
+    feet = tuple(replace(shift(foot, way), hip=foot.hip + way) for foot in still.feet)
+    tracks = replace(still, pelvis=still.pelvis + way, feet=feet)
+    np.testing.assert_array_equal(_found(tracks), _found(tracks, BLIND))
+
+
+@pytest.mark.parametrize("gait", ["walk", "run", "backwards"])
+def test_a_figure_on_a_belt_steps_no_more_than_one_that_walks(gait: str) -> None:
+    walk = make(Gait(name=gait, fps=FPS, duration=3.0, seed=2))  # type: ignore[arg-type]
+    clip = artefacts.scale_root(walk.clip, 0.0, height=False)
+    tracks = tracks_of(clip, find_rig(clip))
+    with_it, without = _found(tracks), _found(tracks, BLIND)
+    assert np.mean(with_it != without) < 0.01
+
+
+def test_left_and_right_are_treated_alike() -> None:
+    tracks = shuffled(0.2, 0.3, 0.01)
+    swapped = replace(tracks, feet=tracks.feet[::-1])
+    np.testing.assert_array_equal(_found(swapped), np.roll(_found(tracks), 2, axis=1))
+
+
+def test_the_foot_that_steps_is_sure_to_and_the_other_sure_to_stand() -> None:
+    sampled = resample(shuffled(0.2, 0.3, 0.0))
+    left, right = logits(sampled, AutoParams(), network())
+    middle = round(0.5 * SECONDS / 0.01)
+    assert np.exp(left[middle, SWING]) > 0.95
+    assert np.exp(right[middle, SWING]) < 0.05
+
+
+def test_probabilities_stay_probabilities() -> None:
+    random = np.random.default_rng(3)
+    sampled = resample(shuffled(0.2, 0.3, 0.0))
+    raw = random.normal(scale=6.0, size=(2, len(sampled.tracks), 4))
+    answers = tuple(one - np.logaddexp.reduce(one, axis=1)[:, None] for one in raw)
+    after = stepping(answers, sampled, slice(None), SteppingParams())
+    for one, before in zip(after, answers, strict=True):
+        np.testing.assert_allclose(np.exp(one).sum(axis=1), 1.0, atol=1e-9)
+        assert (np.exp(one[:, SWING]) >= np.exp(before[:, SWING]) - 1e-9).all(), "it never makes a foot stand"
+
+
+def test_two_soles_part_by_how_they_move_against_each_other() -> None:
+    random = np.random.default_rng(4)
+    one, other = random.normal(size=(2, 50, 2, 2))
+    common = random.normal(size=(50, 1, 2))
+    np.testing.assert_allclose(parting(one, other), parting(other, one), atol=1e-12)
+    np.testing.assert_allclose(parting(one + common, other + common), parting(one, other), atol=1e-9)
+    np.testing.assert_allclose(parting(one, one), 0.0, atol=1e-12)
+    s = np.linspace(0.0, 1.0, 101)
+    points = [v[:, :1] + s[:, None] * (v[:, 1:] - v[:, :1]) for v in (one, other)]  # (50, 101, 2)
+    brute = np.linalg.norm(points[0][:, :, None] - points[1][:, None], axis=-1).min(axis=(1, 2))
+    np.testing.assert_allclose(parting(one, other), brute, atol=0.05)
+    assert (parting(one, other) <= brute + 1e-12).all()
+
+
+def test_a_sole_that_turns_about_a_point_of_it_is_as_slow_as_that_point() -> None:
+    velocity = np.array([[[0.3, 0.0], [-0.1, 0.0]], [[0.3, 0.4], [0.3, 0.4]]])
+    np.testing.assert_allclose(slowest(velocity), [0.0, 0.5], atol=1e-12)
+
+
+def test_velocities_are_in_leg_lengths_a_second() -> None:
+    foot = standing().feet[0]
+    steps = np.arange(len(foot.heel))[:, None] * 0.01
+    moved = shift(foot, steps * np.array([0.3, 5.0, -0.4]))
+    np.testing.assert_allclose(velocities(moved), np.broadcast_to([0.3, -0.4], (len(steps), 2, 2)), atol=1e-9)
+
+
+def test_a_foot_rests_as_fast_as_at_the_worse_of_the_rests_around_it() -> None:
+    speed = np.concatenate([np.full(50, 0.1), np.full(30, 2.0), np.full(50, 0.3)])
+    found = resting_speed(speed, SteppingParams())
+    np.testing.assert_allclose(found[55:75], 0.3)
+    on_belt = np.full(200, 1.2)
+    np.testing.assert_allclose(resting_speed(on_belt, SteppingParams()), 1.2)
