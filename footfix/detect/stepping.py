@@ -27,12 +27,12 @@ class SteppingParams:
 
     Args:
         parting: [leg lengths/s] at which two feet of a figure that stands still part as likely as not.
-        travel: how much more for each leg length/s at which the pelvis travels over the foot that stands.
-        noise: how much more for each leg length/s at which the foot moves where it rests, within some time
+        travel: [factor] how much more for each leg length/s at which the pelvis travels over the foot that stands.
+        noise: [factor] how much more for each leg length/s at which the foot moves where it rests, within some time
             before or after, whichever is worse: on a belt and in clips that shake feet are never still.
         rest: [s] that such a rest lasts at least.
         within: [s] that it is looked for, before and after.
-        sharp: how steeply the odds rise with the speed; they are its power.
+        sharp: [factor] how steeply the odds rise with the speed; they are its power.
     """
 
     parting: float = 0.15

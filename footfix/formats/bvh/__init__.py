@@ -9,6 +9,4 @@ from footfix.formats.bvh.select import select
 from footfix.formats.bvh.text import Limits
 from footfix.formats.bvh.write import encode, rewrite
 
-__all__ = [
-    "Document", "Limits", "compose", "decode", "encode", "glance", "legible", "repair", "rewrite", "select",
-]  # fmt: skip
+__all__ = ["Document", "Limits", "compose", "decode", "encode", "glance", "legible", "repair", "rewrite", "select"]
