@@ -47,30 +47,6 @@ class Segments:
         low, high = self.starts + (self.lengths - 1) // 2, self.starts + self.lengths // 2
         return np.asarray(0.5 * (ordered[low] + ordered[high]))
 
-    def leading(self, mask: Bools) -> Ints:
-        """Count (S,) how many values of a mask (N,) are True from each stretch's start on."""
-        ends = np.append(np.flatnonzero(~mask), len(mask))
-        return np.asarray(np.minimum(ends[np.searchsorted(ends, self.starts)] - self.starts, self.lengths))
-
-    def trailing(self, mask: Bools) -> Ints:
-        """Count (S,) how many values of a mask (N,) are True up to each stretch's end."""
-        last = self.starts + self.lengths - 1
-        ends = np.append(-1, np.flatnonzero(~mask))
-        return np.asarray(np.minimum(last - ends[np.searchsorted(ends, last, side="right") - 1], self.lengths))
-
-    def longest(self, mask: Bools) -> tuple[Ints, Ints]:
-        """Find (S,), (S,) start and end of the longest row of True of a mask (N,) in each stretch; 0, 0 for none."""
-        edge = np.zeros(len(mask) + 1, dtype=np.bool_)
-        edge[self.starts] = edge[-1] = True
-        begins = np.flatnonzero(mask & (edge[:-1] | ~np.append(False, mask[:-1])))
-        ends = np.flatnonzero(mask & (edge[1:] | ~np.append(mask[1:], False))) + 1
-        start, stop = np.zeros(len(self), dtype=np.intp), np.zeros(len(self), dtype=np.intp)
-        owner = self.owner[begins]
-        order = np.lexsort((-begins, ends - begins, owner))  # of each stretch the longest row last, of equals the first
-        start[owner[order]] = begins[order] - self.starts[owner[order]]
-        stop[owner[order]] = ends[order] - self.starts[owner[order]]
-        return start, stop
-
     def kept(self, keep: Bools) -> Segments:
         """Keep only some of the frames of the stretches.
 

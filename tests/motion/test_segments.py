@@ -5,28 +5,11 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, strategies
 
-from footfix.motion.contacts import runs
 from footfix.motion.segments import geometric_medians, segments
 
 SPANS = strategies.lists(
     strategies.tuples(strategies.integers(0, 40), strategies.integers(1, 12)), min_size=1, max_size=6
 ).map(lambda pairs: [(a, a + n) for a, n in pairs])
-
-
-@given(SPANS, strategies.integers(0, 2**32 - 1))
-def test_rows_of_true(spans: list[tuple[int, int]], seed: int) -> None:
-    parts = segments(spans)
-    mask = np.random.default_rng(seed).random(len(parts.frames)) < 0.6
-    first, last = parts.longest(mask)
-    leading, trailing = parts.leading(mask), parts.trailing(mask)
-    for k, at in enumerate(parts.starts):
-        own = mask[at : at + parts.lengths[k]]
-        rows = runs(own)
-        length = max((b - a for a, b in rows), default=0)
-        expected = next(((a, b) for a, b in rows if b - a == length), (0, 0))
-        assert (first[k], last[k]) == expected
-        assert leading[k] == (rows[0][1] if rows and rows[0][0] == 0 else 0)
-        assert trailing[k] == (len(own) - rows[-1][0] if rows and rows[-1][1] == len(own) else 0)
 
 
 @given(SPANS, strategies.integers(0, 2**32 - 1))
