@@ -37,7 +37,7 @@ class SteppingParams:
 
     parting: float = 0.15
     travel: float = 0.8
-    noise: float = 6.0
+    noise: float = 10.0
     rest: float = 0.12
     within: float = 2.0
     sharp: float = 6.0
