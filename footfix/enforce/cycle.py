@@ -71,8 +71,7 @@ def correction_back(found: Correction, rounds: Rounds) -> Correction:
         return replace(found, root_shift=shift, rotations=rotations)  # its ends are as much alike as they were
     u = np.arange(len(shift)) / n
     u = u * u * (3.0 - 2.0 * u)
-    earlier = rotation.rotate(rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), np.array(rounds.cycle.yaw)),
-                              found.root_shift[before])  # fmt: skip
+    earlier = rotation.rotate(rotation.about_vertical(rounds.cycle.yaw), found.root_shift[before])
     shift = shift + u[:, None] * (earlier - shift)
     led = rotations.copy()
     for k, turn in enumerate(turns):

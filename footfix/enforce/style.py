@@ -58,7 +58,7 @@ def _moved(plant: Footplant, leg: LegTracks, rig: Rig, height: float, params: St
         np.median(leg.place(point)[:, plant.frames], axis=1) for point in (HEEL, TOE, POINTS.index(plant.part))
     )
     outwards = -1.0 if leg.leg.side == "right" else 1.0
-    turn = rotation.from_axis_angle(_UP, np.asarray(outwards * np.radians(angle)))
+    turn = rotation.about_vertical(outwards * np.radians(angle))
     place = heel + rotation.rotate(turn, own - heel) if plant.part == "toe" else own
     forward = rotation.rotate(turn, _level(ball - heel))
     aside, up, ahead = (rig.leg_length * each for each in offset or (0.0, 0.0, 0.0))

@@ -94,8 +94,6 @@ def _size(turns: Floats) -> float:
 
 def travel_between(first: tuple[Floats, Floats], last: tuple[Floats, Floats]) -> Travel:
     """The travel that takes a root's place (3,) [m] and heading (4,) to others."""
-    q = rotation.multiply(last[1], rotation.inverse(first[1]))
-    yaw = 2.0 * np.arctan2(q[1], q[3])
-    turn = Travel(float(yaw - 2.0 * np.pi * np.round(yaw / (2.0 * np.pi))))
+    turn = Travel(float(rotation.yaw(rotation.multiply(last[1], rotation.inverse(first[1])))))
     x, _, z = last[0] - turn.places(first[0])
     return Travel(turn.yaw, float(x), float(z))

@@ -133,7 +133,7 @@ def style_distances(clip: Clip, rig: Rig, strides: Sequence[Stride]) -> Floats:
     hips = [leg.hip for leg in rig.legs]
     across = seen[:, hips[0]] - seen[:, hips[1]] if len(hips) == 2 else np.tile([1.0, 0.0, 0.0], (len(seen), 1))
     heading = np.arctan2(-across[:, 2], across[:, 0])
-    front = rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), -heading)
+    front = rotation.about_vertical(-heading)
     seen = seen - seen[:, [rig.pelvis]] * [1.0, 0.0, 1.0]
     seen = rotation.rotate(front[:, None], seen) * np.sqrt(weights(clip, rig) / _PHASES)[:, None]
     rows = seen.reshape(len(strides), -1) / rig.leg_length

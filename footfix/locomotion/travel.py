@@ -12,7 +12,6 @@ from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
 _STRAIGHT = 1e-9  # [rad] less is no turn
-_UP = np.array([0.0, 1.0, 0.0])
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Travel:
     @property
     def turn(self) -> Floats:
         """(4,) the turn as a quaternion."""
-        return rotation.from_axis_angle(_UP, np.array(self.yaw))
+        return rotation.about_vertical(self.yaw)
 
     def places(self, points: Floats) -> Floats:
         """Where points (..., 3) [m] get to."""
@@ -55,7 +54,7 @@ class Travel:
         """The same way walked straight on: as long as the arc is, in the direction in which it begins."""
         half = 0.5 * self.yaw
         longer = half / np.sin(half) if abs(half) > _STRAIGHT else 1.0
-        x, _, z = longer * rotation.rotate(rotation.from_axis_angle(_UP, np.array(-half)), self.shift)
+        x, _, z = longer * rotation.rotate(rotation.about_vertical(-half), self.shift)
         return Travel(0.0, float(x), float(z))
 
     def share(self, part: Floats) -> tuple[Floats, Floats]:
@@ -67,12 +66,12 @@ class Travel:
         Returns:
             (F, 4) turns and (F, 3) [m] shifts.
         """
-        turns = rotation.from_axis_angle(_UP, part * self.yaw)
+        turns = rotation.about_vertical(part * self.yaw)
         if abs(self.yaw) <= _STRAIGHT:
             return turns, part[:, None] * self.shift
         # the chord of a share of the arc, in the direction of the whole chord turned back by half of what is left
         size = np.sin(0.5 * part * self.yaw) / np.sin(0.5 * self.yaw)
-        lean = rotation.from_axis_angle(_UP, 0.5 * (part - 1.0) * self.yaw)
+        lean = rotation.about_vertical(0.5 * (part - 1.0) * self.yaw)
         return turns, size[:, None] * rotation.rotate(lean, self.shift)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from footfix.motion.clip import Floats
 
 _AXIS = {"X": 0, "Y": 1, "Z": 2}
+_UP = np.array([0.0, 1.0, 0.0])
 
 
 def components_first(shape: tuple[int, ...], size: int) -> Floats:
@@ -80,6 +81,17 @@ def from_axis_angle(axis: Floats, angle: Floats) -> Floats:
     out[..., :3] = np.sin(half)[..., None] * axis
     out[..., 3] = np.cos(half)
     return out
+
+
+def about_vertical(yaw: Floats | float) -> Floats:
+    """Make rotations (..., 4) by `yaw` (...) [rad] about the y axis."""
+    return from_axis_angle(_UP, np.asarray(yaw))
+
+
+def yaw(q: Floats) -> Floats:
+    """Measure how far `q` (..., 4) turns about the y axis, (...) [rad], in [-pi, pi]."""
+    twist = 2.0 * np.arctan2(q[..., 1], q[..., 3])
+    return np.asarray(twist - 2.0 * np.pi * np.round(twist / (2.0 * np.pi)))
 
 
 def from_rotation_vector(vector: Floats) -> Floats:

@@ -103,6 +103,4 @@ def _tilt(turns: Floats) -> float:
 
 def _yaw(turns: Floats) -> float:
     """[rad] about the vertical from the first to the last of some frames (n, 4)."""
-    q = rotation.multiply(turns[-1], rotation.inverse(turns[0]))
-    yaw = 2.0 * np.arctan2(q[1], q[3])
-    return float(yaw - 2.0 * np.pi * np.round(yaw / (2.0 * np.pi)))
+    return float(rotation.yaw(rotation.multiply(turns[-1], rotation.inverse(turns[0]))))

@@ -82,13 +82,13 @@ class Rounds:
     def _lead(self, rounds: int) -> tuple[Floats, Floats]:
         """Where some rounds lead on, or back: a turn (4,) about the vertical, then a shift (3,) [m] over the floor."""
         place, n = self.pose.position(self.root), self.cycle.frames
-        turn = _about_vertical(self.cycle.yaw)
+        turn = rotation.about_vertical(self.cycle.yaw)
         after = place[n] if len(place) > n else place[-1] + rotation.rotate(turn, place[1] - place[0])
         one = (after - rotation.rotate(turn, place[0])) * [1.0, 0.0, 1.0]
         way = np.zeros(3)
         for _ in range(abs(rounds)):
             way = rotation.rotate(turn, way) + one if rounds > 0 else rotation.rotate(rotation.inverse(turn), way - one)
-        return _about_vertical(rounds * self.cycle.yaw), way
+        return rotation.about_vertical(rounds * self.cycle.yaw), way
 
     def contacts(self, own: Contacts) -> Contacts:
         """Lay the contacts of the clip over all rounds; a stand that the seam cuts is one there.
@@ -183,7 +183,3 @@ def _as_one(before: Contact, after: Contact) -> Contact:
         sure = before.confidence
     wish = before.wish or after.wish
     return replace(before, end=after.end, confidence=sure, position=before.position or after.position, wish=wish)
-
-
-def _about_vertical(yaw: float) -> Floats:
-    return np.array([0.0, np.sin(0.5 * yaw), 0.0, np.cos(0.5 * yaw)])

@@ -131,7 +131,7 @@ def mean_swivel(leg: CapturedLeg, spans: Sequence[Span], most: int) -> Floats:
 
 def _swivelled(leg: CapturedLeg, swivel: Floats) -> CapturedLeg:
     """Turn the foot of a leg about the vertical through its ankle by `swivel` (F,) [rad]."""
-    turn = rotation.from_axis_angle(_UP, swivel)
+    turn = rotation.about_vertical(swivel)
     heel, toe = (leg.ankle + rotation.rotate(turn, point - leg.ankle) for point in (leg.heel, leg.toe))
     return replace(leg, turn=rotation.multiply(turn, leg.turn), heel=heel, toe=toe)
 
