@@ -6,9 +6,8 @@ import numpy as np
 
 from footfix.detect.tracks import Tracks
 from footfix.motion.clip import Bools, Floats
-from footfix.motion.contacts import runs
+from footfix.motion.contacts import PUT_TO_REST, runs
 
-_RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program
 _SHARE, _FEWEST = 0.5, 5  # of a contact's steps, and at least so many
 _SNAP = 0.0114  # [leg lengths] in the one frame beside the rest: 1 cm of a grown-up; a foot that lifts is slower
 
@@ -33,7 +32,7 @@ def let_go(mask: Bools, tracks: Tracks) -> Bools:
 def _rest(place: Floats, frame_time: float) -> tuple[int, int]:
     """The frames of a contact (n, 3) [leg lengths] that are left of it, as a stretch; all where nothing snaps."""
     step = np.linalg.norm(np.diff(place, axis=0), axis=1)
-    rests = np.flatnonzero(step <= _RESTS * frame_time)
+    rests = np.flatnonzero(step <= PUT_TO_REST * frame_time)
     if len(rests) < max(_FEWEST, _SHARE * len(step)):
         return 0, len(place)
     first, last = int(rests[0]), int(rests[-1]) + 2

@@ -14,14 +14,13 @@ import numpy as np
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
 from footfix.motion.clip import Bools, Floats, Ints
-from footfix.motion.contacts import Contacts, runs
+from footfix.motion.contacts import PUT_TO_REST, Contacts, runs
 from footfix.motion.segments import segments
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
-_RESTS = 0.0012  # [leg lengths/s] what moves less was put to rest by a program: captured feet never are, for long
 FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
 _KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
 _RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
@@ -308,7 +307,7 @@ def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, l
     step = np.full(len(parts.frames), np.inf)
     step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
     step[parts.starts] = np.inf
-    rest = _lasting(step <= _RESTS * leg_length * frame_time, parts.owner, frame_time)
+    rest = _lasting(step <= PUT_TO_REST * leg_length * frame_time, parts.owner, frame_time)
     count = parts.mean(rest.astype(np.float64)) * parts.lengths
     return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1))
 

@@ -16,6 +16,9 @@ from footfix.notes import Note
 Part = Literal["heel", "toe"]
 Wish = Literal["force", "forbid"]
 
+# [leg lengths/s] What moves less was put to rest by a program: captured feet never are so still, for long.
+PUT_TO_REST = 0.0012
+
 
 @dataclass(frozen=True)
 class Contact:
