@@ -38,14 +38,10 @@ def solve(problem: Problem) -> Floats:
     which = np.arange(0, problem.frames, _every(problem, _COARSE))
     x = descend(thinned(problem, which), x[:, which], _ROUNDS, first=_EPS_FIRST)
     first = _FINE_FIRST * EPS
-    for rate in (_MIDDLE, np.inf):
-        finer = np.arange(0, problem.frames, _every(problem, rate))
-        x, which = interpolated(x, which, finer), finer
-        if rate == _MIDDLE:
-            thin = thinned(problem, which) if len(which) < problem.frames else problem
-            x = descend(thin, x, 1, first=first)
-            first *= _SHRINK
-    return descend(problem, x, _FINE_ROUNDS + _LAST, first=first, last=_LAST, root=False)
+    middle = np.arange(0, problem.frames, _every(problem, _MIDDLE))
+    x = descend(thinned(problem, middle), interpolated(x, which, middle), 1, first=first)
+    x = interpolated(x, middle, np.arange(problem.frames))
+    return descend(problem, x, _FINE_ROUNDS + _LAST, first=_SHRINK * first, last=_LAST, root=False)
 
 
 def _every(problem: Problem, rate: float) -> int:
@@ -76,6 +72,8 @@ def interpolated(x: Floats, at: Ints, wanted: Ints) -> Floats:
 def thinned(problem: Problem, which: Ints) -> Problem:
     """The problem on some frames only: pins hold from each to the next of them."""
     every = int(which[1] - which[0])
+    if every == 1:
+        return problem
 
     def thin(pin: Pins) -> Pins:
         moved = np.concatenate([np.zeros((3, 1)), np.cumsum(pin.slip, axis=1)], axis=1)[:, which]
