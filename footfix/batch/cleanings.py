@@ -15,8 +15,8 @@ from footfix.motion.contacts import Contact
 from footfix.version import __version__
 
 
-def its_own(task: Task, data: bytes) -> Mapping[str, Any] | None:
-    """Find the report of a clip that is, to the byte, what a cleaning with the same settings and version wrote.
+def contacts_it_was_cleaned_by(task: Task, data: bytes) -> Labels | None:
+    """Find the contacts of a clip that is, to the byte, what a cleaning with the same settings and version wrote.
 
     Such a clip stays as it is: contacts that are found on a cleaned clip end some frames earlier or later, and what
     was let go would be tried again.
@@ -24,18 +24,23 @@ def its_own(task: Task, data: bytes) -> Mapping[str, Any] | None:
     Args:
         task: the clip and its settings.
         data: its bytes.
+
+    Returns:
+        The contacts, whose source is the report that says so; None of any other clip.
     """
     from footfix.settings import plain
 
     if task.labels is not None or task.extra.get("anew"):
         return None
     report = report_beside(task)
+    if "output_sha256" not in report:
+        return None
     same = (
-        report.get("output_sha256") == hashlib.sha256(data).hexdigest()
+        report["output_sha256"] == hashlib.sha256(data).hexdigest()
         and report.get("footfix") == __version__
         and _that_matter(report.get("settings")) == _that_matter(json.loads(json.dumps(plain(task.settings))))
     )
-    return report if same and contacts_of(report) is not None else None
+    return contacts_of(report) if same else None
 
 
 def _that_matter(settings: Any) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from footfix.batch.cleanings import contacts_of, its_own
+from footfix.batch.cleanings import contacts_it_was_cleaned_by
 from footfix.batch.files import STDIN, read_whole, sync_folder, write_whole
 from footfix.batch.outputs import is_within
 from footfix.batch.task import CONTACTS, REPORT, FileResult, Task, beside
@@ -113,10 +113,10 @@ def _clean(task: Task) -> FileResult:
         again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
 
     def make(data: bytes, name: str, settings: Settings, *, labels: Labels | None, output: str | None) -> Outputs:
-        own, leave = its_own(task, data), ""
+        own, leave = contacts_it_was_cleaned_by(task, data), ""
         if own is not None:
-            labels = contacts_of(own)
-            leave = f"footfix wrote this file, as {own['file']} says, so it stays as it is; --anew cleans it again"
+            labels = own
+            leave = f"footfix wrote this file, as {own.source} says, so it stays as it is; --anew cleans it again"
         return clean_file(data, name, settings, labels=labels, output=output, again=again, leave=leave)
 
     return _made(task, make)
