@@ -12,13 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from footfix.detect.run import detect_over
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.put_back import put_back, repeated
 from footfix.enforce.run import enforce, ground_of
-from footfix.locomotion.loop import Loop, make_loop
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
@@ -32,6 +32,9 @@ from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 from footfix.settings import Settings
+
+if TYPE_CHECKING:
+    from footfix.locomotion.loop import Loop
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +189,8 @@ def cut_loop(prepared: Prepared, contacts: Contacts, settings: Settings) -> Loop
         contacts: of that.
         settings: which cycle, how it is closed, and how contacts are enforced.
     """
+    from footfix.locomotion.loop import make_loop  # most commands cut no loop
+
     rig, motion, asked = prepared.rigs[0], prepared.crops[0], settings.loop
     start, end = (None if frame is None else frame - motion.start for frame in (asked.start, asked.end))
     found = make_loop(
