@@ -85,8 +85,8 @@ class CostParams:
 
 # Bounds, as standard deviations of what is beyond them.
 _FLOOR, _PLACE, _FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
-_KNEE, _SPEED, _FAR_TURN = 0.3, 0.15, 1.0  # [degrees]
-_TOES = 1.4  # times as far as other joints toes bend for what is not noticed
+_KNEE, _SPEED, _FAR_TURN = 0.3, 0.15, 0.5  # [degrees]
+_TOES = 1.3  # times as far as other joints toes bend for what is not noticed
 _CUT, _CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 
