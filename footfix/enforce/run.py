@@ -19,7 +19,6 @@ from footfix.enforce.leg import (
     LegTracks,
     Noise,
     calibrate,
-    local_rotations,
     noise_of,
     raise_leg,
     tracks,
@@ -29,6 +28,7 @@ from footfix.enforce.papers.glardon import GlardonParams
 from footfix.enforce.papers.kim_neff import KimNeffParams
 from footfix.enforce.papers.lyard import LyardRootParams
 from footfix.enforce.pins import Floors, PinParams
+from footfix.enforce.posed import local_rotations
 from footfix.enforce.problem import CostParams, Problem
 from footfix.enforce.solve import solve
 from footfix.enforce.style import StyleParams, styled
