@@ -31,11 +31,11 @@ class Config:
     folder: Path | None = None
 
     def settings(self, path: Path | None = None) -> Settings:
-        """The settings for one input, or for inputs that no override names."""
+        """Get the settings for one input, or for inputs that no override names."""
         return compose(self.stack(path))
 
     def stack(self, path: Path | None = None) -> tuple[Layer, ...]:
-        """The layers that hold for one input, lowest first."""
+        """Get the layers that hold for one input, lowest first."""
         chosen = [layer for glob, layer in self.overrides if path is not None and self._matches(path, glob)]
         command_line = [layer for layer in self.layers if layer.origin.startswith("--")]
         below = [layer for layer in self.layers if not layer.origin.startswith("--")]
@@ -55,7 +55,7 @@ def load_config(
     *, config: Path | None = None, preset: str | None = None, sets: Iterable[str] = (), near: Path | None = None,
     command_line: Mapping[str, Any] | None = None,
 ) -> Config:  # fmt: skip
-    """The config of a run.
+    """Read the config of a run.
 
     Args:
         config: a settings file; without one, `footfix.yaml` is looked for from `near` upward.
@@ -88,12 +88,12 @@ def load_config(
 
 
 def presets() -> tuple[str, ...]:
-    """The names of the packed presets."""
+    """List the names of the packed presets."""
     return tuple(sorted(path.name.removesuffix(".yaml") for path in _preset_folder() if path.name.endswith(".yaml")))
 
 
 def preset_text(name: str) -> str:
-    """The commented YAML of a preset.
+    """Read the commented YAML of a preset.
 
     Raises:
         UsageError: there is none of that name.
@@ -105,7 +105,7 @@ def preset_text(name: str) -> str:
 
 
 def read_preset(name: str) -> dict[str, Any]:
-    """The values of a preset."""
+    """Read the values of a preset."""
     return _parse(preset_text(name), f"preset {name}")
 
 

@@ -33,7 +33,7 @@ class Change:
 
 
 def meanings_of(settings: Any, prefix: str = "") -> Iterator[tuple[str, Meaning]]:
-    """(dotted path, meaning) of every setting and every group of them, in the order in which they are declared."""
+    """List (dotted path, meaning) of every setting and every group of them, in the order of declaration."""
     said = meanings(type(settings))
     for each in dataclasses.fields(settings):
         value = getattr(settings, each.name)
@@ -43,7 +43,7 @@ def meanings_of(settings: Any, prefix: str = "") -> Iterator[tuple[str, Meaning]
 
 
 def as_yaml(layers: Iterable[Layer]) -> str:
-    """The settings that layers make as YAML that can be read back, each value with its origin, meaning and unit."""
+    """Write the settings that layers make as YAML that can be read back, each value with origin, meaning and unit."""
     layers = tuple(layers)
     came_from, settings = origins(layers), compose(layers)
     said = dict(meanings_of(settings))
@@ -64,7 +64,7 @@ def as_yaml(layers: Iterable[Layer]) -> str:
 
 
 def preset_summary(name: str) -> str:
-    """What clips a preset is for: the comment at its head, in one line."""
+    """Say what clips a preset is for: the comment at its head, in one line."""
     head = []
     for line in preset_text(name).splitlines():
         if not line.startswith("#") or not line.strip("# "):
@@ -74,7 +74,7 @@ def preset_summary(name: str) -> str:
 
 
 def preset_changes(name: str) -> tuple[Change, ...]:
-    """What a preset sets, in its order, each with the comment beside it."""
+    """List what a preset sets, in its order, each with the comment beside it."""
     defaults = dict(flat(Settings()))
     values = dict(flat(compose([Layer(f"preset {name}", read_preset(name))])))
     why: dict[str, str] = {}
@@ -90,7 +90,7 @@ def preset_changes(name: str) -> tuple[Change, ...]:
 
 
 def describe_presets() -> str:
-    """All presets: what clips each is for, what it sets, and why."""
+    """Describe all presets: what clips each is for, what it sets, and why."""
     lines = []
     for name in presets():
         lines.append(f"{name}: {preset_summary(name)}")

@@ -33,7 +33,7 @@ class Meaning:
 
 
 def meanings(kind: type[Any]) -> dict[str, Meaning]:
-    """The meaning of each field of a dataclass that its docstring names, in the order of the fields.
+    """Read the meaning of each field of a dataclass that its docstring names, in the order of the fields.
 
     Args:
         kind: the class.

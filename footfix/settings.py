@@ -71,7 +71,7 @@ class Layer:
 
 
 def compose(layers: Iterable[Layer]) -> Settings:
-    """The settings that layers make, each over the ones before it."""
+    """Compose the settings that layers make, each over the ones before it."""
     settings = Settings()
     for layer in layers:
         settings = _merge(settings, layer.values, layer.origin, "")
@@ -79,7 +79,7 @@ def compose(layers: Iterable[Layer]) -> Settings:
 
 
 def origins(layers: Iterable[Layer]) -> dict[str, str]:
-    """For each dotted path that some layer sets, the origin of the value that holds."""
+    """Find for each dotted path that some layer sets the origin of the value that holds."""
     found: dict[str, str] = {}
     for layer in layers:
         for path, _ in _leaves(Settings(), layer.values, ""):
@@ -88,7 +88,7 @@ def origins(layers: Iterable[Layer]) -> dict[str, str]:
 
 
 def flat(settings: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """(dotted path, value) of every setting, in the order in which they are declared."""
+    """List (dotted path, value) of every setting, in the order in which they are declared."""
     for each in dataclasses.fields(settings):
         value = getattr(settings, each.name)
         if dataclasses.is_dataclass(value):
@@ -98,7 +98,7 @@ def flat(settings: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def plain(value: Any) -> Any:
-    """Settings as nested plain values, for JSON and YAML."""
+    """Convert settings to nested plain values, for JSON and YAML."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {each.name: plain(getattr(value, each.name)) for each in dataclasses.fields(value)}
     if isinstance(value, Mapping):
@@ -109,7 +109,7 @@ def plain(value: Any) -> Any:
 
 
 def suggest(word: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown word: the nearest known one, or all of them."""
+    """Write the end of a message about an unknown word: the nearest known one, or all of them."""
     close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.5)
     return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(known)}"
 

@@ -34,7 +34,7 @@ class LyardParams:
 
 
 def lyard(tracks: Tracks, params: LyardParams) -> Finding:
-    """One static sole point at a time (L §3.1), none in flight, all slow ones where the root stands still."""
+    """Detect one static sole point at a time (L §3.1), none in flight, all slow ones where the root stands still."""
     points = np.stack([point for foot in tracks.feet for point in foot.soles])  # (E, F, 3)
     speeds = _smooth_speeds(points, tracks, params)  # (E, F)
     hop = min(max(round(params.step / tracks.frame_time), 1), len(tracks) - 1)

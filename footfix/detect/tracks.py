@@ -72,7 +72,7 @@ class Finding(NamedTuple):
 
 
 def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None) -> Tracks:
-    """The tracks of a clip, by forward kinematics (or from a pose that is already known)."""
+    """Compute the tracks of a clip by forward kinematics (or from a pose that is already known)."""
     pose = rig.pose(clip) if pose is None else pose
     soles = {(sole.leg, sole.part): pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles}
     feet = tuple(

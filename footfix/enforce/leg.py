@@ -85,7 +85,7 @@ class LegTracks:
     turns: bool
 
     def place(self, point: int) -> Floats:
-        """(3, F) [m] track of a point as captured."""
+        """Get the track (3, F) [m] of a point as captured."""
         return self._places[point]
 
     @cached_property
@@ -95,7 +95,7 @@ class LegTracks:
         return heel, toe, self.ankle, *tip
 
     def frames(self, which: slice | Ints) -> LegTracks:
-        """The leg in some frames only."""
+        """Cut the leg to some frames."""
         some = {
             name: np.ascontiguousarray(getattr(self, name)[..., which])
             for name in ("hip", "ankle", "line", "thigh", "shank", "axis", "flexion", "least", "reach", "toe_hinge")
