@@ -6,6 +6,7 @@ import html
 import json
 import os
 import re
+import shutil
 import sys
 import xml.etree.ElementTree
 from pathlib import Path
@@ -19,6 +20,7 @@ from conftest import ROOT, Run
 from walker import make
 from walker_plan import Gait
 
+from footfix import cli
 from footfix.batch import gates
 from footfix.batch.inputs import MARK, shard, sources
 from footfix.batch.journal import Journal, journal_in, recall
@@ -42,10 +44,26 @@ def walk() -> bytes:
 def tree(tmp_path: Path, walk: bytes, monkeypatch: pytest.MonkeyPatch) -> Path:
     """in/ with three good clips and a broken one; the working folder is its parent."""
     monkeypatch.chdir(tmp_path)
-    for name in ("a.bvh", "b.BVH", "deep/c.bvh"):
-        put(tmp_path / "in" / name, walk)
-    put(tmp_path / "in" / "broken.bvh", b"HIERARCHY\nROOT x\n")
+    fill(tmp_path, walk)
     return tmp_path
+
+
+@pytest.fixture(scope="module")
+def once(walk: bytes, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What comes of `tree` when it is cleaned into out/, beside the list of it for CI."""
+    folder = tmp_path_factory.mktemp("batch")
+    fill(folder, walk)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setattr(sys, "argv", ["footfix", "clean", "in", "-o", "out", "--junit", "junit.xml", "-j1"])
+        assert cli.run() == 3
+    return folder
+
+
+def fill(folder: Path, walk: bytes) -> None:
+    for name in ("a.bvh", "b.BVH", "deep/c.bvh"):
+        put(folder / "in" / name, walk)
+    put(folder / "in" / "broken.bvh", b"HIERARCHY\nROOT x\n")
 
 
 def put(path: Path, data: bytes = b"") -> Path:
@@ -188,26 +206,23 @@ def test_one_broken_clip_does_not_stop_the_others(tree: Path, run: Run) -> None:
     assert contents(tree / "in" / "out") == found
 
 
-def test_summary_and_index_name_every_clip(tree: Path, run: Run) -> None:
-    assert run("clean", "in", "-o", "out", "--junit", "junit.xml", "-j1")[0] == 3
-    summary = json.loads((tree / "out" / "summary.json").read_text("utf-8"))
+def test_summary_and_index_name_every_clip(once: Path) -> None:
+    summary = json.loads((once / "out" / "summary.json").read_text("utf-8"))
     assert summary["clips"] == {"total": 4, "cleaned": 3, "unchanged": 0, "failed": 1}
     assert [each["source"] for each in summary["files"]] == ["a.bvh", "b.BVH", "broken.bvh", "deep/c.bvh"]
     for each in summary["files"]:
         for path in each.get("outputs", {}).values():
-            assert (tree / "out" / path).is_file()
+            assert (once / "out" / path).is_file()
     assert summary["worst"]["slide_after_mm"] < summary["worst"]["slide_before_mm"]
-    index = html.unescape((tree / "out" / "index.html").read_text("utf-8"))
+    index = html.unescape((once / "out" / "index.html").read_text("utf-8"))
     assert "deep/c.report.html" in index and "broken.bvh" in index
-    cases = xml.etree.ElementTree.parse(tree / "junit.xml").getroot().findall(".//testcase")
+    cases = xml.etree.ElementTree.parse(once / "junit.xml").getroot().findall(".//testcase")
     assert len(cases) == 4 and sum(case.find("error") is not None for case in cases) == 1
 
 
-def test_resuming_leaves_what_is_done_and_does_the_rest(tree: Path, run: Run, walk: bytes) -> None:
-    assert run("clean", "in", "-o", "whole", "-j1")[0] == 3
-    assert run("clean", "in", "-o", "out", "-j1")[0] == 3
-    whole = contents(tree / "whole")
-    assert contents(tree / "out") == whole
+def test_resuming_leaves_what_is_done_and_does_the_rest(tree: Path, run: Run, once: Path) -> None:
+    shutil.copytree(once / "out", tree / "out")
+    whole = contents(tree / "out")
     done = tree / "out" / "a.bvh"
     written = done.stat().st_mtime_ns
     (tree / "out" / "deep" / "c.report.json").unlink()  # as if the power had gone before the last file
@@ -218,13 +233,13 @@ def test_resuming_leaves_what_is_done_and_does_the_rest(tree: Path, run: Run, wa
     assert done.stat().st_mtime_ns == written
 
 
-def test_resuming_does_again_what_has_changed_and_keeps_what_was_edited(tree: Path, run: Run, walk: bytes) -> None:
-    assert run("clean", "in", "-o", "out", "-j1", "--report", "json")[0] == 3
+def test_resuming_does_again_what_has_changed_and_keeps_what_was_edited(tree: Path, run: Run, once: Path) -> None:
+    shutil.copytree(once / "out", tree / "out")
     labels = tree / "out" / "a.contacts.json"
     labels.write_text("mine")
-    code, _, err = run("clean", "in", "-o", "out", "-j1", "--report", "json", "--resume")
+    code, _, err = run("clean", "in", "-o", "out", "-j1", "--resume")
     assert code == 3 and "a.contacts" not in err and labels.read_text() == "mine"
-    assert run("clean", "in", "-o", "out", "-j1", "--report", "json", "--resume", "--method", "root")[0] == 3
+    assert run("clean", "in", "-o", "out", "-j1", "--resume", "--method", "root")[0] == 3
     assert labels.read_text() == "mine"  # made with other settings, but edited since
     report = json.loads((tree / "out" / "deep" / "c.report.json").read_text("utf-8"))
     assert report["method"] == "root"
@@ -238,13 +253,12 @@ def test_resuming_never_takes_the_files_of_others_for_its_own(tree: Path, run: R
     assert (tree / "out" / "deep" / "c.bvh").read_bytes() == b"mine"
 
 
-def test_shards_add_up_to_the_whole(tree: Path, run: Run) -> None:
-    run("clean", "in", "-o", "whole", "-j1")
+def test_shards_add_up_to_the_whole(tree: Path, run: Run, once: Path) -> None:
     for part in (1, 2, 3):
         run("clean", "in", "-o", "out", "-j1", "--shard", f"{part}/3")
     assert (tree / "out" / "summary.2-of-3.json").exists()
     assert run("clean", "in", "-o", "out", "-j1", "--resume")[0] == 3  # gathers
-    whole, parts = contents(tree / "whole"), contents(tree / "out")
+    whole, parts = contents(once / "out"), contents(tree / "out")
     shared = {name for name in whole if not name.startswith(MARK)}
     assert {name: parts[name] for name in shared} == {name: whole[name] for name in shared}
     assert run("clean", "in", "-o", "x", "--shard", "4/3")[0] == 2
