@@ -43,6 +43,7 @@ def test_any_bytes(junk: bytes, at: int) -> None:
     survives(PLAIN[:at].encode() + junk + PLAIN[at:].encode())
 
 
+@pytest.mark.clips
 def test_damage_to_real_files() -> None:
     paths = need([path for path in shared("clips") if path.stat().st_size < 200_000], "clips")
     rng = np.random.default_rng(0)
@@ -95,6 +96,7 @@ def head(data: bytes, frames: int) -> bytes:
     return re.sub(r"Frames:\s*\d+", f"Frames: {min(frames, len(rows))}", text).encode()
 
 
+@pytest.mark.clips
 def test_readers_agree_on_files_that_all_accept(tmp_path: Path) -> None:
     """Numbers and places against two readers written by others, on clips of all origins."""
     pybvh = pytest.importorskip("pybvh")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from io import BytesIO
 
 import numpy as np
+import pytest
 from conftest import need, shared
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -71,6 +72,7 @@ def test_long_rows_and_many() -> None:
     assert read_plain(HEAD + b"1.0 " * 200_000, len(HEAD)) is None  # a row longer than what is looked at together
 
 
+@pytest.mark.clips
 def test_real_clips() -> None:
     taken = 0
     for path in need(shared("clips"), "clips"):
