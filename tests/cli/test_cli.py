@@ -24,7 +24,7 @@ from footfix.errors import FootfixError
 def walk() -> bytes:
     import artefacts
 
-    return exports.bvh(artefacts.wander(make(Gait(name="walk", duration=2.0, fps=60)).clip, 0.05))
+    return exports.bvh(artefacts.wander(make(Gait(name="walk", duration=1.6, fps=30)).clip, 0.05))
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def test_clean_writes_beside_the_input(run: Run, clip: Path, walk: bytes) -> Non
     assert report["output"] == "walk.clean.bvh"
     contacts = json.loads(clip.with_name("walk.contacts.json").read_text("utf-8"))
     assert [each["name"] for each in contacts["effectors"]] == ["left_heel", "left_toe", "right_heel", "right_toe"]
-    assert contacts["source"]["frames"] == report["source"]["frames"] == 121
+    assert contacts["source"]["frames"] == report["source"]["frames"] == 49
 
 
 def test_a_folder_keeps_its_structure(run: Run, clip: Path, walk: bytes, tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_pages_are_drawn_again_from_what_lies_on_disk(run: Run, clip: Path, tmp_
 def test_inspect_says_what_a_person_asks(run: Run, clip: Path) -> None:
     code, out, _ = run("inspect", clip)
     assert code == 0
-    for word in ("121 frames", "60 fps", "LeftFoot", "0.01 m", "y is up"):
+    for word in ("49 frames", "30 fps", "LeftFoot", "0.01 m", "y is up"):
         assert word in out
 
 
@@ -211,7 +211,7 @@ def test_a_file_cut_in_mid_row_is_refused_and_can_be_repaired(run: Run, clip: Pa
     assert code == 0 and "last-row-cut" in err and "frames-mismatch" in err
     assert run("clean", tmp_path / "mended" / "walk.bvh")[0] == 0
     code, out, _ = run("inspect", tmp_path / "mended" / "walk.bvh", "--json")
-    assert code == 0 and json.loads(out)["source"]["frames"] == 120 and not json.loads(out)["notes"]
+    assert code == 0 and json.loads(out)["source"]["frames"] == 48 and not json.loads(out)["notes"]
     assert run("inspect", clip, "--repair")[0] == 2
 
 

@@ -23,7 +23,7 @@ from footfix.cli import manual
 def walk() -> bytes:
     import artefacts
 
-    return exports.bvh(artefacts.wander(make(Gait(name="walk", duration=2.0, fps=60)).clip, 0.05))
+    return exports.bvh(artefacts.wander(make(Gait(name="walk", duration=1.6, fps=30)).clip, 0.05))
 
 
 @pytest.fixture
@@ -141,12 +141,12 @@ def test_detecting_in_many_clips_prints_a_table(run: Run, takes: Path) -> None:
     assert lines[0].split() == ["clip", "left_heel", "left_toe", "right_heel", "right_toe", "planted"]
     document = json.loads(Path("labels/a.contacts.json").read_text("utf-8"))
     counts = [len(each["contacts"]) for each in document["effectors"]]
-    share = sum(c["end"] - c["start"] for e in document["effectors"] for c in e["contacts"]) / 4 / 121
+    share = sum(c["end"] - c["start"] for e in document["effectors"] for c in e["contacts"]) / 4 / 49
     assert lines[1].split()[1:] == [*map(str, counts), f"{100 * share:.0f}", "%"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes streams")
-@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&- <&-"])
+@pytest.mark.parametrize("closed", [">&-", ">&- 2>&- <&-"])
 def test_closed_streams_are_no_failure(clip: Path, closed: str) -> None:
     command = f'"{sys.executable}" -m footfix clean walk.bvh -o out {closed}'
     assert subprocess.run(command, shell=True, check=False).returncode == 0
