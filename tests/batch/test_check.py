@@ -21,7 +21,7 @@ from footfix.measure.cleaned import costs, held
 
 @pytest.fixture(scope="module")
 def walk() -> bytes:
-    return exports.bvh(artefacts.wander(make(Gait(name="walk", duration=2.0, fps=30)).clip, 0.05))
+    return exports.bvh(artefacts.wander(make(Gait(name="walk", duration=2.0, fps=60)).clip, 0.05))
 
 
 @pytest.fixture
