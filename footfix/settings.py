@@ -2,12 +2,15 @@
 
 A default stands once, in the parameter class beside its mathematics; this module only walks those classes.
 Values come in layers, and each layer has an origin, so that `footfix settings` can say where a value came from.
+What a field means is read from the docstring of its class, where it stands once: as `name: meaning [unit]` below
+`Args:`; the unit may also come first, several names may share a line, and what goes on is indented further.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import difflib
+import inspect
 import re
 import types
 import typing
@@ -22,6 +25,9 @@ from footfix.formats.bvh.text import Limits
 from footfix.locomotion.params import LoopParams
 from footfix.motion.smoothing import SmoothParams
 from footfix.rig.params import RigParams
+
+_ENTRY = re.compile(r"( +)(\w+(?:, \w+)*): (.*)")
+_UNIT = re.compile(r"\s*\[([^\]]+)\]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -219,3 +225,47 @@ def _words(kind: Any) -> str:
     if shape is tuple:
         return f"a list of {len(typing.get_args(kind))}" if Ellipsis not in typing.get_args(kind) else "a list"
     return "a mapping" if isinstance(shape, type) and issubclass(shape, Mapping) else str(kind)
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a field is.
+
+    Args:
+        text: in one line, without a full stop.
+        unit: "" where it has none, as a name or a choice.
+    """
+
+    text: str
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.text} [{self.unit}]" if self.unit else self.text
+
+
+def meanings(kind: type[Any]) -> dict[str, Meaning]:
+    """Read the meaning of each field of a dataclass that its docstring names, in the order of the fields.
+
+    Args:
+        kind: the class.
+    """
+    said: dict[str, str] = {}
+    names: list[str] = []
+    depth = 0
+    _, _, listed = inspect.cleandoc(kind.__doc__ or "").partition("\nArgs:\n")
+    for line in listed.splitlines():
+        entry = _ENTRY.fullmatch(line)
+        indent = len(line) - len(line.lstrip())
+        if not line.strip() or indent == 0:
+            break
+        if entry and (not names or indent <= depth):
+            names, depth = entry[2].split(", "), indent
+            said.update(dict.fromkeys(names, entry[3]))
+        else:
+            said.update({name: f"{said[name]} {line.strip()}" for name in names})
+    return {each.name: _meaning(said[each.name]) for each in dataclasses.fields(kind) if each.name in said}
+
+
+def _meaning(text: str) -> Meaning:
+    unit = _UNIT.search(text)
+    return Meaning(_UNIT.sub("", text, count=1).strip().rstrip("."), unit[1] if unit else "")

@@ -14,14 +14,14 @@ PACKAGE = ROOT / "footfix"
 
 # Lower rooms first: a module may import from its own room and from rooms before it.
 FLOORS = [
-    {"errors", "notes", "version", "meanings"},
+    {"errors", "notes", "version"},
     {"motion"},
     {"rig", "arguments"},
     {"detect", "enforce", "measure"},
     {"locomotion"},
     {"formats"},
     {"settings", "configs"},
-    {"pipeline", "config", "listing"},
+    {"pipeline", "config"},
     {"report"},
     {"job"},
     {"inspection", "looping"},

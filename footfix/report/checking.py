@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from footfix.meanings import Meaning
 from footfix.report.annotations import annotation, of_note
 from footfix.report.junit import Case
 from footfix.report.junit import junit as junit_xml
 from footfix.report.text import printable
+from footfix.settings import Meaning
 from footfix.version import __version__
 
 FORMAT, VERSION = "footfix-check", 1
