@@ -16,7 +16,6 @@ from walker import make
 from walker_plan import Gait
 
 from footfix.batch import gates
-from footfix.measure.cleaned import costs, held
 
 
 @pytest.fixture(scope="module")
@@ -90,11 +89,3 @@ def test_junit_has_times_and_reports_have_none(run: Run, folder: Path) -> None:
     assert 0.001 < float(case.attrib["time"]) < 60 and suite.attrib["time"] == case.attrib["time"]
     first, second = (run("clean", "a.bvh", "-o", name, "--json")[1] for name in ("one", "two"))
     assert first.replace("one", "two") == second
-
-
-def test_held_and_costs_by_hand() -> None:
-    found = held([1.0, 30.0, 50.0, 2.0], [False, False, True, False])
-    assert (found.held_slide_mm, found.held_over_21mm, found.let_go) == (30.0, 1 / 3, 1)
-    assert vars(held([], [])) == {"held_slide_mm": 0.0, "held_over_21mm": 0.0, "let_go": 0}
-    paid = costs({"jitter_100m_s3": 3.0, "peak_knee_speed_deg_s": 5.0}, {"jitter_100m_s3": 2.0})
-    assert (paid.jitter_ratio, paid.acceleration_ratio, paid.knee_speed_ratio) == (1.5, 1.0, 1.0)
