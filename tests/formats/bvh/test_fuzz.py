@@ -23,19 +23,19 @@ from footfix.motion.kinematics import forward
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(st.sampled_from(sorted(DAMAGES)), SEEDS)
 def test_damage_to_a_plain_file(kind: str, seed: int) -> None:
     survives(DAMAGES[kind](plain(), np.random.default_rng(seed)))
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(files(), SEEDS, st.integers(0, 4))
 def test_damage_to_any_file(made: tuple[Any, ...], seed: int, times: int) -> None:
     survives(damaged(made[3], np.random.default_rng(seed), times))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(st.binary(max_size=200), st.integers(0, len(PLAIN)))
 def test_any_bytes(junk: bytes, at: int) -> None:
     survives(junk)
@@ -57,18 +57,18 @@ BOMBS = {
     "nested joints": b"HIERARCHY ROOT a { " + b"JOINT b { " * 100_000,
     "nested braces": b"HIERARCHY ROOT a " + b"{ " * 100_000,
     "closing braces": b"HIERARCHY " + b"} " * 100_000,
-    "long name": b"HIERARCHY ROOT " + b"a" * 5_000_000,
-    "long word": b"HIERARCHY ROOT a { " + b"a" * 5_000_000,
+    "long name": b"HIERARCHY ROOT " + b"a" * 1_500_000,
+    "long word": b"HIERARCHY ROOT a { " + b"a" * 1_500_000,
     "long OFFSET": b"HIERARCHY ROOT a { OFFSET " + b"0 " * 100_000,
-    "blanks": b"HIERARCHY " + b" " * 5_000_000,
-    "one comment": b"#" * 3_000_000,
+    "blanks": b"HIERARCHY " + b" " * 1_500_000,
+    "one comment": b"#" * 1_000_000,
     "comments": b"# c\n" * 100_000,
-    "long last row": plain() + b"1 " * 200_000,
+    "long last row": plain() + b"1 " * 100_000,
     "rows of one number": plain() + b"1\n" * 100_000,
     "words after the rows": plain() + b"x " * 100_000,
     "lines of words after the rows": plain() + b"x\n" * 50_000,
-    "comments after the rows": plain() + b"# no\n" * 200_000,
-    "line ends after the rows": plain() + b"\n" * 3_000_000,
+    "comments after the rows": plain() + b"# no\n" * 100_000,
+    "line ends after the rows": plain() + b"\n" * 1_000_000,
     "long number": plain(("0.10 9.01", "0" * 1_000_000 + "0.10 9.01" + "0" * 1_000_000)),
     "long gap": plain(("0.10 9.01", "0.10" + " " * 1_000_000 + "9.01")),
     "frame count": plain(("Frames: 4", "Frames: 1000000000000")),
