@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from footfix import cli
 
@@ -15,6 +16,10 @@ ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("FOOTFIX_SHARED", ROOT.parent / "shared"))
 SAMPLES = ROOT / "sample_data"
 Run = Callable[..., tuple[int, str, str]]  # a command line: exit code, standard output, standard error
+
+# Examples are not timed: on a busy machine any of them may take long.
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 
 
 def shared(folder: str) -> list[Path]:
