@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from footfix.detect import evidence as curves
 from footfix.detect.evidence import BODY, COLUMNS, OTHER, OWN, STEP, evidence, mates, resample
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Floats
@@ -120,3 +121,36 @@ def test_a_foot_without_a_mate_faces_where_its_toes_point() -> None:
     (found,) = evidence(resample(Tracks(way(PELVIS) - [0.0, 0.0, 0.3], (foot,), LEG, STEP)))
     column = found[:, COLUMNS.index("forward of pelvis")]
     assert OWN["forward of pelvis"] * np.sinh(column[MIDDLE]) == pytest.approx(np.full(80, 0.3 / LEG))
+
+
+def test_the_network_is_fitted_to_these_units_and_windows() -> None:
+    """Who changes one of them has to fit it again."""
+    units = {
+        0.01: ["heel over its own floor", "toe over its own floor"],
+        0.02: [f"{part} over floor {way}" for part in ("heel", "toe") for way in ("ahead", "behind")],
+        0.05: ["over lower foot"],
+        0.1: ["outward of pelvis", "reach"],
+        0.3: [
+            "heel rise", "toe rise", "heel speed", "toe speed", "forward of pelvis", "outward speed past pelvis",
+            "pelvis rise",
+        ],
+        0.5: ["forward speed past pelvis", "reach speed"],
+        2.0: ["jitter"],
+        5.0: ["pelvis lift"],
+        10.0: ["heel lift", "toe lift", "forward push"],
+    }  # fmt: skip
+    assert {name: unit for unit, names in units.items() for name in names} == OWN | BODY
+    windows = (curves.STEP, curves.SMOOTH, curves.SPEED, curves.LIFT, curves.FLOOR, curves.OWN_FLOOR, curves.BOTH)
+    assert (*windows, curves.FACING) == (0.01, 0.03, 0.05, 0.09, 0.5, 1.0, 0.8, 0.25)
+
+
+def test_a_facing_is_seen_over_a_quarter_of_a_second() -> None:
+    still = np.zeros((200, 3))
+    swung = still.copy()
+    swung[100, 0] = 1.0  # the hips are turned in one step of the grid
+    feet = (Foot("left", still + [0.1, 0.8, 0.0] + 0.0 * swung, still, still, still + [0.0, 0.0, 0.2]),
+            Foot("right", still + [-0.1, 0.8, 0.0] + 0.01 * swung[:, [1, 2, 0]], still, still,
+                 still + [0.0, 0.0, 0.2]))  # fmt: skip
+    (forward, _), _ = resample(Tracks(still, feet, LEG, STEP)).axes
+    turned = np.flatnonzero(np.abs(forward[:, 0]) > 1e-9)
+    assert turned[[0, -1]].tolist() == [100 - 13, 100 + 13] or turned[[0, -1]].tolist() == [100 - 12, 100 + 12]

@@ -217,3 +217,15 @@ def test_a_slide_across_a_room_does_not_drag_the_root_along() -> None:
     rig = rig_of(made)
     _, found = cleaned(artefacts.drift(made.clip, 2.5), rig, made.contacts)
     assert np.linalg.norm(found.correction.root_shift, axis=1).max() < 0.25 * rig.leg_length
+
+
+def test_a_stray_while_the_foot_lands_or_leaves_is_of_no_account() -> None:
+    for frame in (20, 79):
+        shift = np.zeros((FRAMES, 3))
+        shift[frame, 0] = 0.05
+        found = told(shift)
+        assert (found.outcome, found.residual) == ("pinned", pytest.approx(0.05))
+    for frame in (21, 78):
+        shift = np.zeros((FRAMES, 3))
+        shift[frame, 0] = 0.05
+        assert told(shift).outcome == "partly"

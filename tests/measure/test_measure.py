@@ -308,3 +308,9 @@ def test_contacts_that_are_no_plants_do_not_shift_the_others() -> None:
     spans = (Contact(0, 10), Contact(12, 20, wish="forbid"), Contact(30, 51))
     contacts = replace(contacts, effectors=(contacts.effectors[0], replace(contacts.effectors[1], contacts=spans)))
     assert [(p.start, p.end, round(p.slide_mm)) for p in measure(clip, rig, contacts)[1]] == [(0, 10, 35), (30, 51, 90)]
+
+
+def test_what_is_just_as_far_from_the_floor_as_the_tolerance_is_on_it() -> None:
+    track = np.zeros((3, 3))
+    track[:, 0], track[:, 1] = [0.0, 1.0, 2.0], [0.5, -0.5, 0.5]
+    assert physdiff([track], 0.0, 0.5) == (0.0, 0.0, 1000.0)
