@@ -229,3 +229,11 @@ def test_a_stray_while_the_foot_lands_or_leaves_is_of_no_account() -> None:
         shift = np.zeros((FRAMES, 3))
         shift[frame, 0] = 0.05
         assert told(shift).outcome == "partly"
+
+
+def test_a_leg_in_a_state_hangs_from_the_hip_that_the_root_carries() -> None:
+    leg = still().legs[0]
+    root = np.tile([[0.01], [0.02], [-0.03]], (1, FRAMES))
+    found, as_it_is = CorrectedLeg.of_state(leg, root, np.zeros((8, FRAMES))), CorrectedLeg.of_tracks(leg)
+    for name in ("hip", "ankle", "heel", "toe"):
+        assert getattr(found, name) == pytest.approx(getattr(as_it_is, name) + root)
