@@ -191,7 +191,8 @@ def _placed(
 
 def _closed(found: Correction, travel: Travel, clip: Clip) -> Correction:
     """The correction of a round so that its end is its start: what is left of a difference decays from both ends."""
-    fade = decay(len(clip), clip.frame_time, 0.5 * (len(clip) - 1) * clip.frame_time)
+    half = 0.5 * (len(clip) - 1) * clip.frame_time
+    fade = decay(len(clip), clip.frame_time, half, half)
     still = np.zeros(3)
     shift, turns = found.root_shift.copy(), found.rotations.copy()
     gap = rotation.rotate(rotation.inverse(travel.turn), shift[-1]) - shift[0]
