@@ -10,6 +10,7 @@ from footfix.errors import InputError
 from footfix.locomotion.cloud import fit
 from footfix.locomotion.cuts import Cut
 from footfix.locomotion.params import LoopParams
+from footfix.locomotion.seam import apart, changes
 from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
@@ -17,7 +18,9 @@ from footfix.rig.rig import Rig
 
 _BESIDE = 1.0 / 30.0  # [s] before and after a frame, over which its velocity is taken
 _RATIO = 0.5  # of the gap that the start takes; the end takes the rest
-_SLOPE = 0.4  # of the time in which a gap decays, that its slope does in: joints swing out less, and seams are as calm
+# shares of the time for the gap, and for its slope: the sooner they decay the less do joints swing out
+_TIMES = ((1.0, 0.4), (1.0, 0.25), (0.75, 0.25), (0.5, 0.2))
+_MOST = 0.6  # of the largest gap, by which a joint may be moved before its gap decays sooner
 _NONE: Floats = np.zeros(3)
 _FEWEST = 4  # frames that K's blend needs to be one
 
@@ -53,7 +56,12 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
     if params.method == "kim-neff":
         return _blended(clip, root, cut, travel)
     tau = min(params.blend, 0.5 * (cut.end - cut.start) * clip.frame_time)
-    return Closed(_offset(clip, root, cut, travel, tau, _SLOPE * tau), cut.start, travel)
+    for share, slope in _TIMES:
+        closed = _offset(clip, root, cut, travel, share * tau, slope * tau)
+        captured = clip.frames(slice(cut.start, cut.end + 1))
+        if changes(captured, closed, rig)[0] <= _MOST * apart(clip, rig, cut.start, cut.end, travel)[0]:
+            break
+    return Closed(closed, cut.start, travel)
 
 
 @dataclass(frozen=True, eq=False)
