@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -158,10 +159,15 @@ def _beside(frame: int, frames: int, dt: float) -> tuple[Ints, Floats]:
     It is a cubic, so that a changing acceleration does not count as velocity, and a parabola where the clip ends.
     """
     n = max(2, round(_BESIDE / dt))
-    at = np.arange(max(frame - n, 0), min(frame + n, frames - 1) + 1)
-    degree = 3 if at[0] <= frame - 2 and at[-1] >= frame + 2 else min(2, len(at) - 1)
-    powers = np.vander((at - frame) * dt, degree + 1, increasing=True)
-    return at, np.asarray(np.linalg.pinv(powers)[1])
+    before, after = min(n, frame), min(n, frames - 1 - frame)
+    return np.arange(frame - before, frame + after + 1), _slope(before, after, dt)
+
+
+@cache
+def _slope(before: int, after: int, dt: float) -> Floats:
+    at = np.arange(-before, after + 1)
+    degree = 3 if min(before, after) >= 2 else min(2, len(at) - 1)
+    return np.asarray(np.linalg.pinv(np.vander(at * dt, degree + 1, increasing=True))[1])
 
 
 def _turn_gap(turn: Floats, cut: Cut, dt: float, travel: Travel | None = None) -> tuple[Floats, Floats]:

@@ -12,7 +12,7 @@ from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import EnforceParams
 from footfix.errors import InputError
 from footfix.locomotion.closing import Closed, close
-from footfix.locomotion.cuts import Cut, find_cuts
+from footfix.locomotion.cuts import Cut, calmer, find_cuts
 from footfix.locomotion.known import closed_travel, completed, whole_cycle
 from footfix.locomotion.params import LoopParams
 from footfix.locomotion.rounds import hold
@@ -171,6 +171,7 @@ def _calmest(clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams) -> t
     tried = [c for c in cuts[1:] if c.strides == best.strides and c.cost <= best.cost + near]
     found = []
     for cut in (best, *tried[: _TRIED - 1]):
+        cut = calmer(clip, rig, cut, params)
         closed = close(clip, rig, cut, params)
         seen = max(ratios(closed.clip, rig, closed.travel)[1] - 1.0, 0.0) if tried else 0.0
         found.append((cut.cost + _SEEN * rig.leg_length * seen, cut, closed))

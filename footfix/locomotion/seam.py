@@ -15,9 +15,9 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward, places
 from footfix.rig.rig import Rig
 
-_BESIDE = 5  # frames on either side of the seam
+BESIDE = 5  # frames on either side of the seam
 _INSIDE = 99.0  # percentile of the accelerations that are the motion's own
-_FLOOR = 0.5  # [m/s^2] a joint that hardly accelerates is not held against its own noise
+FLOOR = 0.5  # [m/s^2] a joint that hardly accelerates is not held against its own noise
 _LEAST = 5  # frames of a plant that is measured
 _TRIM = 1  # frames at either end of a plant that are not
 
@@ -79,6 +79,15 @@ def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
     return moved, turned
 
 
+def accelerations(clip: Clip, rig: Rig) -> Floats:
+    """(F, joints) [m/s^2] of the root and what hangs on it; nothing where the clip begins and ends."""
+    found = np.zeros((len(clip), 0))
+    if len(clip) > 2:
+        sharp = np.linalg.norm(np.diff(_figure(clip, rig), n=2, axis=0), axis=2) / clip.frame_time**2
+        found = np.pad(sharp, ((1, 1), (0, 0)))
+    return found
+
+
 def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
     """Of all joints the median and the largest ratio of accelerations beside the seam and elsewhere.
 
@@ -93,10 +102,10 @@ def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
     sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / clip.frame_time**2  # about frames 1, 2, ...
     sharp = sharp[length - 1 : 2 * length - 1]  # of the middle round, frame by frame
     frame = np.arange(length)
-    near = min(_BESIDE, length // 4)
+    near = min(BESIDE, length // 4)
     beside = (frame <= near) | (frame >= length - near)
     own = np.percentile(sharp[~beside], _INSIDE, axis=0)
-    ratio = sharp[beside].max(axis=0) / np.maximum(own, _FLOOR)
+    ratio = sharp[beside].max(axis=0) / np.maximum(own, FLOOR)
     return float(np.median(ratio)), float(ratio.max())
 
 
