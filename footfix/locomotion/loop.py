@@ -27,9 +27,10 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_OTHERS = 3  # next best cuts that are told
+_OTHERS, _APART = 3, 0.2  # next best cuts that are told, whose ends lie elsewhere by more than this share of a round
 _NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
 _SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
+_JOLT, _HELD = 1.5, 3  # times the usual acceleration at a seam, up to which it is well; cuts that are held to get there
 _TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
 
 
@@ -123,10 +124,21 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     known = _known(clip, rig, contacts, params)
     if known is not None:
         return known
-    frames = len(clip)
-    clip, cuts = _cut(clip, rig, contacts, params)
-    cut, closed = _calmest(clip, rig, cuts, params)
-    others = [each for each in cuts if each is not cut]
+    whole, cuts = _cut(clip, rig, contacts, params)
+    made: list[Loop] = []
+    for cut, closed in _calmest(whole, rig, cuts, params)[:_HELD]:
+        made.append(_held(whole, rig, contacts, cut, closed, params, holding, len(clip)))
+        if made[-1].seam.worst_ratio <= _JOLT:
+            break
+    best = min(made, key=lambda loop: loop.seam.worst_ratio)
+    return replace(best, others=tuple(cut for cut in cuts if not _same(cut, best))[:_OTHERS])
+
+
+def _held(
+    clip: Clip, rig: Rig, contacts: Contacts, cut: Cut, closed: Closed, params: LoopParams, holding: EnforceParams,
+    frames: int,
+) -> Loop:  # fmt: skip
+    """The loop of a cut that is closed, its plants held; `frames` is how many the captured clip has."""
     length = cut.end - cut.start
     captured = clip.frames(slice(closed.start, closed.start + length + 1))
     gap = apart(clip, rig, cut.start, cut.end, closed.travel)
@@ -145,10 +157,15 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     return Loop(
         clip=as_written(done, rig, travel, params), round=done, captured=captured, closed=start, rig=rig,
         contacts=within, start=closed.start, end=closed.start + length,
-        frames=_frames(closed.start, length, frames, params), strides=cut.strides, travel=travel, seam=seam,
-        plants=held.found.plants, correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
-        others=tuple(others[:_OTHERS]),
+        frames=_frames(closed.start, length, frames, params), strides=cut.strides or count_strides(within, rig),
+        travel=travel, seam=seam, plants=held.found.plants, correction=held.found.correction,
+        notes=held.found.notes, ground=held.found.ground,
     )  # fmt: skip
+
+
+def _same(cut: Cut, loop: Loop) -> bool:
+    """Whether a cut is hardly another one than that which a loop was made of."""
+    return abs(cut.start - loop.start) + abs(cut.end - loop.end) <= _APART * (loop.end - loop.start)
 
 
 def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Clip, tuple[Cut, ...]]:
@@ -165,18 +182,19 @@ def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[
         return whole, (Cut(0, len(whole) - 1, -1, strides, 0, 0.0),)
 
 
-def _calmest(clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams) -> tuple[Cut, Closed]:
-    """Of the best cuts the one that is least seen when it is closed, and that closed."""
+def _calmest(
+    clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams
+) -> tuple[tuple[Cut, Closed], ...]:  # fmt: skip
+    """Of the best cuts those that are least seen when they are closed, and those closed; the best one first."""
     best, near = cuts[0], _NEARLY * rig.leg_length
     tried = [c for c in cuts[1:] if c.strides == best.strides and c.cost <= best.cost + near]
     found = []
     for cut in (best, *tried[: _TRIED - 1]):
-        cut = calmer(clip, rig, cut, params)
-        closed = close(clip, rig, cut, params)
+        calm = calmer(clip, rig, cut, params)
+        closed = close(clip, rig, calm, params)
         seen = max(ratios(closed.clip, rig, closed.travel)[1] - 1.0, 0.0) if tried else 0.0
-        found.append((cut.cost + _SEEN * rig.leg_length * seen, cut, closed))
-    _, cut, closed = min(found, key=lambda each: each[0])
-    return cut, closed
+        found.append((calm.cost + _SEEN * rig.leg_length * seen, calm, closed))
+    return tuple((cut, closed) for _, cut, closed in sorted(found, key=lambda each: each[0]))
 
 
 def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop | None:

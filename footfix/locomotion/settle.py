@@ -9,11 +9,13 @@ import numpy as np
 from footfix.enforce.correction import apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.leg import (
+    CapturedLeg,
     can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
     local_rotations,
+    norm,
     two_bones,
     where_moved,
     within_reach,
@@ -23,7 +25,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.rig import Rig
 
-_MOST = 0.0015  # [leg lengths] what strays farther does so for a reason, and is left
+_MOST = 0.0025  # [leg lengths] what strays farther does so for a reason, and is left
 _FADE = 0.12  # [s] before and after a plant, over which the foot comes back to its way
 _FEWEST = 3  # frames
 
@@ -49,12 +51,21 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -
         shift = _shift(captured.toe, held, travel, clip.frame_time, _MOST * rig.leg_length)
         moves = np.any(shift != 0.0, axis=1)
         if np.any(moves):
-            goal = within_reach(captured, captured.ankle + shift)
+            goal = _lifted(captured, captured.ankle + shift)
             new = local_rotations(clip, pose, captured, two_bones(captured, goal), captured.turn)
             turns |= where_moved(clip, new, moves)
     for turn in turns.values():
         turn[-1] = turn[0]
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
+
+
+def _lifted(leg: CapturedLeg, ankle: Floats) -> Floats:
+    """Lift goals of the ankle (F, 3) [m] that the leg would have to be stretched for: they stay where they are."""
+    limit = norm(within_reach(leg, ankle) - leg.hip)
+    flat = norm((ankle - leg.hip)[:, [0, 2]])
+    out = ankle.copy()
+    out[:, 1] = np.maximum(out[:, 1], leg.hip[:, 1] - np.sqrt(np.maximum(limit**2 - flat**2, 0.0)))
+    return out
 
 
 def stretches(plant: Footplant, frames: int) -> tuple[tuple[int, int], ...]:

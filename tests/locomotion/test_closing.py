@@ -24,7 +24,7 @@ def closed(method: str = "offset", blend: float = 0.3) -> Closed:
 
 
 def test_a_gap_decays_from_its_value_and_slope_to_rest() -> None:
-    fade = decay(1001, 0.001, 0.3)
+    fade = decay(1001, 0.001, 0.3, 0.2)
     gap, speed = np.array([2.0, 0.0, 0.0]), np.array([0.0, 3.0, 0.0])
     ahead, behind = fade.ahead(gap, speed), fade.behind(gap, speed)
     slope = np.gradient(ahead, TIMES, axis=0)
