@@ -18,6 +18,7 @@ from footfix.locomotion.params import LoopParams
 from footfix.locomotion.rounds import hold
 from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.settle import settled
+from footfix.locomotion.single import single_stride
 from footfix.locomotion.strides import count_strides
 from footfix.locomotion.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
 from footfix.locomotion.wrapped import wrapped
@@ -173,13 +174,14 @@ def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[
     try:
         return clip, find_cuts(clip, rig, contacts, params)
     except InputError:
-        whole = whole_cycle(clip, rig) if params.start is None and params.end is None else None
-        if whole is None:
+        if params.start is not None or params.end is not None:
             raise
-        strides = count_strides(wrapped(contacts, 0, len(whole) - 1), rig)
-        if params.strides not in (None, strides):
+        whole = whole_cycle(clip, rig)
+        cut = single_stride(clip, rig, contacts, params) if whole is None else Cut(0, len(whole) - 1, -1, 0, 0, 0.0)
+        strides = 0 if cut is None else count_strides(wrapped(contacts, cut.start, cut.end - cut.start), rig)
+        if cut is None or params.strides not in (None, strides):
             raise
-        return whole, (Cut(0, len(whole) - 1, -1, strides, 0, 0.0),)
+        return whole or clip, (replace(cut, strides=strides),)
 
 
 def _calmest(
