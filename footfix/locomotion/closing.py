@@ -11,7 +11,7 @@ from footfix.errors import InputError
 from footfix.locomotion.cloud import fit
 from footfix.locomotion.cuts import Cut
 from footfix.locomotion.params import LoopParams
-from footfix.locomotion.seam import apart, changes
+from footfix.locomotion.seam import apart, changes, ratios
 from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
@@ -19,9 +19,13 @@ from footfix.rig.rig import Rig
 
 _BESIDE = 1.0 / 30.0  # [s] before and after a frame, over which its velocity is taken
 _RATIO = 0.5  # of the gap that the start takes; the end takes the rest
-# shares of the time for the gap, and for its slope: the sooner they decay the less do joints swing out
-_TIMES = ((1.0, 0.4), (1.0, 0.25), (0.75, 0.25), (0.5, 0.2))
-_MOST = 0.6  # of the largest gap, by which a joint may be moved before its gap decays sooner
+# shares of the time for the gap, and for its slope: the sooner they decay the less do joints swing out, and the more
+# are they jolted. The first is tried, the others where it does not do.
+_TIMES = ((1.0, 0.4), (1.6, 0.6), (1.0, 0.25), (0.75, 0.25), (0.5, 0.2))
+_MOST = 0.6  # of the largest gap, by which a joint may be moved
+_CALM = 1.1  # times what a joint accelerates elsewhere, up to which a seam is calm
+_FAR = 5.0  # times as bad as the same share of such an acceleration it is to be moved by more
+_NO_GAP = 1e-3  # [leg lengths] less is none
 _NONE: Floats = np.zeros(3)
 _FEWEST = 4  # frames that K's blend needs to be one
 
@@ -56,13 +60,25 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
     root, travel = carrier(clip, rig), fit(clip, rig, cut.start, cut.end, params.window)
     if params.method == "kim-neff":
         return _blended(clip, root, cut, travel)
-    tau = min(params.blend, 0.5 * (cut.end - cut.start) * clip.frame_time)
+    best: tuple[float, Clip | None] = (np.inf, None)
     for share, slope in _TIMES:
-        closed = _offset(clip, root, cut, travel, share * tau, slope * tau)
-        captured = clip.frames(slice(cut.start, cut.end + 1))
-        if changes(captured, closed, rig)[0] <= _MOST * apart(clip, rig, cut.start, cut.end, travel)[0]:
+        limit = 0.5 * (cut.end - cut.start) * clip.frame_time
+        closed = _offset(clip, root, cut, travel, min(share * params.blend, limit), min(slope * params.blend, limit))
+        worse = _worse(clip, rig, cut, closed, travel)
+        if best[1] is None or worse < best[0]:
+            best = worse, closed
+        if worse == 0.0:
             break
-    return Closed(closed, cut.start, travel)
+    assert best[1] is not None
+    return Closed(best[1], cut.start, travel)
+
+
+def _worse(clip: Clip, rig: Rig, cut: Cut, closed: Clip, travel: Travel) -> float:
+    """By how much a closed cycle is worse than it should be: joints that swing out, or are jolted at the seam."""
+    gap = apart(clip, rig, cut.start, cut.end, travel)[0]
+    moved = changes(clip.frames(slice(cut.start, cut.end + 1)), closed, rig)[0]
+    far = max(moved / gap - _MOST, 0.0) if gap > _NO_GAP * rig.leg_length else 0.0
+    return _FAR * far + max(ratios(closed, rig, travel)[1] - _CALM, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

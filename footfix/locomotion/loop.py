@@ -149,7 +149,7 @@ def _held(
         start, travel = straightened(start, carrier(start, rig), travel)
     within = wrapped(contacts, closed.start, length)
     held = hold(start, rig, within, travel, holding)
-    done = held.clip if np.any(held.found.ground) else settled(held.clip, rig, held.found.plants, travel)
+    done = settled(held.clip, rig, held.found.plants, travel, held.found.ground)
     found = ratios(done, rig, travel)
     far = slide(done, rig, held.found.plants, travel, held.found.ground)
     seam = Seam(

@@ -16,6 +16,7 @@ from footfix.motion.kinematics import forward, places
 from footfix.rig.rig import Rig
 
 BESIDE = 5  # frames on either side of the seam
+_INNER = 4  # frames of a cycle at least that are not beside its seam
 _INSIDE = 99.0  # percentile of the accelerations that are the motion's own
 FLOOR = 0.5  # [m/s^2] a joint that hardly accelerates is not held against its own noise
 _LEAST = 5  # frames of a plant that is measured
@@ -102,7 +103,7 @@ def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
     sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / clip.frame_time**2  # about frames 1, 2, ...
     sharp = sharp[length - 1 : 2 * length - 1]  # of the middle round, frame by frame
     frame = np.arange(length)
-    near = min(BESIDE, length // 4)
+    near = max(min(BESIDE, (length - _INNER) // 2), 1)  # of a short one some frames are left
     beside = (frame <= near) | (frame >= length - near)
     own = np.percentile(sharp[~beside], _INSIDE, axis=0)
     ratio = sharp[beside].max(axis=0) / np.maximum(own, FLOOR)

@@ -30,7 +30,7 @@ _FADE = 0.12  # [s] before and after a plant, over which the foot comes back to 
 _FEWEST = 3  # frames
 
 
-def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -> Clip:
+def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats) -> Clip:
     """A closed cycle whose held toes stand exactly, over the seam too.
 
     Args:
@@ -38,6 +38,7 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -
         rig: its legs.
         plants: of the cycle, with the frames in which they are held.
         travel: of one round.
+        ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
     """
     pose = rig.pose(clip)
     tracks = effector_tracks(rig, pose)
@@ -48,7 +49,7 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -
         captured = captured_leg(rig, pose, number, tracks)
         own = [p for p in plants if p.leg == number and p.part == "toe" and p.outcome != "released"]
         held = [span for p in own for span in stretches(p, len(clip))]
-        shift = _shift(captured.toe, held, travel, clip.frame_time, _MOST * rig.leg_length)
+        shift = _shift(captured.toe, held, travel, ground, clip.frame_time, _MOST * rig.leg_length)
         moves = np.any(shift != 0.0, axis=1)
         if np.any(moves):
             goal = _lifted(captured, captured.ankle + shift)
@@ -80,7 +81,7 @@ def stretches(plant: Footplant, frames: int) -> tuple[tuple[int, int], ...]:
 
 
 def _shift(
-    toe: Floats, held: Sequence[tuple[int, int]], travel: Travel, frame_time: float, most: float
+    toe: Floats, held: Sequence[tuple[int, int]], travel: Travel, ground: Floats, frame_time: float, most: float
 ) -> Floats:  # fmt: skip
     """(L + 1, 3) [m] what brings a toe to the middle of where it stands, fading out before and after.
 
@@ -88,11 +89,13 @@ def _shift(
         toe: (L + 1, 3) [m].
         held: the frames in which it stands.
         travel: of one round.
+        ground: (L + 1, 3) [m] how far the ground has moved.
         frame_time: [s].
         most: [m] what strays farther is left.
     """
     length = len(toe) - 1
     three = np.concatenate([travel.places_back(toe[:-1]), toe[:-1], travel.places(toe)])  # (3 L + 1, 3)
+    three -= np.concatenate([ground[:-1] - ground[-1], ground[:-1], ground[-1] + ground])
     fade = max(1, min(round(_FADE / frame_time), length // 4))
     ease = np.linspace(1.0, 0.0, fade + 2)[1:-1]
     ease = ease * ease * (3.0 - 2.0 * ease)
