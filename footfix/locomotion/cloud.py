@@ -114,7 +114,7 @@ def fit(clip: Clip, rig: Rig, start: int, end: int, window: float) -> Travel:
         start, end: the frames.
         window: [s] before and after them; shorter where the clip ends.
     """
-    left = min(start, end, len(clip) - 1 - start, len(clip) - 1 - end)  # what one of them lacks the other has for itself
+    left = min(start, end, len(clip) - 1 - start, len(clip) - 1 - end)  # both must have them
     window = min(window, left * clip.frame_time)
     both = clouds(clip, rig, np.array([start, end]), window)
     turn = Travel(float(turns(both, both)[0, 1]))

@@ -13,9 +13,9 @@ from footfix.enforce.run import EnforceParams
 from footfix.errors import InputError
 from footfix.locomotion.closing import Closed, close
 from footfix.locomotion.cuts import Cut, calmer, find_cuts
-from footfix.locomotion.known import closed_travel, completed, whole_cycle
+from footfix.locomotion.known import closed_travel, completed, put_to_rest, whole_cycle
 from footfix.locomotion.params import LoopParams
-from footfix.locomotion.rounds import hold
+from footfix.locomotion.rounds import ground_under, hold
 from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.settle import settled
 from footfix.locomotion.single import single_stride
@@ -32,6 +32,8 @@ _OTHERS, _APART = 3, 0.2  # next best cuts that are told, whose ends lie elsewhe
 _NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
 _SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
 _JOLT, _HELD = 1.5, 3  # times the usual acceleration at a seam, up to which it is well; cuts that are held to get there
+_SLIDES = 0.002  # [leg lengths] that a foot slides over the seam of a loop whose feet are to be held
+_SPOT = 0.2  # [leg lengths] of travel, less of which is a walk on the spot, whose feet slide on purpose
 _TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
 
 
@@ -122,7 +124,7 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     Raises:
         InputError: the clip holds no cycle, or not the one that is asked for.
     """
-    known = _known(clip, rig, contacts, params)
+    known = _known(clip, rig, contacts, params, holding)
     if known is not None:
         return known
     whole, cuts = _cut(clip, rig, contacts, params)
@@ -150,17 +152,13 @@ def _held(
     within = wrapped(contacts, closed.start, length)
     held = hold(start, rig, within, travel, holding)
     done = settled(held.clip, rig, held.found.plants, travel, held.found.ground)
-    found = ratios(done, rig, travel)
     far = slide(done, rig, held.found.plants, travel, held.found.ground)
-    seam = Seam(
-        *_told(gap), *_told(moved), *found, slide_mm=None if far is None else 1000.0 * far
-    )  # fmt: skip
     return Loop(
         clip=as_written(done, rig, travel, params), round=done, captured=captured, closed=start, rig=rig,
         contacts=within, start=closed.start, end=closed.start + length,
         frames=_frames(closed.start, length, frames, params), strides=cut.strides or count_strides(within, rig),
-        travel=travel, seam=seam, plants=held.found.plants, correction=held.found.correction,
-        notes=held.found.notes, ground=held.found.ground,
+        travel=travel, seam=_seam(gap, moved, done, rig, travel, far), plants=held.found.plants,
+        correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
     )  # fmt: skip
 
 
@@ -199,8 +197,8 @@ def _calmest(
     return tuple((cut, closed) for _, cut, closed in sorted(found, key=lambda each: each[0]))
 
 
-def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop | None:
-    """The loop that a clip is already, unless another part of it is asked for."""
+def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding: EnforceParams) -> Loop | None:
+    """The loop that a clip is already, unless another part of it is asked for; its feet held, if they slide."""
     if params.start is not None or params.end is not None:
         return None
     whole: Clip | None = clip
@@ -213,23 +211,34 @@ def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop
     length = len(whole) - 1
     within = wrapped(contacts, 0, length)
     strides = count_strides(within, rig)
-    return None if params.strides not in (None, strides) else _as_it_is(clip, whole, rig, within, travel, params)
+    if params.strides not in (None, strides):
+        return None
+    ground = ground_under(whole, rig, within, travel, holding.ground)
+    found = _as_it_is(clip, whole, rig, within, travel, ground, params)
+    far, spot = found.seam.slide_mm, found.distance < _SPOT * rig.leg_length
+    if far is None or far <= _SLIDES * 1000.0 * rig.leg_length or spot or put_to_rest(whole, rig, within):
+        return found
+    cut = Cut(0, length, -1, strides, 0, 0.0)
+    return _held(whole, rig, contacts, cut, Closed(whole, 0, travel), params, holding, len(clip))
 
 
-def _as_it_is(clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Travel, params: LoopParams) -> Loop:
+def _as_it_is(
+    clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Travel, ground: Floats, params: LoopParams
+) -> Loop:
     """A loop to which nothing is done but what of its travel is to be changed."""
     captured, length = whole, len(whole) - 1
+    plants = _kept(within, rig)
+    far = slide(whole, rig, plants, travel, ground)
     if params.straighten and abs(travel.yaw) > _TURNS:
         whole, travel = straightened(whole, carrier(whole, rig), travel)
-    seam = Seam(0.0, 0.0, 0.0, 0.0, *ratios(whole, rig, travel))
     still = Correction(rig.root, np.zeros((length + 1, 3)), (), np.zeros((length + 1, 0, 4)))
     text = "the clip is a loop already: it is neither cut nor cleaned (footfix clean takes out what slides in it)"
     same = whole is captured and not params.in_place and len(clip) == length + (not params.open)
     return Loop(
         clip=clip if same else as_written(whole, rig, travel, params), round=whole, captured=captured, closed=whole,
         rig=rig, contacts=within, start=0, end=length, frames=_frames(0, length, len(clip), params),
-        strides=count_strides(within, rig), travel=travel, seam=seam, plants=_kept(within, rig),
-        correction=still, notes=(Note("loop-already", text),), ground=np.zeros((length + 1, 3)),
+        strides=count_strides(within, rig), travel=travel, seam=_seam((0.0, 0.0), (0.0, 0.0), whole, rig, travel, far),
+        plants=plants, correction=still, notes=(Note("loop-already", text),), ground=ground,
     )  # fmt: skip
 
 
@@ -239,7 +248,8 @@ def _kept(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
     for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
         for c in effector.contacts:
             if c.wish != "forbid":
-                found.append(Footplant(len(found), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence))
+                plain = Footplant(len(found), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence)
+                found.append(replace(plain, held=((c.start, c.end),)))
     return tuple(found)
 
 
@@ -248,9 +258,15 @@ def _frames(start: int, length: int, frames: int, params: LoopParams) -> Ints:
     return frozen((start + np.arange(length + (not params.open))) % frames, np.intp)
 
 
-def _told(size: tuple[float, float]) -> tuple[float, float]:
-    """[mm] and [degrees] of [m] and [rad]."""
-    return 1000.0 * size[0], float(np.degrees(size[1]))
+def _seam(
+    gap: tuple[float, float], moved: tuple[float, float], clip: Clip, rig: Rig, travel: Travel, far: float | None
+) -> Seam:  # fmt: skip
+    """What is told of a seam, of sizes in [m] and [rad]."""
+    (gap_m, gap_rad), (moved_m, moved_rad) = gap, moved
+    return Seam(
+        1000.0 * gap_m, float(np.degrees(gap_rad)), 1000.0 * moved_m, float(np.degrees(moved_rad)),
+        *ratios(clip, rig, travel), slide_mm=None if far is None else 1000.0 * far,
+    )  # fmt: skip
 
 
 def as_written(cycle: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:

@@ -15,7 +15,6 @@ from footfix.enforce.papers.leg import (
     correction_of,
     effector_tracks,
     local_rotations,
-    norm,
     two_bones,
     where_moved,
     within_reach,
@@ -23,6 +22,7 @@ from footfix.enforce.papers.leg import (
 from footfix.locomotion.travel import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
+from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
 _MOST = 0.0025  # [leg lengths] what strays farther does so for a reason, and is left
