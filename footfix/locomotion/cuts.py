@@ -236,15 +236,20 @@ def calmer(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Cut:
     clear = max(1, round(_CLEAR / clip.frame_time))
     first, last = (_frames_of(span, clear, len(clip)) for span in cut.stands)
     gap = _gaps(clip, rig, first, last, params)
-    seen = _SEEN * rig.leg_length * np.maximum(_jolts(clip, rig, first, last) - _UNSEEN, 0.0)
     odd = np.abs(last - first[:, None] - cut.frames) > _PERIOD * cut.frames / cut.strides
     far = gap > cut.gap + _NEARLY * rig.leg_length
-    a, b = np.unravel_index(np.argmin(np.where(odd | far, np.inf, gap + seen)), gap.shape)
+    a, b = np.unravel_index(np.argmin(np.where(odd | far, np.inf, gap + jolts(clip, rig, first, last))), gap.shape)
     return replace(cut, start=int(first[a]), end=int(last[b]), gap=float(gap[a, b]))
 
 
-def _jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:
-    """(N, M) of all joints the largest ratio of accelerations within some frames of a seam and elsewhere."""
+def jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:
+    """(N, M) [m] that seams cost for what a joint accelerates within some frames of them by more than elsewhere.
+
+    Args:
+        clip: F frames.
+        rig: its root and size.
+        first, last: (N,), (M,) the frames of either end, in order.
+    """
     sharp = accelerations(clip.frames(slice(first[0], last[-1] + 1)), rig)
     a, b, near = first - first[0], last - first[0], BESIDE
     middle = (a[-1] + b[0]) // 2
@@ -254,7 +259,8 @@ def _jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:
     after = np.stack([sharp[k : k + near + 1].max(axis=0) for k in a])[:, None]
     before = np.stack([sharp[max(k - near, 0) : k + 1].max(axis=0) for k in b])[None]
     own = np.maximum(np.maximum(*inside), FLOOR)
-    return np.asarray((np.maximum(after, before) / own).max(axis=-1))
+    ratio = (np.maximum(after, before) / own).max(axis=-1)
+    return np.asarray(_SEEN * rig.leg_length * np.maximum(ratio - _UNSEEN, 0.0))
 
 
 def _frames_of(span: tuple[int, int], clear: int, frames: int) -> Ints:

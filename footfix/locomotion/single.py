@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.locomotion.cloud import clouds, distances
-from footfix.locomotion.cuts import Cut
+from footfix.locomotion.cuts import Cut, jolts
 from footfix.locomotion.params import LoopParams
 from footfix.locomotion.strides import stances, weights
 from footfix.motion.clip import Bools, Clip, Floats
@@ -18,7 +18,7 @@ _ENDS = 0.2  # of the clip's frames, among which its ends are looked for
 _NEAR = 0.75  # of the distance of poses that else are alike: nothing is known of how the figure came there, and goes on
 _SAME = 0.03  # [leg lengths] poses so much alike are the same, whatever is said of the feet
 _SURE = 0.06  # [s] as exactly the ends of plants are known at the ends of a clip
-_WHOLE = 0.01  # [leg lengths] by which the clip's own ends may be less alike than others
+_WHOLE = 0.01  # [leg lengths] by which the clip's own ends may be worse than others
 _MOVES = 0.4  # of the usual speed: a figure that stands first and last has gone a step, which is no cycle
 
 
@@ -48,13 +48,13 @@ def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) 
     moves = speed >= _MOVES * np.median(speed)
     fit &= moves[first, None] & moves[last]
     fit &= (last - first[:, None]) * clip.frame_time >= _SHORTEST
-    gap = np.where(fit, gap, np.inf)
-    a, b = np.unravel_index(np.argmin(gap), gap.shape)
-    if gap[0, -1] <= gap[a, b] + _WHOLE * rig.leg_length:
+    cost = np.where(fit, gap + jolts(clip, rig, first, last), np.inf)
+    a, b = np.unravel_index(np.argmin(cost), cost.shape)
+    if cost[0, -1] <= cost[a, b] + _WHOLE * rig.leg_length:
         a, b = np.intp(0), np.intp(len(last) - 1)
     within = down[:, first[a] : last[b]]
     steps = np.all(within.any(axis=1) & ~within.all(axis=1))
-    if not steps or not gap[a, b] <= _NEAR * params.farthest * rig.leg_length:
+    if not steps or not cost[a, b] < np.inf or gap[a, b] > _NEAR * params.farthest * rig.leg_length:
         return None
     return Cut(int(first[a]), int(last[b]), -1, 0, 0, float(gap[a, b]))
 
