@@ -10,15 +10,14 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import EnforceParams
-from footfix.errors import InputError
 from footfix.locomotion.closing import Closed, close
-from footfix.locomotion.cuts import Cut, calmer, find_cuts
-from footfix.locomotion.known import closed_travel, completed, put_to_rest, whole_cycle
+from footfix.locomotion.cuts import Cut, calmer
+from footfix.locomotion.known import closed_travel, completed, put_to_rest
 from footfix.locomotion.params import LoopParams
 from footfix.locomotion.rounds import ground_under, hold
 from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.settle import settled
-from footfix.locomotion.single import single_stride
+from footfix.locomotion.single import cuts_of
 from footfix.locomotion.strides import count_strides
 from footfix.locomotion.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
 from footfix.locomotion.wrapped import wrapped
@@ -127,7 +126,7 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     known = _known(clip, rig, contacts, params, holding)
     if known is not None:
         return known
-    whole, cuts = _cut(clip, rig, contacts, params)
+    whole, cuts = cuts_of(clip, rig, contacts, params)
     made: list[Loop] = []
     for cut, closed in _calmest(whole, rig, cuts, params)[:_HELD]:
         made.append(_held(whole, rig, contacts, cut, closed, params, holding, len(clip)))
@@ -165,21 +164,6 @@ def _held(
 def _same(cut: Cut, loop: Loop) -> bool:
     """Whether a cut is hardly another one than that which a loop was made of."""
     return abs(cut.start - loop.start) + abs(cut.end - loop.end) <= _APART * (loop.end - loop.start)
-
-
-def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Clip, tuple[Cut, ...]]:
-    """The cuts of a clip; the whole of one that is hardly more than a round, with the frame that it may lack."""
-    try:
-        return clip, find_cuts(clip, rig, contacts, params)
-    except InputError:
-        if params.start is not None or params.end is not None:
-            raise
-        whole = whole_cycle(clip, rig)
-        cut = single_stride(clip, rig, contacts, params) if whole is None else Cut(0, len(whole) - 1, -1, 0, 0, 0.0)
-        strides = 0 if cut is None else count_strides(wrapped(contacts, cut.start, cut.end - cut.start), rig)
-        if cut is None or params.strides not in (None, strides):
-            raise
-        return whole or clip, (replace(cut, strides=strides),)
 
 
 def _calmest(

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from footfix.errors import InputError
 from footfix.locomotion.cloud import clouds, distances
-from footfix.locomotion.cuts import Cut, jolts
+from footfix.locomotion.cuts import Cut, find_cuts, jolts
+from footfix.locomotion.known import whole_cycle
 from footfix.locomotion.params import LoopParams
-from footfix.locomotion.strides import stances, weights
+from footfix.locomotion.strides import count_strides, stances, weights
+from footfix.locomotion.wrapped import wrapped
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import places
 from footfix.rig.rig import Rig
 
+_SHORT = 1.5  # times a cycle, up to which a clip may hold one stride only, and no second plant to tell it
 _SHORTEST, _LONGEST = 0.3, 2.5  # [s] of a stride
 _ENDS = 0.2  # of the clip's frames, among which its ends are looked for
 _NEAR = 0.75  # of the distance of poses that else are alike: nothing is known of how the figure came there, and goes on
@@ -20,6 +26,49 @@ _SAME = 0.03  # [leg lengths] poses so much alike are the same, whatever is said
 _SURE = 0.06  # [s] as exactly the ends of plants are known at the ends of a clip
 _WHOLE = 0.01  # [leg lengths] by which the clip's own ends may be worse than others
 _MOVES = 0.4  # of the usual speed: a figure that stands first and last has gone a step, which is no cycle
+
+
+def cuts_of(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Clip, tuple[Cut, ...]]:
+    """Find where a clip can be cut: the best cut first.
+
+    One that is hardly more than a round is a cycle as a whole, and may lack its last frame; or its one stride is.
+
+    Args:
+        clip: F frames.
+        rig: its legs.
+        contacts: when the feet are planted.
+        params: what is asked for.
+
+    Returns:
+        The clip, with the frame that it lacked, and its cuts.
+
+    Raises:
+        InputError: it holds no cycle, or not the one that is asked for.
+    """
+    given = params.start is not None or params.end is not None
+    try:
+        cuts = find_cuts(clip, rig, contacts, params)
+        if given or len(clip) > _SHORT * (cuts[0].end - cuts[0].start):
+            return clip, cuts
+        more = _single(clip, rig, contacts, params)
+        return clip, (more, *cuts) if more is not None and more.gap < cuts[0].gap else cuts
+    except InputError:
+        if given:
+            raise
+        whole = whole_cycle(clip, rig)
+        cut = _single(clip if whole is None else whole, rig, contacts, params, known=whole is not None)
+        if cut is None:
+            raise
+        return whole or clip, (cut,)
+
+
+def _single(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, known: bool = False) -> Cut | None:
+    """The cycle of a clip that holds hardly more than one; all of it where that is known."""
+    cut = Cut(0, len(clip) - 1, -1, 0, 0, 0.0) if known else single_stride(clip, rig, contacts, params)
+    if cut is None:
+        return None
+    strides = count_strides(wrapped(contacts, cut.start, cut.end - cut.start), rig)
+    return replace(cut, strides=strides) if params.strides in (None, strides) else None
 
 
 def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Cut | None:
