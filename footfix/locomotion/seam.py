@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
+from footfix.enforce.papers.leg import effector_tracks
 from footfix.locomotion.settle import stretches
 from footfix.locomotion.travel import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.kinematics import forward, places
+from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
 BESIDE = 5  # frames on either side of the seam
@@ -34,7 +35,8 @@ class Seam:
         changed_deg: largest angle by which closing turned a joint in its parent's frame.
         median_ratio, worst_ratio: of the joints, the largest acceleration beside the seam over the 99th percentile
             elsewhere; 1 is a seam like any other frame.
-        slide_mm: farthest that a toe joint planted over the seam strays from its median place; None where none is.
+        slide_mm: farthest that a toe (its joint, else the ball of the sole) planted over the seam strays from its median
+            place; None where none is.
     """
 
     gap_mm: float
@@ -113,19 +115,22 @@ def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
 def slide(
     clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats
 ) -> float | None:  # fmt: skip
-    """[m] the farthest that a toe joint, held over the seam, strays from its median place over the floor.
+    """[m] the farthest that a toe, held over the seam, strays from its median place over the floor.
+
+    It is the toe joint; the ball of the sole where a foot has none.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
-        rig: its legs; one without a toe joint is not looked at.
+        rig: its legs and soles.
         plants: of the cycle, with the frames in which they are held.
         travel: of one round.
         ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
     """
-    place, found = places(clip), list[float]()
-    for leg in (each for each in range(len(rig.legs)) if rig.legs[each].toe is not None):
-        toe = place[:, rig.legs[leg].toe]
-        own = [span for p in plants if p.leg == leg and p.part == "toe" for span in stretches(p, len(clip))]
+    found = list[float]()
+    for sole, toe in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), strict=True):
+        if sole.part != "toe":
+            continue
+        own = [span for p in plants if p.leg == sole.leg and p.part == "toe" for span in stretches(p, len(clip))]
         after = [end for start, end in own if start == 0]
         before = [start for start, end in own if end == len(clip)]
         if after and before and before[0] > 0:
