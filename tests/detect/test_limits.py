@@ -91,3 +91,19 @@ def test_what_is_found_on_the_grid_is_told_in_frames(monkeypatch: pytest.MonkeyP
     for column, states in enumerate(((HEEL, FLAT), (FLAT, TOE))):
         expected = sum(share[parts[state] - 1] for state in states) * heel[::2][:100]
         assert found.confidence[:, column] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("rise", "left"), [(0.008, False), (0.012, True)])  # [leg lengths]
+def test_a_heel_that_hardly_rises_while_the_toe_stands_never_left(
+    monkeypatch: pytest.MonkeyPatch, rise: float, left: bool
+) -> None:
+    tracks, foot = _kneeler(0.5, 0.0)
+    up = foot.heel.copy()
+    up[40:60, 1] += rise * tracks.leg_length
+    raised = Tracks(tracks.pelvis, (Foot("left", foot.hip, foot.ankle, up, foot.toe, foot.knee),), 0.9, 0.02)
+    state = np.where((np.arange(199) >= 80) & (np.arange(199) < 120), TOE, FLAT)
+    answer = np.log(np.full((199, 4), 0.001 / 3) + 0.999 * np.eye(4)[state])
+    monkeypatch.setattr(detector, "logits", lambda *_: (answer,))
+    heel, toe = auto(raised, AutoParams()).mask.T
+    assert toe.all()
+    assert heel[45:55].any() != left and heel[:35].all() and heel[65:].all()
