@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from footfix.detect import evidence as curves
-from footfix.detect.evidence import BODY, COLUMNS, OTHER, OWN, STEP, evidence, mates, resample
+from footfix.detect.evidence import BODY, COLUMNS, OTHER, OWN, STEP, catmull_rom, evidence, mates, resample
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Floats
 
@@ -154,3 +154,18 @@ def test_a_facing_is_seen_over_a_quarter_of_a_second() -> None:
     (forward, _), _ = resample(Tracks(still, feet, LEG, STEP)).axes
     turned = np.flatnonzero(np.abs(forward[:, 0]) > 1e-9)
     assert turned[[0, -1]].tolist() == [100 - 13, 100 + 13] or turned[[0, -1]].tolist() == [100 - 12, 100 + 12]
+
+
+@pytest.mark.parametrize(("fps", "smoothed"), [(30.0, False), (60.0, False), (240.0, True)])
+def test_quick_clips_are_smoothed_before_they_are_sampled(fps: float, smoothed: bool) -> None:
+    still = np.zeros((round(2 * fps), 3))
+    spike = still.copy()
+    spike[30, 1] = 1.0  # one frame
+    foot = Foot("left", still, still, still, still)
+    found = resample(Tracks(spike, (foot,), LEG, 1.0 / fps)).tracks.pelvis[:, 1]
+    exact = catmull_rom(spike, STEP * fps)[:, 1] / LEG
+    assert np.allclose(found, exact) is not smoothed
+
+
+def test_one_frame_is_sampled_as_it_is() -> None:
+    assert catmull_rom(np.array([[1.0, 2.0]]), 0.3).tolist() == [[1.0, 2.0]]

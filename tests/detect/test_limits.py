@@ -107,3 +107,13 @@ def test_a_heel_that_hardly_rises_while_the_toe_stands_never_left(
     heel, toe = auto(raised, AutoParams()).mask.T
     assert toe.all()
     assert heel[45:55].any() != left and heel[:35].all() and heel[65:].all()
+
+
+def test_a_foot_without_a_knee_kneels_never() -> None:
+    tracks, foot = _kneeler(0.05, 0.5)
+    mask = np.ones(100, dtype=np.bool_)
+    bare = Foot("left", foot.hip, foot.ankle, foot.heel, foot.toe)
+    assert not carrying(mask, tracks, foot, foot.toe, KneelingParams()).any()
+    assert carrying(mask, tracks, bare, foot.toe, KneelingParams()) is mask
+    nothing = ~mask
+    assert carrying(nothing, tracks, foot, foot.toe, KneelingParams()) is nothing

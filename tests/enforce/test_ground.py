@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from walks import rig_of, walk
 
-from footfix.enforce.ground import GroundParams, _drifts, belt, belt_notes, lift
+from footfix.enforce.ground import GroundParams, _drifts, _without_gaps, belt, belt_notes, lift
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contact, Contacts
@@ -127,3 +127,8 @@ def test_a_plants_drift_is_its_way_over_its_time() -> None:
     short = [replace(e, contacts=tuple(replace(c, end=c.start + n) for c in e.contacts)) for n, e in
              zip((3, 0, 2, 0), contacts.effectors, strict=True)]  # fmt: skip
     assert len(_drifts(rig, pose, replace(contacts, effectors=tuple(short)), 1.0 / FPS)) == 1
+
+
+def test_short_gaps_within_are_filled_and_no_others() -> None:
+    mask = np.array([0, 0, 1, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0], dtype=bool)
+    assert np.flatnonzero(_without_gaps(mask, 2)).tolist() == [2, 3, 4, 5, 6, 7, 11]
