@@ -25,11 +25,10 @@ from footfix.batch.work import clean_one
 from footfix.errors import UsageError
 from footfix.settings import ReportParams, Settings
 
-distributed = pytest.importorskip("distributed")
-
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
+    distributed = pytest.importorskip("distributed")
     import dask
 
     dask.config.set({"distributed.scheduler.allowed-failures": 1})
@@ -93,6 +92,7 @@ def test_a_clip_that_kills_every_worker_is_given_up_and_named(
 
 
 def test_an_address_where_nothing_answers_is_a_usage_error(tasks: list[Task], monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
     real = distributed.Client
     monkeypatch.setattr(distributed, "Client", lambda address, **more: real(address, **{**more, "timeout": 1}))
     with pytest.raises(UsageError, match="no scheduler"):

@@ -483,7 +483,7 @@ _CHANGE_KEYS = ("root_path_drift_m", "largest_change_joint", "largest_change_deg
 _NOTE_KEYS = ("severity", "text", "joints", "start", "end", "line")
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.data())
 def test_a_report_of_any_shape_is_shown_as_far_as_it_goes(data: st.DataObject) -> None:
     report = data.draw(st.fixed_dictionaries({}, optional=dict.fromkeys(report_document(4), _JSON)))

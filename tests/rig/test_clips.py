@@ -95,7 +95,7 @@ def test_names_only_confirm_what_shape_says(name: str) -> None:
     assert legs(find_rig(other), order) == legs(rig)
 
 
-@pytest.mark.parametrize("name", PLAIN)
+@pytest.mark.parametrize("name", PLAIN[::2])
 def test_any_axis_can_be_up(name: str) -> None:
     clip, _, _ = _found(name)
     for up in AXES:
