@@ -169,3 +169,13 @@ def test_quick_clips_are_smoothed_before_they_are_sampled(fps: float, smoothed: 
 
 def test_one_frame_is_sampled_as_it_is() -> None:
     assert catmull_rom(np.array([[1.0, 2.0]]), 0.3).tolist() == [[1.0, 2.0]]
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.7, 2.0, -2.5])
+def test_outward_of_a_foot_without_a_mate_is_at_right_angles_to_its_toes(heading: float) -> None:
+    ahead = np.array([np.sin(heading), 0.0, np.cos(heading)])
+    still = np.zeros((100, 3))
+    foot = Foot("left", still, still, still - 0.1 * ahead, still + 0.1 * ahead)
+    ((forward, outward),) = resample(Tracks(still, (foot,), LEG, STEP)).axes
+    assert forward == pytest.approx(np.tile(ahead[::2], (100, 1)))
+    assert np.abs(np.sum(forward * outward, axis=1)).max() < 1e-12

@@ -160,3 +160,12 @@ def _random_tracks(random: np.random.Generator) -> Tracks:
         for side, x in (("left", 0.5), ("right", -0.5))
     )
     return Tracks(track(0.0, 1.1), feet, 0.9, 1 / 60)
+
+
+def test_a_plant_that_the_clip_cuts_begins_and_ends_beyond_it() -> None:
+    stand, swing = np.log([0.1, 0.3, 0.3, 0.3]), np.log([0.97, 0.01, 0.01, 0.01])
+    cut = path.stretches(np.concatenate([[stand] * 20, [swing] * 20, [stand] * 20]), 1.0, 1.0)
+    assert cut[0].start == -np.inf and cut[-1].end == np.inf
+    assert 19.0 <= cut[0].end <= 20.0 and 39.0 <= cut[-1].start <= 40.0
+    whole = path.stretches(np.concatenate([[swing] * 20, [stand] * 20, [swing] * 20]), 1.0, 1.0)
+    assert (19.0 <= whole[0].start <= 20.0) and (39.0 <= whole[-1].end <= 40.0)

@@ -132,3 +132,7 @@ def test_a_plants_drift_is_its_way_over_its_time() -> None:
 def test_short_gaps_within_are_filled_and_no_others() -> None:
     mask = np.array([0, 0, 1, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0], dtype=bool)
     assert np.flatnonzero(_without_gaps(mask, 2)).tolist() == [2, 3, 4, 5, 6, 7, 11]
+
+
+def test_four_plants_may_make_a_belt() -> None:
+    assert np.allclose(found(np.full(4, 1.2)), [1.2, 0.0, 0.0])

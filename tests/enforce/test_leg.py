@@ -19,6 +19,7 @@ from footfix.enforce.leg import (
     TOE,
     K,
     LegTracks,
+    knee_axis,
     noise_of,
     raise_leg,
 )
@@ -334,3 +335,17 @@ def test_a_leg_that_lacks_a_channel_is_one_that_cannot_turn() -> None:
         rotates[joint] = False
         clip = replace(made.clip, skeleton=replace(made.clip.skeleton, rotates=rotates))
         assert [leg.turns for leg in figure_of(clip, made.rig, made.contacts).legs] == [False, True]
+
+
+@pytest.mark.parametrize("bend", [0.05, 0.4, 1.2])
+@pytest.mark.parametrize("aside", [0.0, 0.3, -0.8, 1.5])
+def test_a_knees_axis_comes_from_its_usual_one_to_its_planes_normal_as_it_bends(bend: float, aside: float) -> None:
+    """The normal is turned from the usual axis x about the thigh by `aside`, and as long as the sine of the bend."""
+    thigh = np.array([[0.0, -0.4, 0.0]])
+    normal = np.array([np.cos(aside), 0.0, np.sin(aside)])
+    shank = rotation.rotate(rotation.from_axis_angle(normal[None], np.array([bend])), thigh)
+    found = knee_axis(thigh, shank, np.array([[1.0, 0.0, 0.0]]))[0]
+    c, s = np.sin(bend) * np.cos(aside), np.sin(bend) * np.sin(aside)
+    square = c * c + 0.4**2
+    expected = np.array([np.sqrt(square), 0.0, c * abs(c) / square * s])
+    assert found == pytest.approx(expected / np.linalg.norm(expected))

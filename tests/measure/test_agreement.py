@@ -100,3 +100,9 @@ def test_precision_is_of_what_was_found_and_recall_of_what_is_there() -> None:
     assert (scored.precision, scored.recall, scored.f1) == (0.75, 0.5, 0.6)
     wrong = agreement.Frames(found=3, missed=2)
     assert (wrong.precision, wrong.recall, wrong.f1) == (0.0, 0.0, 0.0)
+
+
+def test_contacts_that_go_on_at_the_ends_of_the_clip_have_no_event_there() -> None:
+    for ends, strike, off in (([1, 1, 0, 1, 1], [2.5], [1.5]), ([1, 1, 1, 1, 1], [], [])):
+        strikes, offs = agreement.edges(np.array(ends, dtype=np.bool_), 1.0)
+        assert (strikes.tolist(), offs.tolist()) == (strike, off)

@@ -257,3 +257,11 @@ def test_a_join_that_would_leave_the_clip_goes_on_to_its_end() -> None:
     assert (inside.free, inside.beyond, inside.frames.tolist()) == (18, 19, [15, 16, 17])
     outside = _join(14, 1, 4, 20)
     assert (outside.free, outside.frames.tolist(), outside.weight.tolist()) == (-1, [15, 16, 17, 18, 19], [0.0] * 5)
+
+
+def test_plants_at_the_ends_of_the_clip_have_joins_and_close_ones_have_none_between_them() -> None:
+    count = np.full(60, 3)
+    found = joins([(2, 10), (29, 40), (55, 58)], count, 10)
+    assert [join.edge for join in found] == [2, 57]  # 19 frames between the first two, 15 between the others
+    assert [join.edge for join in joins([(2, 10), (30, 40)], count, 10)] == [2, 9, 30, 39]
+    assert [join.edge for join in joins([(2, 10)], 0 * count, 10)] == []
