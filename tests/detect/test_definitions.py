@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from footfix.detect.adaptive import AdaptiveParams, _frames_of, _plants, _with_ends, adaptive
-from footfix.detect.cycles import Cycle, CycleParams, _even, find_cycles, zigzag
+from footfix.detect.cycles import Cycle, CycleParams, _even, _runs, find_cycles, zigzag
 from footfix.detect.locked import let_go
 from footfix.detect.lyard import LyardParams, _agreement, _follow, lyard
-from footfix.detect.threshold import ThresholdParams, threshold
+from footfix.detect.threshold import ThresholdParams, _nearest_plant_length, threshold
 from footfix.detect.tracks import GRAVITY, Foot, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
@@ -259,3 +259,16 @@ def test_a_short_rest_and_one_in_less_than_half_of_a_contact_ends_nothing() -> N
     assert rested(0.02, 0.02, rests=5, moves=1) == [(2, 8)]
     assert rested(0.02, 0.02, rests=20, moves=9) == [(10, 31)]
     assert rested(0.02, 0.02, rests=20, moves=10) == [(0, 43)]
+
+
+def test_a_frame_votes_by_the_plant_that_is_nearest() -> None:
+    lengths = _nearest_plant_length([(0, 4), (10, 30), (50, 51)], np.arange(60))
+    assert runs(lengths == 4) == [(0, 8)] and runs(lengths == 20) == [(8, 41)] and runs(lengths == 1) == [(41, 60)]
+
+
+def test_running_is_told_by_the_means_of_heights() -> None:
+    height = np.full(21, 9.0)
+    height[[4, 14]] = 0.9, 1.1  # in the middle of the stances
+    for between, run in (([0.5, 0.5, 1.9], False), ([0.5, 0.5, 2.1], True), ([1.1, 0.7, 1.1], False)):
+        height[[0, 10, 20]] = between
+        assert _runs(height, 0, 10, 20) is run
