@@ -224,7 +224,7 @@ def test_a_stray_while_the_foot_lands_or_leaves_is_of_no_account() -> None:
         shift = np.zeros((FRAMES, 3))
         shift[frame, 0] = 0.05
         found = told(shift)
-        assert (found.outcome, found.residual) == ("pinned", pytest.approx(0.05))
+        assert (found.outcome, found.reason, found.residual) == ("pinned", "", pytest.approx(0.05))
     for frame in (21, 78):
         shift = np.zeros((FRAMES, 3))
         shift[frame, 0] = 0.05

@@ -405,3 +405,14 @@ def test_what_a_plant_lacks_is_told_by_its_median_height() -> None:
     plants, _ = footplants(contacts_of(made, left_toe=[Contact(0, 40)]), made.rig, made.legs, PARAMS)
     still_lacks = lacks(plants, still().legs, made.rig)
     assert lacks(plants, made.legs, made.rig) == pytest.approx(still_lacks + 0.03)
+
+
+def test_the_tips_of_toes_rest_at_their_median_height_while_the_foot_is_flat() -> None:
+    up = np.zeros((FRAMES, 3))
+    up[:30, 1], up[30:40, 1], up[40:, 1] = -0.03, 0.5, 0.2  # [m]
+    made, tip = moved(still(), up), float(still().legs[0].place(TIP)[1, 0])
+    for spans in ({"left_heel": [Contact(0, 40)], "left_toe": [Contact(0, 60)]}, {"left_toe": [Contact(0, 40)]}):
+        plants, _ = footplants(contacts_of(made, **spans), made.rig, made.legs, PARAMS)
+        level = pinning.floors(plants, made.legs, made.rig, PARAMS)
+        assert level.tips[0] == pytest.approx(tip - 0.03)
+        assert level.tips[1] == pytest.approx(float(np.median(made.legs[1].place(TIP)[1])))
