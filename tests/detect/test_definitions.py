@@ -15,6 +15,7 @@ from footfix.detect.threshold import ThresholdParams, _nearest_plant_length, thr
 from footfix.detect.tracks import GRAVITY, Foot, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
+from footfix.motion.smoothing import savgol
 
 DT = 0.01  # [s]
 LEG = 1.0  # [m]
@@ -272,3 +273,18 @@ def test_running_is_told_by_the_means_of_heights() -> None:
     for between, run in (([0.5, 0.5, 1.9], False), ([0.5, 0.5, 2.1], True), ([1.1, 0.7, 1.1], False)):
         height[[0, 10, 20]] = between
         assert _runs(height, 0, 10, 20) is run
+
+
+def test_each_point_is_looked_at_in_its_own_window() -> None:
+    of = walker()
+    feet = tuple(
+        Foot(f.side, f.hip, f.ankle, f.heel * [1.0, 1.0 + 0.3 * k, 1.0], f.toe * [1.0, 2.0 + k, 1.0])
+        for k, f in enumerate(of.feet)
+    )  # fmt: skip
+    of = Tracks(of.pelvis, feet, LEG, DT)
+    mask, cycles = adaptive(of, AdaptiveParams(), ThresholdParams()).mask, cycles_of(of)
+    inside = slice(round(cycles[0].start), round(cycles[-1].end) + 1)
+    for column, (foot, part, row) in enumerate(((0, "heel", 2), (0, "toe", 3), (1, "heel", 0), (1, "toe", 1))):
+        height = savgol(getattr(of.feet[foot], part)[:, 1], DT, seconds=0.05, degree=2)
+        expected = _plants(height, _with_ends(cycles), row, 0.4)
+        assert np.array_equal(mask[inside, column], expected[inside])
