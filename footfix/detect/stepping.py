@@ -49,8 +49,8 @@ class SteppingParams:
     noise: float = 10.0
     rest: float = 0.12
     within: float = 2.0
-    length: float = 0.04
-    creeping: float = 2.0
+    length: float = 0.035
+    creeping: float = 3.0
     still: float = 0.03
     calm: float = 2.0
     sharp: float = 6.0

@@ -24,7 +24,7 @@ from footfix.rig.find import find_rig
 
 FPS = 60.0
 SECONDS = 4.0
-BLIND = AutoParams(stepping=SteppingParams(parting=1e6))
+BLIND = AutoParams(stepping=SteppingParams(parting=1e6, length=1e6))
 
 
 @cache
