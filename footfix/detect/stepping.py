@@ -41,7 +41,6 @@ class SteppingParams:
         creeping: [factor] how much longer for each leg length that the foot would go meanwhile as it does at rest.
         still: [leg lengths/s] a foot that parts from the other more slowly than this rests,
         calm: [factor] or than so many times as fast as it moves where it rests.
-        slowing: [share] of the speed that a foot has reached: until it is slower than that, it goes on stepping.
         sharp: [factor] how steeply the odds rise with the speed; they are its power.
     """
 
@@ -54,7 +53,6 @@ class SteppingParams:
     creeping: float = 3.0
     still: float = 0.03
     calm: float = 2.0
-    slowing: float = 0.3
     sharp: float = 6.0
 
 
@@ -82,16 +80,10 @@ def stepping(
         rest = resting_speed(speeds[k], params)
         even = params.parting + params.travel * travel + params.noise * rest
         apart = parting(each[k], each[mate])
-        moving = _moving(apart, speeds[k] > speeds[mate], rest, params)
-        swings = [(a, b) for a, b in moving if planted[k][a:b].min() < 0.5]
-        for a, b in swings:
-            even[a:b] = np.minimum(even[a:b], max(params.parting, params.slowing * float(apart[a:b].max())))
         parts = _probability(params.sharp * _log_ratio(apart, even))
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
-        for a, b in moving:
-            if a == 0 or b == len(apart) or planted[k][a - 1 : b + 1].min() < 0.5:
-                continue
+        for a, b in _from_rest_to_rest(apart, speeds[k] > speeds[mate], rest, planted[k], params):
             whole = _whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
             whole *= float(planted[mate][a:b].min())
             steps[a:b] = np.maximum(steps[a:b], max(whole, float(steps[a:b].max())))
@@ -99,9 +91,12 @@ def stepping(
     return tuple(out)
 
 
-def _moving(apart: Floats, faster: Bools, rest: Floats, params: SteppingParams) -> list[tuple[int, int]]:
-    """The stretches [start, end) in which a foot leaves the other behind, not at rest beside it."""
-    return runs((apart > np.maximum(params.still, params.calm * rest)) & faster)
+def _from_rest_to_rest(
+    apart: Floats, faster: Bools, rest: Floats, planted: Floats, params: SteppingParams
+) -> list[tuple[int, int]]:
+    """The stretches [start, end) in which a foot that looks planted throughout leaves the other, at rest beside it."""
+    moves = (apart > np.maximum(params.still, params.calm * rest)) & faster
+    return [(a, b) for a, b in runs(moves) if a > 0 and b < len(moves) and planted[a - 1 : b + 1].min() > 0.5]
 
 
 def _whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:
