@@ -16,6 +16,7 @@ from footfix.rig.rig import Rig
 
 _SAME = 0.3  # of the clip's usual step, root mean square over the joints: poses that differ by less are one
 _ALIKE = 0.45  # the same of two steps, one of them over the seam: the feet of a cycle that was cut by hand may jerk
+_ERRS = 0.6  # or this much of what that guess is off in the clip itself, in the worst of ten frames
 _MOVES = 0.2  # of the usual step: less than this at the seam is a pause, not a stride
 _TILT = 3.0  # [degrees] by which the root may lean otherwise
 _HEIGHT = 0.02  # [leg lengths] by which its height may differ
@@ -66,7 +67,8 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
         return rotation.to_rotation_vector(rotation.multiply(rotation.inverse(before), after))
 
     every = np.arange(0, frames - 1, 1 if frames * clip.frame_time <= _LONGEST else 1 + frames // 200)
-    usual = _size(step(every, every + 1))
+    steps = step(every, every + 1)
+    usual = _size(steps)
     first, last, over = step(np.array([0, frames - 2, frames - 1]), np.array([1, frames - 1, 0]))
     height, turn = pose.position(rig.root)[:, 1], pose.rotation(rig.root)
     low, yaw = _HEIGHT * rig.leg_length, _yaw(turn)
@@ -80,9 +82,15 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
         return Cycle(frames - 1, yaw)
     beside = 0.5 * (first + last)
     rise = 0.5 * (height[1] - height[0] + height[-1] - height[-2])
-    if _size(over - beside) < _ALIKE * usual and abs(height[0] - height[-1] - rise) < low:
+    if _size(over - beside) < max(_ALIKE * usual, _ERRS * _errs(steps)) and abs(height[0] - height[-1] - rise) < low:
         return Cycle(frames, yaw + 0.5 * (_yaw(turn[:2]) + _yaw(turn[-2:])))
     return None
+
+
+def _errs(steps: Floats) -> float:
+    """[rad] by how much a step (n, J, 3) differs from the mean of those beside it, in the worst of ten."""
+    off = steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])
+    return float(np.quantile(np.sqrt(np.mean(np.sum(off**2, axis=2), axis=1)), 0.9))
 
 
 def said_to_be_one(pose: Pose, rig: Rig) -> Cycle:
