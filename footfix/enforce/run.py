@@ -37,7 +37,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
-from footfix.rig.followers import Follower, find_followers
+from footfix.rig.followers import Follower, find_followers, left_behind
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 
@@ -156,7 +156,7 @@ def enforce(
     done, after = (_by_paper if by_paper else _by_least_squares)(clip, rig, task, params, cut)
     followers = find_followers(clip, rig)
     done = replace(done, followers=followers)
-    task = replace(task, notes=(*task.notes, *_followers_note(followers, clip)))
+    task = replace(task, notes=(*task.notes, *_followers_note(followers, clip), *left_behind(clip, rig, followers)))
     plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
 
