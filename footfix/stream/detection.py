@@ -13,15 +13,16 @@ import numpy as np
 
 from footfix.detect import fitted
 from footfix.detect.auto import AutoParams, grounded
-from footfix.detect.evidence import STEP, Sampled
+from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.detect.path import EARLY, Stretch, resting, stretches
-from footfix.detect.stepping import by_velocities, velocity_of
-from footfix.detect.timing import timed
+from footfix.detect.stepping import WINDOW, by_velocities
+from footfix.detect.timing import timed_by
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
-from footfix.stream.grid import FOOT, Grid
+from footfix.stream.filters import filtered
+from footfix.stream.grid import FOOT, PAST, Grid
 from footfix.stream.ring import Ring
 from footfix.stream.weigh import weigh
 
@@ -86,13 +87,13 @@ class Detector:
         self._weigh()
 
     def _weigh(self) -> None:
-        places = self._grid.steps.view(0)
+        places = self._grid.steps.last(round(PAST / STEP))
         count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         curves, self._axes = weigh(places, count + _REACH, self._mates, self._jitter)
         network = fitted.network()
         alone = tuple(grounded(network.logits(each), each, self._params) for each in curves)
         moving = places[:, [0, *(k for f in range(len(curves)) for k in (3 + FOOT * f, 4 + FOOT * f))]]
-        velocity = velocity_of(np.ascontiguousarray(moving[..., ::2]))  # (n, 1 + 2 feet, 2)
+        velocity = filtered(moving[..., ::2], seconds=WINDOW, degree=2, derivative=1)  # (n, 1 + 2 feet, 2)
         each = [velocity[:, 1 + 2 * f : 3 + 2 * f] for f in range(len(curves))]
         answers = by_velocities(alone, self._mates, velocity[:, 0], each, self._params.stepping)
         self._answers.replace(self._grid.steps.end - count, np.stack([a[-count:] for a in answers], axis=1))
@@ -100,9 +101,10 @@ class Detector:
     def see(self, first: int) -> Seen:
         """Say which soles are planted from frame `first` on."""
         end = self._frames.end
-        last = min(self._path, len(self._answers.view(0)))
-        answers = self._answers.view(self._answers.end - last)
-        sampled, offset = self._sampled(last), self._answers.end - last
+        answers = self._answers.last(self._path)
+        last = len(answers)
+        offset = self._answers.end - last
+        brakes, tips = self._accelerations(last)
         down = np.zeros((end - first, 2 * len(self._mates)), dtype=np.bool_)
         sure = np.zeros_like(down, dtype=np.float64)
         lands, leaves = [], []
@@ -110,7 +112,7 @@ class Detector:
         at = np.clip(frames * self._per_frame - offset, 0, last - 1).astype(np.intp)
         for k in range(len(self._mates)):
             found = stretches(answers[:, k], self._params.switch, self._params.roll)
-            found = timed(found, sampled, k, fitted.timing())
+            found = timed_by(found, brakes[:, k], tips[:, k], fitted.timing())
             heel, toe = self._masks(found, offset, first, end)
             down[:, 2 * k], down[:, 2 * k + 1] = self._finished(heel, toe, k, first)
             p = np.exp(answers[at, k])
@@ -121,14 +123,14 @@ class Detector:
             leaves.append(tuple((t + offset) / self._per_frame for t in sorted(ends - begins) if np.isfinite(t)))
         return Seen(first, down, sure, tuple(lands), tuple(leaves))
 
-    def _sampled(self, last: int) -> Sampled:
-        """The last steps as detection's timing looks at them."""
-        places = self._grid.steps.view(self._grid.steps.end - last)
-        feet = tuple(
-            Foot(side, *(places[:, 1 + FOOT * k + part] for part in range(FOOT))) for k, side in enumerate(self._sides)
-        )
-        axes = tuple((forward[-last:], forward[-last:]) for forward in self._axes)
-        return Sampled(Tracks(places[:, 0], feet, 1.0, STEP), self._mates, axes, self._jitter)
+    def _accelerations(self, last: int) -> tuple[Floats, Floats]:
+        """(last, feet) each: what `detect.timing` calls braking and tipping, over the last steps."""
+        places = self._grid.steps.last(last)
+        along = places[:, 4::FOOT] - places[:, 3::FOOT]
+        ahead = np.sum(along[..., ::2] * self._axes[:, -last:].swapaxes(0, 1), axis=-1)
+        pitch = np.unwrap(np.arctan2(along[..., 1], ahead), axis=0)
+        both = filtered(np.concatenate([places[:, 2::FOOT, 1], pitch], axis=1), seconds=LIFT, degree=2, derivative=2)
+        return both[:, : len(self._mates)], both[:, len(self._mates) :]
 
     def _masks(self, found: Sequence[Stretch], offset: int, first: int, end: int) -> tuple[Bools, Bools]:
         """Heel and toe in contact in frames `[first, end)`; a frame that a landing hardly misses counts as after it."""

@@ -56,3 +56,8 @@ class Ring:
         """Get the rows `[first, stop)`, as far as they are remembered."""
         stop = self.end if stop is None else stop
         return self._rows[max(first - self._start, 0) : stop - self._start]
+
+    def last(self, count: int) -> Floats:
+        """Get the newest rows, so many of them or all there are."""
+        count = min(count, self._length)
+        return self._rows[self._length - count : self._length]

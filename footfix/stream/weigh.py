@@ -23,7 +23,7 @@ from footfix.detect.evidence import (
     STEP,
 )
 from footfix.motion.clip import Floats
-from footfix.motion.smoothing import savgol
+from footfix.stream.filters import filtered
 from footfix.stream.grid import FOOT
 
 _MARGIN = 14  # steps before the newest ones, on which their derivatives depend
@@ -53,10 +53,9 @@ def weigh(places: Floats, count: int, mates: Sequence[int], jitter: float) -> tu
     from_pelvis = np.stack([np.sum(beside * ahead, axis=-1), np.sum(beside * aside, axis=-1)], axis=-1)
     reach = np.linalg.norm(ankle - hip, axis=-1)
     fast = np.concatenate([heel, toe, from_pelvis, reach[..., None]], axis=-1)  # (n, feet, 9)
-    speed = savgol(fast, STEP, seconds=SPEED, degree=2, derivative=1)
-    lift = savgol(
-        np.stack([heel[..., 1], toe[..., 1], from_pelvis[..., 0]], axis=-1), STEP, seconds=LIFT, degree=2, derivative=2
-    )
+    speed = filtered(fast, seconds=SPEED, degree=2, derivative=1)
+    lifted = np.stack([heel[..., 1], toe[..., 1], from_pelvis[..., 0]], axis=-1)
+    lift = filtered(lifted, seconds=LIFT, degree=2, derivative=2)
     over = _over_floors(places, count, mates)
     curves = [
         *over[:6], *(speed[..., k] for k in (1, 4)), lift[..., 0], lift[..., 1],
@@ -83,7 +82,7 @@ def _axes(places: Floats, mates: Sequence[int]) -> tuple[Floats, Floats]:
     outward = (hip - hip[:, list(mates)])[..., ::2]
     if alone.any():
         outward = np.where(alone[:, None], np.stack([-facing[..., 1], facing[..., 0]], axis=-1), outward)
-    outward = savgol(outward, STEP, seconds=FACING, degree=1)
+    outward = filtered(outward, seconds=FACING, degree=1)
     outward = outward / np.maximum(np.hypot(outward[..., 0], outward[..., 1])[..., None], 1e-9)
     forward = np.stack([-outward[..., 1], outward[..., 0]], axis=-1)
     back = np.sum(forward * facing, axis=(0, 2)) < 0.0
@@ -118,7 +117,7 @@ def _floors(height: Floats, seconds: float, count: int) -> tuple[Floats, Floats]
 
 def _body(height: Floats, count: int, jitter: float) -> Floats:
     """(3, count): how the pelvis rises and is accelerated, and how noisy the capture is."""
-    rise = savgol(height, STEP, seconds=0.11, degree=2, derivative=1)
-    lift = savgol(height, STEP, seconds=0.15, degree=2, derivative=2)
+    rise = filtered(height, seconds=0.11, degree=2, derivative=1)
+    lift = filtered(height, seconds=0.15, degree=2, derivative=2)
     curves = np.stack([rise, lift, np.full(len(height), jitter)])
     return np.asarray(np.arcsinh(curves / _BODY_UNITS)[:, -count:])
