@@ -15,7 +15,7 @@ from footfix.detect import fitted
 from footfix.detect.auto import AutoParams, grounded
 from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
-from footfix.detect.network import FLAT, HEEL, SWING, TOE
+from footfix.detect.network import FLAT, HEEL, TOE
 from footfix.detect.path import EARLY, Stretch, resting, stretches
 from footfix.detect.stepping import WINDOW, by_velocities
 from footfix.detect.timing import timed_by

@@ -1,0 +1,204 @@
+"""The steps of a stream, hop by hop: detection as frames come in, enforcement a little later, frames out one by one.
+
+    hop                     1/30 s of frames: kinematics of them, and what they show of contacts
+    a frame later           contacts, and the window that ends with the hop is solved; its oldest frames are settled
+    with every frame        one that is settled is given out, as late as agreed on
+
+So no frame takes the time of both steps, and each waits as long as the others.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.detect.tracks import tracks_of
+from footfix.enforce.correction import Correction, apply
+from footfix.enforce.leg import LEG, ROOT, tracks
+from footfix.enforce.run import correction, pose_of
+from footfix.motion.clip import Bools, Clip, Floats
+from footfix.settings import Settings
+from footfix.stream.detection import Detector, Seen
+from footfix.stream.events import Event, Kind
+from footfix.stream.part import Part
+from footfix.stream.ring import Ring
+from footfix.stream.tracks import LegRing
+from footfix.stream.window import BEFORE, Window
+
+HOP = 1.0 / 30.0  # [s]
+_LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
+_NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A frame that is settled.
+
+    Args:
+        number: of the frame.
+        places, turns: (J, 3) [m], (J, 4) of the part's joints, as corrected.
+        changed: whether anything is.
+        contacts: (E,) which effectors are planted.
+        events: what begins or ends with it.
+    """
+
+    number: int
+    places: Floats
+    turns: Floats
+    changed: bool
+    contacts: Bools
+    events: tuple[Event, ...]
+
+
+def frames_of(seconds: float, frame_time: float) -> int:
+    """Count the whole frames of a time [s]."""
+    return int(seconds / frame_time + 1e-6)
+
+
+class Engine:
+    """Detection and enforcement of one figure, with a fixed delay."""
+
+    def __init__(self, part: Part, frame_time: float, settings: Settings, look_ahead: float, shown: int = 0) -> None:
+        """Begin.
+
+        Args:
+            part: the figure.
+            frame_time: [s].
+            settings: how contacts are found and enforced.
+            look_ahead: [s] that a frame waits for what follows it.
+            shown: how many of the first frames are given out by others, as they are.
+        """
+        self._part, self._frame_time = part, frame_time
+        self._rig = part.known.rig
+        self.hop = max(1, frames_of(HOP, frame_time))
+        ahead = frames_of(look_ahead, frame_time)
+        self.delay = ahead + self.hop - 1
+        self._ahead = ahead if self.hop == 1 else max(ahead - 1, 0)
+        self._detector = Detector(
+            [leg.side for leg in self._rig.legs], part.known.mates, part.known.jitter, self._rig.leg_length, frame_time,
+            look_ahead, settings.detect.auto,
+        )  # fmt: skip
+        moves = bool(part.skeleton.translates[self._rig.root])
+        self._window = Window(part.known, moves, frame_time, settings.enforce, shown)
+        self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
+        self._capacity = self.delay + 4 * self.hop + BEFORE + 4
+        self._source = Ring((7 * len(part.joints),), self._capacity)
+        self._legs: LegRing | None = None
+        self._hop: list[Floats] = []
+        self._arrived, self._settled, self._due = 0, shown, False
+        self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled
+        self._ready: deque[Shown] = deque()
+
+    def push(self, places: Floats, turns: Floats) -> Iterator[Shown]:
+        """Take the next frames (n, J, 3) [m] and (n, J, 4) of the part's joints; give out those that are due."""
+        for place, turn in zip(places, turns, strict=True):
+            self._hop.append(np.concatenate([place.ravel(), turn.ravel()]))
+            self._arrived += 1
+            if self._due:
+                self._settle(self._legs_end() - self._ahead)
+            if len(self._hop) == self.hop:
+                self._take_hop()
+                self._due = True
+                if self.hop == 1:
+                    self._settle(self._legs_end() - self._ahead)
+            while self._ready and self._ready[0].number < self._arrived - self.delay:
+                yield self._ready.popleft()
+
+    def close(self) -> Iterator[Shown]:
+        """Give out all that is left; no frames follow."""
+        if self._hop:
+            self._take_hop()
+        if self._arrived > self._settled:
+            self._settle(self._arrived, last=True)
+        while self._ready:
+            yield self._ready.popleft()
+
+    def _legs_end(self) -> int:
+        return self._legs.end if self._legs else 0
+
+    def _clip(self, rows: Floats) -> Clip:
+        """The part's motion of some rows (n, 7 J)."""
+        joints, by_row = len(self._part.joints), rows.T
+        places = [by_row[3 * j : 3 * j + 3].T for j in range(joints)]
+        turns = [by_row[3 * joints + 4 * j : 3 * joints + 4 * j + 4].T for j in range(joints)]
+        return Clip.from_tracks(self._part.skeleton, places, turns, self._frame_time)
+
+    def _take_hop(self) -> None:
+        """Kinematics of the newest frames, and what they show."""
+        rows = np.stack(self._hop)
+        self._hop.clear()
+        self._source.append(rows)
+        clip = self._clip(np.asfortranarray(rows))
+        pose = pose_of(clip, self._rig)
+        legs = tracks(clip, self._rig, pose, self._part.known.legs)
+        if self._legs is None:
+            self._legs = LegRing(legs, pose, self._capacity)
+        self._legs.append(legs, pose)
+        self._detector.add(tracks_of(clip, self._rig, pose))
+
+    def _settle(self, stop: int, *, last: bool = False) -> None:
+        """Settle the frames up to number `stop`."""
+        self._due = False
+        assert self._legs is not None
+        if stop <= self._settled:
+            return
+        first = max(self._settled - BEFORE, 0)
+        before = self._settled - first
+        seen = self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
+        down = seen.down[self._settled - seen.first :]
+        told = self._told[BEFORE - before :]
+        on = np.concatenate([told, down])
+        legs, lift = self._window.lifted(self._legs.legs(first), first)
+        x = self._window.solve(legs, on, first, stop, last=last)
+        shown = slice(before, stop - first)
+        events = self._events(seen, stop)
+        self._give(legs, x, lift, shown, on, events)
+        self._told = np.concatenate([self._told, down[: stop - self._settled]])[-BEFORE:]
+        self._settled = stop
+
+    def _give(
+        self, legs: object, x: Floats, lift: Floats, shown: slice, on: Bools, events: list[Event]
+    ) -> None:  # fmt: skip
+        first, stop = self._settled, self._settled + shown.stop - shown.start
+        clip = self._clip(np.asfortranarray(self._source.view(first, stop)))
+        some = [leg.frames(shown) for leg in legs]  # type: ignore[attr-defined]
+        state = np.ascontiguousarray(x[:, shown])
+        columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(some))]
+        shift = state[:ROOT].T + lift[shown, None] * np.array([0.0, 1.0, 0.0])
+        assert self._legs is not None
+        done = correction(clip, self._rig, self._legs.pose(first, stop), some, state, columns, shift)
+        done = Correction(done.root, done.root_shift, done.joints, done.rotations, self._part.known.followers)
+        changed = bool(done.joints) or bool(np.any(shift))
+        after = apply(clip, done) if changed else clip
+        for k, number in enumerate(range(first, stop)):
+            own = tuple(event for event in events if self._due_with(event, number, first, stop))
+            contacts = on[shown][k, self._order]
+            self._ready.append(Shown(number, after.positions[k], after.rotations[k], changed, contacts, own))
+
+    @staticmethod
+    def _due_with(event: Event, number: int, first: int, stop: int) -> bool:
+        return min(max(event.frame, first), stop - 1) == number
+
+    def _events(self, seen: Seen, stop: int) -> list[Event]:
+        """What begins or ends in the frames that are settled now, up to `stop`."""
+        begin = self._settled - seen.first
+        down = np.concatenate([self._told[-1:], seen.down[begin : begin + stop - self._settled]])
+        found = []
+        for sole, column in zip(self._rig.soles, self._order, strict=True):
+            for k in np.flatnonzero(down[1:, column] != down[:-1, column]).tolist():
+                kind: Kind = "strike" if down[k + 1, column] else "lift"
+                frame = self._settled + k
+                moments = (seen.lands if kind == "strike" else seen.leaves)[sole.leg]
+                contact = seen.sure[:, column][seen.down[:, column]]
+                sure = float(contact.mean()) if len(contact) else 0.5
+                at = self._moment(moments, frame)
+                found.append(Event(kind, sole.name, frame, at * self._frame_time, round(sure, 3)))
+        return sorted(found, key=lambda event: event.frame)
+
+    def _moment(self, moments: tuple[float, ...], frame: int) -> float:
+        """[frames] when it happened: the moment that is nearest to the frame, if one is near."""
+        near = min(moments, key=lambda moment: abs(moment - frame), default=np.inf)
+        return near if abs(near - frame) * self._frame_time < min(_NEAR, 2.0 * self._frame_time) else float(frame)
