@@ -106,13 +106,17 @@ def _over_floors(places: Floats, count: int, mates: Sequence[int]) -> list[Float
 
 def _floors(height: Floats, seconds: float, count: int) -> tuple[Floats, Floats]:
     """(count, m) the lowest of heights (n, m) within some seconds ahead, and behind, both with now."""
-    from scipy.ndimage import minimum_filter1d  # takes a while to import
-
     n = max(round(seconds / STEP), 1) + 1
     part = height[-min(count + n, len(height)) :]
-    ahead = minimum_filter1d(part, n, axis=0, origin=-(n // 2), mode="constant", cval=np.inf)
-    behind = minimum_filter1d(part, n, axis=0, origin=(n - 1) // 2, mode="constant", cval=np.inf)
-    return ahead[-count:], behind[-count:]
+    beyond = np.full((n, part.shape[1]), np.inf)
+    ahead, behind = np.concatenate([part, beyond]), np.concatenate([beyond, part])
+    width = 1
+    while width < n:  # the lowest of 2 w is the lower of two lowest of w
+        hop = min(width, n - width)
+        np.minimum(ahead[:-hop], ahead[hop:], out=ahead[:-hop])
+        behind = np.concatenate([behind[:hop], np.minimum(behind[hop:], behind[:-hop])])
+        width += hop
+    return ahead[: len(part)][-count:], behind[-count:]
 
 
 def _body(height: Floats, count: int, jitter: float) -> Floats:

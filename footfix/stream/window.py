@@ -17,9 +17,9 @@ from footfix.enforce.papers.ease import gamma
 from footfix.enforce.pins import nominal
 from footfix.enforce.problem import Problem
 from footfix.enforce.run import EnforceParams, costs_of, faded
-from footfix.enforce.solve import EPS, descend
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.calibration import Calibration
+from footfix.stream.descent import descend
 from footfix.stream.held import Foot, Ground, follow
 from footfix.stream.pins import pins_of
 
@@ -108,7 +108,7 @@ class Window:
         )  # fmt: skip
         x = self._started(first, n)
         if n > BEFORE + 1:
-            x = descend(problem, x, _LAST_ROUNDS if last else _ROUNDS, first=EPS, fixed=fixed)
+            x = descend(problem, x, _LAST_ROUNDS if last else _ROUNDS, int(fixed.sum()))
         for k, leg in enumerate(legs):
             places = posed(leg, x[:ROOT], x[problem.columns(k)], derive=False).places
             self._feet[k] = follow(
