@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from footfix.rig.params import RigParams
     from footfix.rig.rig import Leg, Rig, SolePoint
     from footfix.settings import Settings
+    from footfix.stream.live import Stream
 
 _NAMES = {
     "footfix.api.clips": (
@@ -81,6 +82,7 @@ _NAMES = {
     "footfix.rig.params": "RigParams",
     "footfix.rig.rig": "Leg Rig SolePoint",
     "footfix.settings": "Settings",
+    "footfix.stream.live": "Stream",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
@@ -113,6 +115,7 @@ __all__ = [
     "Settings",
     "Skeleton",
     "SolePoint",
+    "Stream",
     "UsageError",
     "__version__",
     "apply",

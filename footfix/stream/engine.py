@@ -10,14 +10,15 @@ So no frame takes the time of both steps, and each waits as long as the others.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from footfix.detect.tracks import tracks_of
 from footfix.enforce.correction import Correction, apply
-from footfix.enforce.leg import LEG, ROOT, tracks
+from footfix.enforce.leg import LEG, ROOT, LegTracks, tracks
 from footfix.enforce.run import correction, pose_of
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.settings import Settings
@@ -39,16 +40,13 @@ class Shown:
 
     Args:
         number: of the frame.
-        places, turns: (J, 3) [m], (J, 4) of the part's joints, as corrected.
-        changed: whether anything is.
+        row: (C,) as it came in, with what is corrected.
         contacts: (E,) which effectors are planted.
         events: what begins or ends with it.
     """
 
     number: int
-    places: Floats
-    turns: Floats
-    changed: bool
+    row: Floats
     contacts: Bools
     events: tuple[Event, ...]
 
@@ -58,20 +56,35 @@ def frames_of(seconds: float, frame_time: float) -> int:
     return int(seconds / frame_time + 1e-6)
 
 
+class Codec(Protocol):
+    """What rows of numbers say of the part's joints."""
+
+    def read(self, rows: Floats) -> Clip:
+        """The motion of the part's joints of rows (n, C)."""
+
+    def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
+        """(n, C) the rows with the motion `after` in place of `before`."""
+
+
 class Engine:
     """Detection and enforcement of one figure, with a fixed delay."""
 
-    def __init__(self, part: Part, frame_time: float, settings: Settings, look_ahead: float, shown: int = 0) -> None:
+    def __init__(
+        self, part: Part, codec: Codec, columns: int, frame_time: float, settings: Settings, look_ahead: float,
+        shown: int = 0,
+    ) -> None:  # fmt: skip
         """Begin.
 
         Args:
             part: the figure.
+            codec: what rows say of it.
+            columns: numbers in a row.
             frame_time: [s].
             settings: how contacts are found and enforced.
             look_ahead: [s] that a frame waits for what follows it.
             shown: how many of the first frames are given out by others, as they are.
         """
-        self._part, self._frame_time = part, frame_time
+        self._part, self._codec, self._frame_time = part, codec, frame_time
         self._rig = part.known.rig
         self.hop = max(1, frames_of(HOP, frame_time))
         ahead = frames_of(look_ahead, frame_time)
@@ -85,53 +98,46 @@ class Engine:
         self._window = Window(part.known, moves, frame_time, settings.enforce, shown)
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
         self._capacity = self.delay + 4 * self.hop + BEFORE + 4
-        self._source = Ring((7 * len(part.joints),), self._capacity)
+        self._rows = Ring((columns,), self._capacity)
         self._legs: LegRing | None = None
         self._hop: list[Floats] = []
         self._arrived, self._settled, self._due = 0, shown, False
         self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled
         self._ready: deque[Shown] = deque()
 
-    def push(self, places: Floats, turns: Floats) -> Iterator[Shown]:
-        """Take the next frames (n, J, 3) [m] and (n, J, 4) of the part's joints; give out those that are due."""
-        for place, turn in zip(places, turns, strict=True):
-            self._hop.append(np.concatenate([place.ravel(), turn.ravel()]))
+    def push(self, rows: Floats) -> list[Shown]:
+        """Take the next rows (n, C); give out those that are due."""
+        out = []
+        for row in rows:
+            self._hop.append(row)
             self._arrived += 1
             if self._due:
-                self._settle(self._legs_end() - self._ahead)
+                self._settle(self._rows.end - self._ahead)
             if len(self._hop) == self.hop:
                 self._take_hop()
                 self._due = True
                 if self.hop == 1:
-                    self._settle(self._legs_end() - self._ahead)
+                    self._settle(self._rows.end - self._ahead)
             while self._ready and self._ready[0].number < self._arrived - self.delay:
-                yield self._ready.popleft()
+                out.append(self._ready.popleft())
+        return out
 
-    def close(self) -> Iterator[Shown]:
+    def close(self) -> list[Shown]:
         """Give out all that is left; no frames follow."""
         if self._hop:
             self._take_hop()
         if self._arrived > self._settled:
             self._settle(self._arrived, last=True)
-        while self._ready:
-            yield self._ready.popleft()
-
-    def _legs_end(self) -> int:
-        return self._legs.end if self._legs else 0
-
-    def _clip(self, rows: Floats) -> Clip:
-        """The part's motion of some rows (n, 7 J)."""
-        joints, by_row = len(self._part.joints), rows.T
-        places = [by_row[3 * j : 3 * j + 3].T for j in range(joints)]
-        turns = [by_row[3 * joints + 4 * j : 3 * joints + 4 * j + 4].T for j in range(joints)]
-        return Clip.from_tracks(self._part.skeleton, places, turns, self._frame_time)
+        left = list(self._ready)
+        self._ready.clear()
+        return left
 
     def _take_hop(self) -> None:
         """Kinematics of the newest frames, and what they show."""
         rows = np.stack(self._hop)
         self._hop.clear()
-        self._source.append(rows)
-        clip = self._clip(np.asfortranarray(rows))
+        self._rows.append(rows)
+        clip = self._codec.read(rows)
         pose = pose_of(clip, self._rig)
         legs = tracks(clip, self._rig, pose, self._part.known.legs)
         if self._legs is None:
@@ -160,23 +166,24 @@ class Engine:
         self._settled = stop
 
     def _give(
-        self, legs: object, x: Floats, lift: Floats, shown: slice, on: Bools, events: list[Event]
-    ) -> None:  # fmt: skip
+        self, legs: Sequence[LegTracks], x: Floats, lift: Floats, shown: slice, on: Bools, events: Sequence[Event]
+    ) -> None:
+        """Make ready the frames of a window that are settled now."""
         first, stop = self._settled, self._settled + shown.stop - shown.start
-        clip = self._clip(np.asfortranarray(self._source.view(first, stop)))
-        some = [leg.frames(shown) for leg in legs]  # type: ignore[attr-defined]
+        rows = self._rows.view(first, stop)
+        some = [leg.frames(shown) for leg in legs]
         state = np.ascontiguousarray(x[:, shown])
         columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(some))]
         shift = state[:ROOT].T + lift[shown, None] * np.array([0.0, 1.0, 0.0])
         assert self._legs is not None
+        clip = self._codec.read(rows)
         done = correction(clip, self._rig, self._legs.pose(first, stop), some, state, columns, shift)
         done = Correction(done.root, done.root_shift, done.joints, done.rotations, self._part.known.followers)
-        changed = bool(done.joints) or bool(np.any(shift))
-        after = apply(clip, done) if changed else clip
+        rows = self._codec.write(rows, clip, apply(clip, done)) if done.joints or np.any(shift) else rows.copy()
         for k, number in enumerate(range(first, stop)):
             own = tuple(event for event in events if self._due_with(event, number, first, stop))
             contacts = on[shown][k, self._order]
-            self._ready.append(Shown(number, after.positions[k], after.rotations[k], changed, contacts, own))
+            self._ready.append(Shown(number, rows[k], contacts, own))
 
     @staticmethod
     def _due_with(event: Event, number: int, first: int, stop: int) -> bool:
