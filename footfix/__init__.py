@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from footfix.api.loops import loop
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
     from footfix.api.reports import clean_file, make_page, make_report, summarize
+    from footfix.api.streams import Stream
     from footfix.enforce.correction import Correction
     from footfix.enforce.footplant import Footplant
     from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
@@ -56,7 +57,6 @@ if TYPE_CHECKING:
     from footfix.rig.params import RigParams
     from footfix.rig.rig import Leg, Rig, SolePoint
     from footfix.settings import Settings
-    from footfix.stream.live import Stream
 
 _NAMES = {
     "footfix.api.clips": (
@@ -82,7 +82,7 @@ _NAMES = {
     "footfix.rig.params": "RigParams",
     "footfix.rig.rig": "Leg Rig SolePoint",
     "footfix.settings": "Settings",
-    "footfix.stream.live": "Stream",
+    "footfix.api.streams": "Stream",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
