@@ -86,7 +86,8 @@ def calibrate(clip: Clip, settings: Settings) -> Calibration:
     belt = np.median(steps[moving], axis=0) / own.frame_time if moving.mean() > 0.5 else np.zeros(3)
     notes = (*rig.notes, *task.notes)
     if len(rigs) > 1:
-        notes += (Note("one-figure", f"{len(rigs)} figures: the feet of the first are held, the others pass as they are"),)
+        text = f"{len(rigs)} figures: the feet of the first are held, the others pass as they are"
+        notes += (Note("one-figure", text, "warning"),)
     return Calibration(
         rig, sampled.mates, sampled.jitter, task.calibration, task.floors.rest, task.floors.tips, task.lift, noise,
         white, fault, np.asarray(belt), find_followers(own, rig), notes,

@@ -34,7 +34,8 @@ class Channels:
         self._skeleton = replace(
             own, offsets=whole.offsets[joints], end_offsets=own.end_offsets / document.unit_m,
         )  # fmt: skip
-        self._base, self._unit, self._up, self._frame_time = document.base[joints], document.unit_m, document.up, frame_time
+        self._base, self._frame_time = document.base[joints], frame_time
+        self._unit, self._up = document.unit_m, document.up
 
     def read(self, rows: Floats) -> Clip:
         """The motion of the part's joints of rows (n, C) [m], y up."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import _DAMPING, _STATIC, EPS
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Floats, Ints
 from footfix.stream.objective import Legs, Normal, Stacked, normal
 
 _LONGEST = 0.1  # [m, rad] that a state goes in a round
@@ -22,7 +22,7 @@ def descend(problem: Problem, x: Floats, rounds: int, fixed: int) -> Floats:
         rounds: how many.
         fixed: frames at the beginning that keep their state.
     """
-    legs, pins, free = Legs.of(problem.legs), Stacked.of(problem.pins), np.flatnonzero(problem.free())
+    legs, pins, free = Legs.of(problem.legs), Stacked.of(problem.pins), np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
     x = x.copy()
     for n in range(rounds):
         eps = (EPS if n == rounds - 1 else _FIRST * EPS) * problem.frame_time
@@ -32,13 +32,12 @@ def descend(problem: Problem, x: Floats, rounds: int, fixed: int) -> Floats:
     return x
 
 
-def _step(problem: Problem, found: Normal, free: Floats, fixed: int) -> Floats:
+def _step(problem: Problem, found: Normal, free: Ints, fixed: int) -> Floats:
     """(n, F - fixed) the step of the free unknowns, by a banded Cholesky decomposition."""
     from scipy.linalg.lapack import dpbsv
 
-    square = np.ix_(free, free)
-    main = found.main[fixed:][(slice(None), *square)]
-    next_ = found.next[fixed:][(slice(None), *square)]
+    rows, columns = np.ix_(free, free)
+    main, next_ = found.main[fixed:, rows, columns], found.next[fixed:, rows, columns]
     near = found.near[:, free, fixed:]
     F, U = main.shape[:2]
     bands = np.zeros((F, U, 2 * U + 1))  # of the lower triangle, column by column

@@ -49,7 +49,7 @@ class Grid:
     def _resample(self) -> None:
         first = max(self.steps.end - self._again, self.steps.start)
         last = int((self._frames.end - 1) / self._per_step + 1e-9)
-        places = np.arange(first, last + 1) * self._per_step
+        places: Floats = np.arange(first, last + 1, dtype=np.float64) * self._per_step
         low = max(int(places[0]) - 2 - 2 * self._half, self._frames.start)
         x = self._frames.view(low)
         if self._half:

@@ -79,7 +79,7 @@ class Plant:
         assert self.place is not None
         gone = frames - self.at
         out = self.place[:, None] + self.belt[:, None] * gone
-        fall = gamma(gone * frame_time / _SETTLES)
+        fall = gamma(np.asarray(gone * frame_time / _SETTLES, dtype=np.float64))
         out[1] = fall * self.place[1] + (1.0 - fall) * self.level
         return np.asarray(out)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,22 +103,15 @@ class Lines:
         self._last: Floats | None = None
         self.rows = 0  # that came in, broken ones among them
 
-    def feed(self, data: bytes) -> list[Item]:
+    def feed(self, data: bytes) -> Iterator[Item]:
         """Take what came in; tell what is whole of it.
 
         Raises:
             InputError: what came is no BVH, or has turned into another figure's.
         """
         self._rest += data
-        found: list[Item] = []
-        while True:
-            if self._in_header or self._begins_header():
-                item = self._header()
-            else:
-                item = self._line()
-            if item is None:
-                return found
-            found += item
+        while (items := self._header() if self._in_header or self._begins_header() else self._line()) is not None:
+            yield from items
 
     def finish(self) -> list[Item]:
         """Tell what is left when the input has ended, or its peer is gone; then go on as from the start of a row."""
@@ -142,8 +136,6 @@ class Lines:
 
     def _begins_header(self) -> bool:
         start = self._rest.lstrip(b"\xef\xbb\xbf \t\r\n")[:10].upper()
-        if len(start) < 10 and start and b"HIERARCHY".startswith(start[:9]) and (len(start) < 9 or start == b"HIERARCHY"):
-            return False  # wait for the rest of the word
         self._in_header = bool(_HEADER.match(start))
         return self._in_header
 

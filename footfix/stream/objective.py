@@ -1,7 +1,7 @@
 """The objective of `enforce.problem`, for all legs and points of a short window together.
 
-The same terms and derivatives as for a whole clip, laid out for few frames: there the arrays are long and each leg, point
-and bound is worked on by itself; here they are short, and what takes the time is the number of operations.
+The same terms and derivatives as for a whole clip, laid out for few frames: there the arrays are long and each leg,
+point and bound is worked on by itself; here they are short, and what takes the time is the number of operations.
 
 Arrays have components first, then points, legs and frames: (3, P, L, F).
 """
@@ -116,7 +116,8 @@ def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     line = turned(q, legs.line)
     thrust = line * distance
     ankle = legs.hip + root[:, None] + thrust
-    in_foot = np.concatenate([legs.soles, legs.toe_hinge[:, None], turned(b * legs.toe_hinge, legs.tip)[:, None]], axis=1)
+    tip = turned(b * legs.toe_hinge, legs.tip)
+    in_foot = np.concatenate([legs.soles, legs.toe_hinge[:, None], tip[:, None]], axis=1)
     by_foot = turned(w[:, None], in_foot)
     arms = np.empty((3, POINTS, *k.shape))
     arms[:, :2], arms[:, 2], arms[:, TIP] = by_foot[:, :2], 0.0, by_foot[:, 1] + by_foot[:, 3]
@@ -168,8 +169,7 @@ class Normal:
 
 def normal(problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, static: float) -> Normal:
     """Linearise the objective of a window at a state (U, F); see `enforce.problem.systems`."""
-    U, F = x.shape
-    L = len(problem.legs)
+    F, L = x.shape[1], len(problem.legs)
     own = x[ROOT:].reshape(L, LEG, F).swapaxes(0, 1)  # (8, L, F)
     at = posed(legs, x[:ROOT], own)
     force, stiff, step = _pull(problem, pins, at.places, eps, static)

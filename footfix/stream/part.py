@@ -1,4 +1,4 @@
-"""The part of a skeleton that a stream works on: legs, what carries them, and what goes along; the rest passes as it is."""
+"""The part of a skeleton that a stream works on: legs, what carries them, and what goes along with them."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import stat
 import time
 from collections import Counter, deque
 from collections.abc import Callable
@@ -70,7 +71,7 @@ class Sink:
             drops: whether frames are dropped where its reader is slow; else the stream waits for it.
         """
         self._number = stream.fileno()
-        self.seekable = stream.seekable() and os.path.isfile(f"/dev/fd/{self._number}")
+        self.seekable = stat.S_ISREG(os.fstat(self._number).st_mode)
         self._start = os.lseek(self._number, 0, os.SEEK_CUR) if self.seekable else 0
         self._outlet = Outlet(self._all) if drops and not self.seekable else None
 
@@ -156,6 +157,8 @@ class Run:
             for source in sources:
                 source.stop()
             self._finish(backlog)
+        if self._live is None:
+            raise InputError("nothing came in", file="<stdin>")
 
     def _take(self, item: object) -> None:
         if isinstance(item, Row):
@@ -219,7 +222,8 @@ class Run:
             return
         ratio = self._pace_rows / elapsed * self._frame_time
         if self._idle > _PACED * elapsed and not 0.75 < ratio < 1.33 and ratio > 0.1:
-            text = f"rows come at {self._pace_rows / elapsed:.3g} a second, the header says {1.0 / self._frame_time:.4g}"
+            came = f"{self._pace_rows / elapsed:.3g}"
+            text = f"rows come at {came} a second, the header says {1.0 / self._frame_time:.4g}"
             self._talk.fault("pace", text)
         self._pace_from, self._pace_rows, self._idle = time.monotonic(), 0, 0.0
 
@@ -261,5 +265,3 @@ class Run:
             if dropped:
                 self._talk.say(f"{dropped} {name} were dropped for a reader that is too slow")
         self._talk.total()
-        if self._live is None:
-            raise InputError("nothing came in", file="<stdin>")

@@ -1,8 +1,8 @@
 """Enforcement in a window: the least squares of a whole clip on the newest frames, those that were shown held fixed.
 
 A window begins with two frames that were shown, so that neither place nor speed jumps, and ends with the newest one.
-It starts from what was found for it a moment before, so that a round or two are enough; each frame is in several windows
-before it is shown. Where a strike turns out to be elsewhere, or earlier, than it was planned, the way to it begins
+It starts from what was found for it a moment before, so that a round or two are enough; each frame is in several
+windows before it is shown. Where a strike turns out to be elsewhere, or earlier, than it was planned, the way to it begins
 anew from where the foot is by then, at the speed it has (what G eq. 11 does with an ease).
 """
 
@@ -76,7 +76,7 @@ class Window:
             The legs, and (n,) [m] by how much they were raised.
         """
         since = (first - self._first + np.arange(len(legs[0].flexion))) * self._frame_time
-        lift = self._known.lift * (1.0 - gamma(since / _RAISED))
+        lift = np.asarray(self._known.lift * (1.0 - gamma(np.asarray(since / _RAISED, dtype=np.float64))))
         if not self._known.lift or not self._translates or self._params.heights != "floor":
             return tuple(legs), np.zeros(len(lift))
         return tuple(raise_leg(leg, lift) for leg in legs), lift
