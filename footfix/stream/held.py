@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
 from footfix.enforce.papers.ease import gamma
-from footfix.enforce.pins import height
+from footfix.enforce.pins import Pins, height
 from footfix.motion.clip import Bools, Floats, Ints
 
 STANDING = (HEEL, TOE, ANKLE)  # the points that have plants; the ankle stands while heel and toe do
 _SETTLES = 0.2  # [s] in which a plant comes down to its floor
 _STRAYS = 0.12  # [leg lengths] a foot whose capture has gone so far from its place is let go
-_SLIPS = 0.002  # [leg lengths] and so is one that could not be held
+_LANDS = 0.1  # [s] before that none is
+_SLIPS = 0.005  # [leg lengths] and so is one that could not be held
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,8 +105,8 @@ def masks(on: Bools) -> tuple[Bools, ...]:
 
 
 def follow(
-    foot: Foot, leg: LegTracks, k: int, places: tuple[Floats, ...], on: Bools, window: Ints, shown: slice,
-    ground: Ground, belt: Floats, soft: int,
+    foot: Foot, leg: LegTracks, k: int, places: Sequence[Floats], pins: Sequence[Pins], on: Bools, window: Ints,
+    shown: slice, ground: Ground, belt: Floats,
 ) -> Foot:  # fmt: skip
     """Keep account of a foot's plants after frames were shown.
 
@@ -113,12 +115,12 @@ def follow(
         leg: as captured over the window, n frames.
         k: which leg.
         places: of its points over the window, (3, n) [m] each, as corrected.
+        pins: what was asked of them.
         on: (n, 2) when heel and toe are planted.
         window: (n,) numbers of its frames.
         shown: which of them were shown just now.
         ground: what plants stand on.
         belt: (3,) [m] that the ground of new plants moves in a frame.
-        soft: frames in which a plant still lands.
     """
     plants, step = list(foot.plants), foot.step
     for point, mask in zip(STANDING, masks(on), strict=False):
@@ -130,8 +132,10 @@ def follow(
                 level = ground.level(leg.place(point)[1, t : t + int(np.argmin(np.append(mask[t:], False)))], k, point)
                 step = step if point == ANKLE else ground.step(level, k, point)
                 plant = Plant(int(window[t]), level, belt)
-            if plant is not None and plant.place is None and window[t] >= plant.start + soft:
+            if plant is not None and plant.place is None and window[t] > plant.start:
                 here = places[point][:, t].copy()
+                if pins[point].placed[t]:
+                    here[::2] = pins[point].place[::2, t]
                 keeps = point == ANKLE or not ground.heights
                 plant = replace(plant, place=here, at=int(window[t]), level=float(here[1]) if keeps else plant.level)
         plants[point] = plant and _held(plant, leg.place(point), places[point], window, shown.stop - 1, ground)
@@ -144,5 +148,6 @@ def _held(plant: Plant, captured: Floats, place: Floats, window: Ints, last: int
         return plant
     stands = plant.places(window[last : last + 1], ground.frame_time)[:, 0]
     strays, slips = (float(np.hypot(*(each[:, last] - stands)[[0, 2]])) for each in (captured, place))
-    free = strays > _STRAYS * ground.leg_length or slips > _SLIPS * ground.leg_length
+    settled = (window[last] - plant.start) * ground.frame_time > _LANDS
+    free = settled and (strays > _STRAYS * ground.leg_length or slips > _SLIPS * ground.leg_length)
     return replace(plant, free=free)

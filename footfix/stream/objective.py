@@ -107,8 +107,27 @@ class Posed:
     jacobian: Floats
 
 
-def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
-    """Put the points where a state has them: root (3, F) [m], and the legs' unknowns (8, L, F) [rad]."""
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """What a leg's points were worked out from: (3, L, F) thrust from the hip and its change by the knee's flexion.
+
+    Args:
+        thrust: [m] from hip to ankle.
+        bent: [m/rad] its derivative by the flexion.
+        arms: (3, P, L, F) [m] of the points from the ankle.
+        hinge: of the toes.
+        toes: [m] from the toe joint to the tip.
+    """
+
+    thrust: Floats
+    bent: Floats
+    arms: Floats
+    hinge: Floats
+    toes: Floats
+
+
+def places_of(legs: Legs, root: Floats, x: Floats) -> tuple[Floats, Reached]:
+    """Put the points (3, P, L, F) [m] where a state has them: root (3, F) [m], and the legs' unknowns (8, L, F)."""
     q, k, w, b = x[Q], x[K], x[W], x[B]
     c0, c1, c2 = legs.reach
     cos, sin = np.cos(k), np.sin(k)
@@ -121,16 +140,23 @@ def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     by_foot = turned(w[:, None], in_foot)
     arms = np.empty((3, POINTS, *k.shape))
     arms[:, :2], arms[:, 2], arms[:, TIP] = by_foot[:, :2], 0.0, by_foot[:, 1] + by_foot[:, 3]
-    n = k.shape
+    bent = line * ((c2 * cos - c1 * sin) / (2.0 * distance))
+    return ankle[:, None] + arms, Reached(thrust, bent, arms, by_foot[:, 2], by_foot[:, 3])
+
+
+def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
+    """The same, with derivatives."""
+    places, at = places_of(legs, root, x)
+    n = at.thrust.shape[1:]
     out = np.zeros((*n, 3, POINTS, ROOT + LEG))
     for c in range(3):
         out[..., c, :, c] = 1.0
     rest = out[..., ROOT:]
-    rest[..., Q] = _swept(q, thrust).transpose(2, 3, 0, 1)[..., None, :]
-    rest[..., K] = (line * ((c2 * cos - c1 * sin) / (2.0 * distance))).transpose(1, 2, 0)[..., None]
-    rest[..., W] = _swept(w, arms).transpose(3, 4, 0, 2, 1)
-    rest[..., TIP, B] = cross(by_foot[:, 2], by_foot[:, 3]).transpose(1, 2, 0)
-    return Posed(ankle[:, None] + arms, out.reshape(*n, 3 * POINTS, ROOT + LEG))
+    rest[..., Q] = _swept(x[Q], at.thrust).transpose(2, 3, 0, 1)[..., None, :]
+    rest[..., K] = at.bent.transpose(1, 2, 0)[..., None]
+    rest[..., W] = _swept(x[W], at.arms).transpose(3, 4, 0, 2, 1)
+    rest[..., TIP, B] = cross(at.hinge, at.toes).transpose(1, 2, 0)
+    return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
 
 
 def _swept(vector: Floats, v: Floats) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from footfix.enforce.leg import ANKLE, HEEL, POINTS, TIP, TOE, LegTracks
@@ -11,18 +13,22 @@ from footfix.motion.contacts import runs
 from footfix.stream.held import Foot, Ground, Plant, masks
 
 _FIRM = {HEEL: 0.3, TOE: 25.0, ANKLE: 0.3}  # how much the place of a plant that was shown counts
+_FEWEST = 2  # frames of a plant to come, of which its place can be told
+_FIRST_STEP = 0.3  # weight of the first step of a plant, in which a foot still lands
 _DRAWN = 1.0 / 6.0  # how much the floor counts of a plant of 0.6 s; nobody knows yet how long one will be
 
 
 def pins_of(
-    foot: Foot, leg: LegTracks, k: int, on: Bools, window: Ints, ground: Ground, belt: Floats, params: PinParams
-) -> tuple[Pins, ...]:
+    foot: Foot, leg: LegTracks, k: int, plan: Sequence[Floats], on: Bools, window: Ints, ground: Ground, belt: Floats,
+    params: PinParams,
+) -> tuple[Pins, ...]:  # fmt: skip
     """Lay out what the points of a foot are to do in a window.
 
     Args:
         foot: what was shown of it.
         leg: as captured, n frames.
         k: which leg.
+        plan: of its points, (3, n) [m] each, as planned a moment before.
         on: (n, 2) when heel and toe are planted.
         window: (n,) numbers of the frames.
         ground: what plants stand on.
@@ -33,7 +39,7 @@ def pins_of(
     step = _floor_step(foot, leg, k, on, ground)
     points = range(len(POINTS) if len(leg.points) > 2 else TIP)
     return tuple(
-        _pins(foot, leg, k, point, when[point], window, ground, belt, params, step) for point in points
+        _pins(foot, leg, k, point, plan[point], when[point], window, ground, belt, params, step) for point in points
     )
 
 
@@ -47,7 +53,7 @@ def _floor_step(foot: Foot, leg: LegTracks, k: int, on: Bools, ground: Ground) -
 
 
 def _pins(
-    foot: Foot, leg: LegTracks, k: int, point: int, on: Bools, window: Ints, ground: Ground, belt: Floats,
+    foot: Foot, leg: LegTracks, k: int, point: int, plan: Floats, on: Bools, window: Ints, ground: Ground, belt: Floats,
     params: PinParams, step: float,
 ) -> Pins:  # fmt: skip
     n, track = len(on), leg.place(point)
@@ -66,14 +72,27 @@ def _pins(
             level[start:end], draw[start:end] = own, _DRAWN
         if plant is not None:
             slip[:, start : end - 1] = plant.belt[:, None]
-            if plant.place is not None and point != TIP:
-                place[:, start:end] = plant.places(window[start:end], ground.frame_time)
-                placed[start:end] = _FIRM[point]
+        if point != TIP and plant is not None and plant.place is not None:
+            place[:, start:end] = plant.places(window[start:end], ground.frame_time)
+            placed[start:end] = _FIRM[point]
+        elif point != TIP:
+            landed = max(start, begun + 1 - int(window[0]))
+            if end - landed >= _FEWEST:
+                place[:, landed:end] = _planned(plan[:, landed:end], belt)
+                placed[landed:end] = _FIRM[point]
     if point == TIP or not ground.heights:
         slip[1] = np.diff(track[1])
     if not leg.turns:  # the root is not to follow a leg that can't
         hold[:] = draw[:] = placed[:] = 0.0
     return Pins(hold, slip, on, level, draw, _lowest(track[1], k, point, on, ground, step), place, placed)
+
+
+def _planned(plan: Floats, belt: Floats) -> Floats:
+    """(3, n) [m] where a point is to stand that was planned to be at (3, n) [m]: in their middle, at its height."""
+    moved = belt[:, None] * np.arange(plan.shape[1])
+    place = np.median(plan - moved, axis=1)[:, None] + moved
+    place[1] = plan[1]
+    return place
 
 
 def _of_run(foot: Foot, point: int, number: int) -> Plant | None:
@@ -84,13 +103,12 @@ def _of_run(foot: Foot, point: int, number: int) -> Plant | None:
 
 def _ramp(since: Ints, ends: bool, ground: Ground, params: PinParams) -> Floats:
     """(n,) weights of a plant's steps, less where the foot lands, and where it leaves if that is known."""
-    soft = max(1, round(params.edge / ground.frame_time))
-
-    def rise(at: Ints) -> Floats:
-        return np.minimum(((at + 0.5) / soft) ** 2 + params.edge_weight, 1.0)
-
-    weights = rise(since)
-    return np.minimum(weights, rise(np.arange(len(since))[::-1])) if ends else weights
+    weights = np.where(since == 0, _FIRST_STEP, 1.0)
+    if ends:
+        soft = max(1, round(params.edge / ground.frame_time))
+        left = np.arange(len(since))[::-1]
+        weights = np.minimum(weights, ((left + 0.5) / soft) ** 2 + params.edge_weight)
+    return weights
 
 
 def _lowest(captured: Floats, k: int, point: int, on: Bools, ground: Ground, step: float) -> Floats:

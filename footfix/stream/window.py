@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from footfix.enforce.leg import LEG, ROOT, LegTracks, posed, raise_leg
+from footfix.enforce.leg import LEG, ROOT, LegTracks, raise_leg
 from footfix.enforce.papers.ease import gamma
 from footfix.enforce.pins import nominal
 from footfix.enforce.problem import Problem
@@ -21,6 +21,7 @@ from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.calibration import Calibration
 from footfix.stream.descent import descend
 from footfix.stream.held import Foot, Ground, follow
+from footfix.stream.objective import Legs, places_of
 from footfix.stream.pins import pins_of
 
 BEFORE = 2  # frames that were shown, in a window
@@ -54,7 +55,6 @@ class Window:
             near=params.pins.near * rig.leg_length, sink=params.pins.sink * rig.leg_length, leg_length=rig.leg_length,
             frame_time=frame_time, heights=heights,
         )  # fmt: skip
-        self._soft = max(1, round(params.pins.edge / frame_time))
         self._feet = [Foot() for _ in rig.legs]
         self._first, self._seen, self._fault = first, first, known.fault
         self._x = np.zeros((ROOT + LEG * len(rig.legs), 0))  # of the frames of the window before
@@ -98,25 +98,35 @@ class Window:
         window = first + np.arange(n)
         belt = self._known.belt * self._frame_time
         fixed = np.asarray(window < self._shown)
+        x = self._started(first, n)
+        plan = self._places(legs, x)
         pins = tuple(
-            pins_of(foot, leg, k, on[:, 2 * k : 2 * k + 2], window, self._ground, belt, self._params.pins)
+            pins_of(
+                foot, leg, k, [*plan[:, :, k].swapaxes(0, 1)], on[:, 2 * k : 2 * k + 2], window, self._ground, belt,
+                self._params.pins,
+            )
             for k, (foot, leg) in enumerate(zip(self._feet, legs, strict=True))
-        )
+        )  # fmt: skip
         problem = Problem(
             tuple(legs), pins, self._frame_time, self._known.rig.leg_length, costs_of(self._params), self._known.noise,
             self._known.white, np.full(n, self._usual_fault(legs, window)), self._translates, onward=not last,
         )  # fmt: skip
-        x = self._started(first, n)
         if n > BEFORE + 1:
             x = descend(problem, x, _LAST_ROUNDS if last else _ROUNDS, int(fixed.sum()))
+        places = self._places(legs, x)
         for k, leg in enumerate(legs):
-            places = posed(leg, x[:ROOT], x[problem.columns(k)], derive=False).places
             self._feet[k] = follow(
-                self._feet[k], leg, k, places, on[:, 2 * k : 2 * k + 2], window, slice(int(fixed.sum()), stop - first),
-                self._ground, belt, self._soft,
+                self._feet[k], leg, k, [*places[:, :, k].swapaxes(0, 1)], pins[k], on[:, 2 * k : 2 * k + 2], window,
+                slice(int(fixed.sum()), stop - first), self._ground, belt,
             )  # fmt: skip
         self._x, self._begin, self._shown = x, first, stop
         return faded(x, problem)
+
+    @staticmethod
+    def _places(legs: Sequence[LegTracks], x: Floats) -> Floats:
+        """(3, P, L, n) [m] where the points of all legs are in a state."""
+        own = x[ROOT:].reshape(len(legs), LEG, -1).swapaxes(0, 1)
+        return places_of(Legs.of(legs), x[:ROOT], own)[0]
 
     def _started(self, first: int, n: int) -> Floats:
         """(U, n) what was found for these frames a moment before; the newest keep the last state."""
