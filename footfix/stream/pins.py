@@ -13,6 +13,7 @@ from footfix.motion.contacts import runs
 from footfix.stream.held import Foot, Ground, Plant, masks
 
 _FIRM = {HEEL: 0.3, TOE: 25.0, ANKLE: 0.3}  # how much the place of a plant that was shown counts
+_PLANNED = 0.6  # share of that for one to come
 _FEWEST = 2  # frames of a plant to come, of which its place can be told
 _FIRST_STEP = 0.3  # weight of the first step of a plant, in which a foot still lands
 _DRAWN = 1.0 / 6.0  # how much the floor counts of a plant of 0.6 s; nobody knows yet how long one will be
@@ -79,7 +80,7 @@ def _pins(
             landed = max(start, begun + 1 - int(window[0]))
             if end - landed >= _FEWEST:
                 place[:, landed:end] = _planned(plan[:, landed:end], belt)
-                placed[landed:end] = _FIRM[point]
+                placed[landed:end] = _PLANNED * _FIRM[point]
     if point == TIP or not ground.heights:
         slip[1] = np.diff(track[1])
     if not leg.turns:  # the root is not to follow a leg that can't
