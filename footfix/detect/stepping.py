@@ -71,9 +71,10 @@ def by_velocities(
         params: when two feet part.
     """
     n = len(answers[0])
-    rests = [resting_speed(slowest(velocity), params)[-n:] for velocity in each]
-    pelvis, each = pelvis[-n:], [velocity[-n:] for velocity in each]
     speeds = [slowest(velocity) for velocity in each]
+    rests = [resting_speed(speed, params)[-n:] for speed in speeds]
+    speeds = [speed[-n:] for speed in speeds]
+    pelvis, each = pelvis[-n:], [velocity[-n:] for velocity in each]
     planted = [-np.expm1(answer[:, SWING]) for answer in answers]
     unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
     out = []

@@ -15,7 +15,7 @@ from footfix.detect import fitted
 from footfix.detect.auto import AutoParams, grounded
 from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
-from footfix.detect.network import FLAT, HEEL, TOE
+from footfix.detect.network import FLAT, HEEL, TOE, Network
 from footfix.detect.path import EARLY, Stretch, resting, stretches
 from footfix.detect.stepping import WINDOW, by_velocities
 from footfix.detect.timing import timed_by
@@ -30,7 +30,6 @@ _REACH = 31  # steps that the network looks ahead and behind
 _SETTLE = 0.15  # [s] before what is to be told, in which the answers may still change
 _PATH = 1.2  # [s] over which the path is found
 _KNEES = 0.5  # [s] over which feet of kneeling figures are looked at
-_SWING = np.log(np.array([0.97, 0.01, 0.01, 0.01]))  # what is said of the time before the stream
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +48,27 @@ class Seen:
     sure: Floats
     lands: tuple[tuple[float, ...], ...]
     leaves: tuple[tuple[float, ...], ...]
+
+
+def logits(network: Network, curves: Sequence[Floats], count: int) -> Floats:
+    """Answer for all feet together: what `Network.logits` says of the last `count` of some curves (n, E).
+
+    Args:
+        network: the network.
+        curves: for each foot (n, E).
+        count: how many answers are wanted.
+
+    Returns:
+        (feet, count, 4) log probabilities.
+    """
+    seen = (np.stack(curves) - network.mean) / network.spread  # (feet, n, E)
+    n = seen.shape[1]
+    at = np.clip(np.arange(n - count, n)[:, None] + np.array(network.taps), 0, n - 1)  # (count, T)
+    hidden = network.hidden.reshape(-1, network.hidden.shape[-1])  # (T E, H)
+    total = seen[:, at].reshape(len(seen), count, -1) @ hidden + network.hidden_bias
+    z = np.tanh(np.tanh(total) @ network.mixing + network.mixing_bias) @ network.answer + network.answer_bias
+    z -= z.max(axis=-1, keepdims=True)
+    return np.asarray(z - np.log(np.exp(z).sum(axis=-1, keepdims=True)))
 
 
 class Detector:
@@ -90,13 +110,15 @@ class Detector:
         places = self._grid.steps.last(round(PAST / STEP))
         count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         curves, self._axes = weigh(places, count + _REACH, self._mates, self._jitter)
-        network = fitted.network()
-        alone = tuple(grounded(network.logits(each), each, self._params) for each in curves)
+        answered = logits(fitted.network(), curves, count)
+        alone = tuple(
+            grounded(answer, each[-count:], self._params) for answer, each in zip(answered, curves, strict=True)
+        )
         moving = places[:, [0, *(k for f in range(len(curves)) for k in (3 + FOOT * f, 4 + FOOT * f))]]
         velocity = filtered(moving[..., ::2], seconds=WINDOW, degree=2, derivative=1)  # (n, 1 + 2 feet, 2)
         each = [velocity[:, 1 + 2 * f : 3 + 2 * f] for f in range(len(curves))]
         answers = by_velocities(alone, self._mates, velocity[:, 0], each, self._params.stepping)
-        self._answers.replace(self._grid.steps.end - count, np.stack([a[-count:] for a in answers], axis=1))
+        self._answers.replace(self._grid.steps.end - count, np.stack(answers, axis=1))
 
     def see(self, first: int) -> Seen:
         """Say which soles are planted from frame `first` on."""
@@ -153,7 +175,9 @@ class Detector:
         )
         tracks = Tracks(places[:, 0, 0], feet, self._leg_length, self._frame_time)
         both, out = heel | toe, []
+        lowest = places[:, :, :2, 1].min(axis=(1, 2))
+        kneels = bool((places[:, k, 2, 1] - lowest < self._params.kneeling.low * self._leg_length).any())
         for part, point in ((heel, feet[k].heel), (toe, feet[k].toe)):
             down = resting(part, both, point[:, 1], self._params.rise * self._leg_length)
-            out.append(carrying(down, tracks, feet[k], point, self._params.kneeling))
+            out.append(carrying(down, tracks, feet[k], point, self._params.kneeling) if kneels else down)
         return out[0], out[1]
