@@ -25,7 +25,7 @@ from footfix.stream.objective import Legs, places_of
 from footfix.stream.pins import pins_of
 
 BEFORE = 2  # frames that were shown, in a window
-_ROUNDS, _LAST_ROUNDS = 1, 6  # a window, and of the last one
+_ROUNDS, _LAST_ROUNDS = 2, 6  # a window, and of the last one
 _FORGETS = 3.0  # [s] in which the fault that plants usually have is learnt anew
 _RAISED = 0.5  # [s] in which a figure is raised to its floor
 
