@@ -8,6 +8,7 @@
     footfix.save("walk.clean.bvh", result.clip, like=walk)
     round = footfix.loop(walk.clip, rig=rig, contacts=contacts)
     footfix.save("walk.loop.bvh", round.clip)       # a cycle that repeats without a hitch
+    live = footfix.Stream(walk, look_ahead=0.15)    # frames in, frames out: live.push(row), live.close()
 
 The names below are imported when they are first used, so that `footfix --help` need not wait for numpy.
 """

@@ -12,7 +12,6 @@ from footfix.detect.tracks import Foot, Tracks
 from footfix.formats.bvh.document import Document
 from footfix.motion.clip import Floats
 
-
 FRAMES = 150  # of a sample that are streamed
 
 

@@ -22,7 +22,8 @@ def descend(problem: Problem, x: Floats, rounds: int, fixed: int) -> Floats:
         rounds: how many.
         fixed: frames at the beginning that keep their state.
     """
-    legs, pins, free = Legs.of(problem.legs), Stacked.of(problem.pins), np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
+    legs, pins = Legs.of(problem.legs), Stacked.of(problem.pins)
+    free = np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
     x = x.copy()
     for n in range(rounds):
         eps = (EPS if n == rounds - 1 else _FIRST * EPS) * problem.frame_time

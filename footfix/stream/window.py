@@ -2,8 +2,8 @@
 
 A window begins with two frames that were shown, so that neither place nor speed jumps, and ends with the newest one.
 It starts from what was found for it a moment before, so that a round or two are enough; each frame is in several
-windows before it is shown. Where a strike turns out to be elsewhere, or earlier, than it was planned, the way to it begins
-anew from where the foot is by then, at the speed it has (what G eq. 11 does with an ease).
+windows before it is shown. Where a strike turns out to be elsewhere, or earlier, than it was planned, the way to it
+begins anew from where the foot is by then, at the speed it has (what G eq. 11 does with an ease).
 """
 
 from __future__ import annotations

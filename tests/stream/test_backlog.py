@@ -41,7 +41,11 @@ def test_a_closed_backlog_lets_go_of_those_who_wait() -> None:
 
 def test_a_slow_reader_costs_frames_and_no_memory() -> None:
     free = threading.Event()
-    outlet = Outlet(lambda data: None if free.wait(10.0) else None)
+
+    def wait(data: bytes) -> None:
+        free.wait(10.0)
+
+    outlet = Outlet(wait)
     for _ in range(4 * WAITING):
         outlet.put(b"row\n")
     assert outlet.dropped >= 3 * WAITING - 1
