@@ -9,7 +9,7 @@ import numpy as np
 from footfix.detect.evidence import resample
 from footfix.detect.run import detect_contacts
 from footfix.detect.tracks import tracks_of
-from footfix.enforce import pins as pinning
+from footfix.enforce.kept import faults as faults_of
 from footfix.enforce.leg import LegCalibration
 from footfix.enforce.run import noises, task_of
 from footfix.motion.clip import Bools, Clip, Floats
@@ -76,7 +76,7 @@ def calibrate(clip: Clip, settings: Settings) -> Calibration:
     sampled = resample(tracks_of(own, rig))
     noise, white = noises(task, rig)
     heights = settings.enforce.heights == "floor"
-    faults = pinning.faults(
+    faults = faults_of(
         task.plants, task.legs, task.ground, task.floors, (False,) * len(task.plants), own.frame_time, heights=heights,
         edge=settings.enforce.pins.edge,
     )  # fmt: skip

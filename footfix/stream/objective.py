@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.leg import LEG, ROOT, TIP, B, K, LegTracks, Q, W, cross, turned
+from footfix.enforce.leg import LEG, ROOT, TIP, B, K, LegTracks, Q, W
 from footfix.enforce.pins import Pins
+from footfix.enforce.posed import cross
 from footfix.enforce.problem import (
     _FAR_TURN,
     _FLOOR,
@@ -157,6 +158,16 @@ def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     rest[..., W] = _swept(x[W], at.arms).transpose(3, 4, 0, 2, 1)
     rest[..., TIP, B] = cross(at.hinge, at.toes).transpose(1, 2, 0)
     return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
+
+
+def turned(vector: Floats, v: Floats) -> Floats:
+    """(3, ...) the vectors v, turned by rotation vectors (3, ...) [rad] (Rodrigues)."""
+    square = vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2
+    angle = np.sqrt(square)
+    once = cross(vector, v)
+    twice = cross(vector, once)
+    # sin(x) / x and (1 - cos x) / x^2 = (sin(x/2) / (x/2))^2 / 2
+    return np.asarray(v + np.sinc(angle / np.pi) * once + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * twice)
 
 
 def _swept(vector: Floats, v: Floats) -> Floats:
