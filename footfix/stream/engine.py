@@ -2,9 +2,10 @@
 
     hop                     1/30 s of frames: kinematics of them, and what they show of contacts
     a frame later           contacts, and the window that ends with the hop is solved; its oldest frames are settled
+    another frame later     their rows are written, where the rate is high and the look-ahead long
     with every frame        one that is settled is given out, as late as agreed on
 
-So no frame takes the time of both steps, and each waits as long as the others.
+So no frame takes the time of all steps, and each waits as long as the others.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from footfix.stream.window import BEFORE, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
+_LONG = 0.12  # [s] of look-ahead of which a frame more can be spared
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
 
 
@@ -54,6 +56,19 @@ class Shown:
 def frames_of(seconds: float, frame_time: float) -> int:
     """Count the whole frames of a time [s]."""
     return int(seconds / frame_time + 1e-6)
+
+
+@dataclass(frozen=True, eq=False)
+class _Settled:
+    """Frames of a window that are settled, from number `first` on, and what was found of them."""
+
+    first: int
+    legs: Sequence[LegTracks]
+    x: Floats
+    lift: Floats
+    shown: slice
+    on: Bools
+    events: Sequence[Event]
 
 
 class Codec(Protocol):
@@ -89,7 +104,9 @@ class Engine:
         self.hop = max(1, frames_of(HOP, frame_time))
         ahead = frames_of(look_ahead, frame_time)
         self.delay = ahead + self.hop - 1
-        self._ahead = ahead if self.hop == 1 else max(ahead - 1, 0)
+        self._late = self.hop >= 3 and look_ahead >= _LONG
+        self._ahead = max(ahead - (0 if self.hop == 1 else 2 if self._late else 1), 0)
+        self._pending: _Settled | None = None  # to be written
         self._detector = Detector(
             [leg.side for leg in self._rig.legs], part.known.mates, part.known.jitter, self._rig.leg_length, frame_time,
             look_ahead, settings.detect.auto,
@@ -111,7 +128,9 @@ class Engine:
         for row in rows:
             self._hop.append(row)
             self._arrived += 1
-            if self._due:
+            if self._pending is not None:
+                self._write(self._pending)
+            elif self._due:
                 self._settle(self._rows.end - self._ahead)
             if len(self._hop) == self.hop:
                 self._take_hop()
@@ -124,6 +143,8 @@ class Engine:
 
     def close(self) -> list[Shown]:
         """Give out all that is left; no frames follow."""
+        if self._pending is not None:
+            self._write(self._pending)
         if self._hop:
             self._take_hop()
         if self._arrived > self._settled:
@@ -161,29 +182,32 @@ class Engine:
         x = self._window.solve(legs, on, first, stop, last=last)
         shown = slice(before, stop - first)
         events = self._events(seen, stop)
-        self._give(legs, x, lift, shown, on, events)
+        found = _Settled(self._settled, legs, x, lift, shown, on, events)
         self._told = np.concatenate([self._told, down[: stop - self._settled]])[-BEFORE:]
         self._settled = stop
+        if self._late and not last:
+            self._pending = found
+        else:
+            self._write(found)
 
-    def _give(
-        self, legs: Sequence[LegTracks], x: Floats, lift: Floats, shown: slice, on: Bools, events: Sequence[Event]
-    ) -> None:
-        """Make ready the frames of a window that are settled now."""
-        first, stop = self._settled, self._settled + shown.stop - shown.start
-        rows = self._rows.view(first, stop)
-        some = [leg.frames(shown) for leg in legs]
-        state = np.ascontiguousarray(x[:, shown])
-        columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(some))]
-        shift = state[:ROOT].T + lift[shown, None] * np.array([0.0, 1.0, 0.0])
+    def _write(self, found: _Settled) -> None:
+        """Make ready the rows of frames that are settled."""
+        self._pending = None
         assert self._legs is not None
+        shown, first = found.shown, found.first
+        stop = first + shown.stop - shown.start
+        rows = self._rows.view(first, stop)
+        some = [leg.frames(shown) for leg in found.legs]
+        state = np.ascontiguousarray(found.x[:, shown])
+        columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(some))]
+        shift = state[:ROOT].T + found.lift[shown, None] * np.array([0.0, 1.0, 0.0])
         clip = self._codec.read(rows)
         done = correction(clip, self._rig, self._legs.pose(first, stop), some, state, columns, shift)
         done = Correction(done.root, done.root_shift, done.joints, done.rotations, self._part.known.followers)
         rows = self._codec.write(rows, clip, apply(clip, done)) if done.joints or np.any(shift) else rows.copy()
         for k, number in enumerate(range(first, stop)):
-            own = tuple(event for event in events if self._due_with(event, number, first, stop))
-            contacts = on[shown][k, self._order]
-            self._ready.append(Shown(number, rows[k], contacts, own))
+            own = tuple(event for event in found.events if self._due_with(event, number, first, stop))
+            self._ready.append(Shown(number, rows[k], found.on[shown][k, self._order], own))
 
     @staticmethod
     def _due_with(event: Event, number: int, first: int, stop: int) -> bool:
