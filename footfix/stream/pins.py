@@ -13,6 +13,7 @@ from footfix.motion.contacts import runs
 from footfix.stream.held import Foot, Ground, Plant, masks
 
 _FIRM = {HEEL: 0.3, TOE: 25.0, ANKLE: 0.3}  # how much the place of a plant that was shown counts
+_LED = 0.5  # of the way to its level that a plant to come is led every time
 _PLANNED = 0.6  # share of that for one to come
 _FEWEST = 2  # frames of a plant to come, of which its place can be told
 _FIRST_STEP = 0.3  # weight of the first step of a plant, in which a foot still lands
@@ -80,6 +81,8 @@ def _pins(
             landed = max(start, begun + 1 - int(window[0]))
             if end - landed >= _FEWEST:
                 place[:, landed:end] = _planned(plan[:, landed:end], belt)
+                if point != ANKLE and ground.heights:
+                    place[1, landed:end] += _LED * (level[start] - place[1, landed:end])
                 placed[landed:end] = _PLANNED * _FIRM[point]
     if point == TIP or not ground.heights:
         slip[1] = np.diff(track[1])
