@@ -8,6 +8,7 @@
     footfix.save("walk.clean.bvh", result.clip, like=walk)
     round = footfix.loop(walk.clip, rig=rig, contacts=contacts)
     footfix.save("walk.loop.bvh", round.clip)       # a cycle that repeats without a hitch
+    live = footfix.Stream(walk, look_ahead=0.15)    # frames in, frames out: live.push(row), live.close()
 
 The names below are imported when they are first used, so that `footfix --help` need not wait for numpy.
 """
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from footfix.api.loops import loop
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
     from footfix.api.reports import clean_file, make_page, make_report, summarize
+    from footfix.api.streams import Stream
     from footfix.enforce.correction import Correction
     from footfix.enforce.footplant import Footplant
     from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
@@ -81,6 +83,7 @@ _NAMES = {
     "footfix.rig.params": "RigParams",
     "footfix.rig.rig": "Leg Rig SolePoint",
     "footfix.settings": "Settings",
+    "footfix.api.streams": "Stream",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
@@ -113,6 +116,7 @@ __all__ = [
     "Settings",
     "Skeleton",
     "SolePoint",
+    "Stream",
     "UsageError",
     "__version__",
     "apply",

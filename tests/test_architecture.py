@@ -24,6 +24,7 @@ FLOORS = [
     {"report"},
     {"job"},
     {"inspection", "looping"},
+    {"stream"},
     {"batch", "api"},
     {"cli", "__main__", "__init__"},
 ]

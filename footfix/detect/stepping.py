@@ -11,6 +11,7 @@ from rest to rest, also where only its middle is quick.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,19 +66,37 @@ def stepping(
     which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and
     the other's q.
     """
-    feet = sampled.tracks.feet
-    pelvis = _velocity(sampled.tracks.pelvis[part, ::2])
-    each = [velocities(foot, part) for foot in feet]
+    pelvis = velocity_of(sampled.tracks.pelvis[part, ::2])
+    each = [velocities(foot, part) for foot in sampled.tracks.feet]
+    return by_velocities(answers, sampled.mates, pelvis, each, params)
+
+
+def by_velocities(
+    answers: tuple[Floats, ...], mates: Sequence[int], pelvis: Floats, each: Sequence[Floats], params: SteppingParams
+) -> tuple[Floats, ...]:  # fmt: skip
+    """The same by velocities that are known.
+
+    Args:
+        answers: for each foot (n, 4) log probabilities.
+        mates: for each foot the other one of its pair.
+        pelvis: (m, 2) [leg lengths/s] velocity over the ground; m is n or more, and the answers are of the last n.
+        each: for each foot (m, 2, 2) [leg lengths/s] those of heel and toe.
+        params: when two feet part.
+    """
+    n = len(answers[0])
     speeds = [slowest(velocity) for velocity in each]
+    rests = [resting_speed(speed, params)[-n:] for speed in speeds]
+    speeds = [speed[-n:] for speed in speeds]
+    pelvis, each = pelvis[-n:], [velocity[-n:] for velocity in each]
     planted = [-np.expm1(answer[:, SWING]) for answer in answers]
     unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
     out = []
-    for k, mate in enumerate(sampled.mates):
+    for k, mate in enumerate(mates):
         if mate == k:
             out.append(answers[k])
             continue
         travel = _to_segment(pelvis, each[mate])
-        rest = resting_speed(speeds[k], params)
+        rest = rests[k]
         even = params.parting + params.travel * travel + params.noise * rest
         apart = parting(each[k], each[mate])
         parts = _probability(params.sharp * _log_ratio(apart, even))
@@ -146,10 +165,11 @@ def _stands(answer: Floats, steps: Floats) -> Floats:
 def velocities(foot: Foot, part: slice = slice(None)) -> Floats:
     """(n, 2, 2) [leg lengths/s] over the ground, of heel and toe."""
     both = np.stack([foot.heel[part, ::2], foot.toe[part, ::2]], axis=1)
-    return _velocity(both)
+    return velocity_of(both)
 
 
-def _velocity(places: Floats) -> Floats:
+def velocity_of(places: Floats) -> Floats:
+    """(n, ...) [leg lengths/s] of places on the grid."""
     return np.asarray(savgol(places, STEP, seconds=WINDOW, degree=2, derivative=1))
 
 

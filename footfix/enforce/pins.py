@@ -174,11 +174,11 @@ def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, par
         if len(leg.points) > 2:
             frames = flat if np.any(flat) else on[k, 1] if np.any(on[k, 1]) else np.ones_like(flat)
             tips[k] = np.median(leg.place(TIP)[1, frames])
-    heights = tuple(_height(own[p.id], float(rest[p.effector]), nominal(rig, p.effector), near) for p in plants)
+    heights = tuple(height(own[p.id], float(rest[p.effector]), nominal(rig, p.effector), near) for p in plants)
     return Floors(rest, tips, heights)
 
 
-def _height(own: float, rest: float, floor: float, near: float) -> float:
+def height(own: float, rest: float, floor: float, near: float) -> float:
     """[m] the height a plant stands at: its own on a step, the usual one of its joint near that.
 
     Where a joint usually is below the rig's floor, no plant that came in higher is drawn below the floor with it.

@@ -34,7 +34,7 @@ from footfix.enforce.problem import CostParams, Problem
 from footfix.enforce.solve import solve
 from footfix.enforce.style import StyleParams, styled
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
@@ -150,7 +150,7 @@ def enforce(
     rounds = None if by_paper or any(cut) else rounds_of(clip, rig, params.cycle)
     if rounds:
         return _as_cycle(rounds, rig, contacts, params, leave)
-    task = _task(clip, rig, contacts, params)
+    task = task_of(clip, rig, contacts, params)
     if leave:
         stays = tuple(replace(plant, asked=None, force=False) for plant in task.plants)
         task = replace(task, plants=stays, keep=(True,) * len(stays))
@@ -184,7 +184,8 @@ def ground_of(clip: Clip, rig: Rig, contacts: Contacts, params: GroundParams) ->
     return grounds.belt(rig, rig.pose(clip), contacts, clip.frame_time, params)
 
 
-def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Task:
+def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Task:
+    """What is to stand where in a clip of F frames, by its contacts."""
     pose = pose_of(clip, rig)
     calibration = calibrate(rig, pose, clip)
     legs = tracks(clip, rig, pose, calibration)
@@ -255,7 +256,7 @@ def _by_least_squares(
     x = np.zeros((problem.unknowns, len(clip)))
     wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
     if wanted and len(clip) >= _FEWEST:
-        x = _faded(solve(problem), problem)
+        x = faded(solve(problem), problem)
     x = params.strength * x
     less = (params.strength - 1.0) * task.lift * np.array([[0.0], [1.0], [0.0]])  # the legs are raised by all of it
     after = [CorrectedLeg.of_state(leg, x[:3] + less, x[own]) for leg, own in zip(task.legs, columns, strict=True)]
@@ -276,10 +277,7 @@ def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParam
 
 def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:
     """The objective of a clip."""
-    costs, heights = params.costs, params.heights == "floor"
-    if params.method == "both":
-        wider = ("root", "root_height", "root_acceleration", "root_farthest")
-        costs = replace(costs, **{name: _SHARED * getattr(costs, name) for name in wider})
+    costs, heights = costs_of(params), params.heights == "floor"
     pins = tuple(
         pinning.pins(
             task.plants, leg, k, rig, task.ground, task.floors, task.keep, task.by_hand, clip.frame_time,
@@ -287,11 +285,7 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         )
         for k, leg in enumerate(task.legs)
     )  # fmt: skip
-    own = [noise_of(task.pose.position(rig.root))] * 3
-    for each in task.calibration:
-        line, knee, foot = each.noise
-        own += [line, line, line, knee, foot, foot, foot, Noise(0.0, False)]
-    noise, white = np.array([each.sigma for each in own]), np.array([each.white for each in own])
+    noise, white = noises(task, rig)
     moves = bool(clip.skeleton.translates[rig.root])
     fault = faults(
         task.plants, task.legs, task.ground, task.floors, task.keep, clip.frame_time, heights=heights,
@@ -300,7 +294,24 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
     return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut)
 
 
-def _faded(x: Floats, problem: Problem) -> Floats:
+def costs_of(params: EnforceParams) -> CostParams:
+    """What departures cost: less of the root where it shares the correction with the legs."""
+    if params.method != "both":
+        return params.costs
+    wider = ("root", "root_height", "root_acceleration", "root_farthest")
+    return replace(params.costs, **{name: _SHARED * getattr(params.costs, name) for name in wider})
+
+
+def noises(task: Task, rig: Rig) -> tuple[Floats, Bools]:
+    """(U,) [m, rad] noise of the capture in each unknown, and (U,) whether it is all of the quickest changes."""
+    own = [noise_of(task.pose.position(rig.root))] * 3
+    for each in task.calibration:
+        line, knee, foot = each.noise
+        own += [line, line, line, knee, foot, foot, foot, Noise(0.0, False)]
+    return np.array([each.sigma for each in own]), np.array([each.white for each in own])
+
+
+def faded(x: Floats, problem: Problem) -> Floats:
     """(U, F) a state without what is too small to be seen, so that frames which nothing needs keep their numbers."""
     out = x.copy()
     blocks = [(slice(0, 3), problem.leg_length), *((problem.columns(k), 1.0) for k in range(len(problem.legs)))]
