@@ -142,8 +142,9 @@ def unturned(turn: Floats, steps: Steps, curvature: Floats, frame_time: float) -
         out[a:b] += fix
         before = steps.stances[k - 1][1] if k else 0
         after = steps.stances[k + 1][0] if k + 1 < len(steps.stances) else F
-        out[b:after] += _decay(fix[::-1], min(fade, after - b))[: after - b]
-        out[before:a] += _decay(fix, min(fade, a - before))[: a - before][::-1]
+        fore, aft = min(fade, a - before), min(fade, after - b)
+        out[b : b + aft] += _decay(fix[::-1], aft)
+        out[a - fore : a] += _decay(fix, fore)[::-1]
     return out
 
 
