@@ -50,8 +50,7 @@ from footfix.locomotion.placing import (
 )
 from footfix.locomotion.steps import envelope, ground_at, lower_swing, reach_lack, unturned
 from footfix.locomotion.stride import Way, averaged, pace_of, scale_of, smoothed, way_on
-from footfix.locomotion.travel import root_in_world
-from footfix.locomotion.walk import Walk, check_alike, on_one_floor
+from footfix.locomotion.walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
@@ -405,10 +404,10 @@ def _any_turn(made: _Made) -> bool:
 
 
 def _walked(made: _Made, path: Path, clip: Clip, some: slice) -> Walked:
-    root = root_in_world(clip, made.posed.root)[0][:, [0, 2]]
+    root = pelvis_of(clip, made.posed.rig)[:, [0, 2]]
     stride = float(np.median(made.stride[some]))
     arc = made.arc[some]
-    whole = root_in_world(made.laid, made.posed.root)[0][:, [0, 2]]
+    whole = pelvis_of(made.laid, made.posed.rig)[:, [0, 2]].copy()
     whole[some] = root
     heading = path.heading(made.arc)
     left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)

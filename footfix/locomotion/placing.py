@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,6 +55,7 @@ class Posed:
     Args:
         clip: F frames on the spot, along z.
         root: what carries it.
+        body: the joint by which the body is placed below that, if any.
         rig: its legs.
         feet: one a leg.
         planted: (F, E) which sole points are planted.
@@ -63,6 +64,7 @@ class Posed:
 
     clip: Clip
     root: int
+    body: int | None
     rig: Rig
     feet: tuple[Foot, ...]
     planted: Bools
@@ -95,7 +97,7 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
         for k, soles in enumerate(own):
             planted[zone.frames, soles[0] : soles[-1] + 1] = _planted(walks, zone, weight[k])[:, soles]
         sure[zone.frames] = _sure(walks, zone)
-    return Posed(_joined([part.clip for part in parts]), walks[0].root, rig, feet, planted, sure)
+    return Posed(_joined([part.clip for part in parts]), walks[0].root, walks[0].body, rig, feet, planted, sure)
 
 
 def _planted(walks: Sequence[Walk], zone: Zone, weight: Floats) -> Bools:
@@ -234,16 +236,22 @@ def lay_body(posed: Posed, ground: Ground, lean: Lean) -> Clip:
         ground: the path under it, moved aside by where it leans from.
         lean: about that place on the floor.
     """
-    place, turn = root_in_world(posed.clip, posed.root)
     floor, phi = posed.rig.floor, lean.angle
-    roll = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), -phi)
+    laid, leans = posed.clip, posed.root
+    if posed.body is not None:  # what carries the body keeps upright, and to the path
+        place, turn = root_in_world(laid, posed.root)
+        leans, path = posed.body, replace(ground, aside=np.zeros_like(ground.aside))
+        laid = with_root(laid, posed.root, path.lay(place), rotation.multiply(ground.turn, turn))
+    place, turn = root_in_world(posed.clip, leans)
     if np.any(phi):
+        roll = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), -phi)
         up = np.array([0.0, floor, 0.0])
         place = rotation.rotate(roll, place - up) + up
         turn = rotation.multiply(roll, turn)
     if lean.lower is not None:
         place = place - np.outer(lean.lower, [0.0, 1.0, 0.0])
-    laid = with_root(posed.clip, posed.root, ground.lay(place), rotation.multiply(ground.turn, turn))
+    if posed.body is None or np.any(phi) or lean.lower is not None:
+        laid = with_root(laid, leans, ground.lay(place), rotation.multiply(ground.turn, turn))
     if lean.neck is None or not lean.share or not np.any(phi):
         return laid
     neck, parent = lean.neck, int(laid.skeleton.parents[lean.neck])

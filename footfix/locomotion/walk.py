@@ -16,6 +16,7 @@ from footfix.locomotion.travel import Travel, carrier, root_in_world, taken_out,
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
+from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
 _MARGIN = 12  # frames before and after a round, over which what lies between frames is found
@@ -29,7 +30,7 @@ class Walk:
 
     Args:
         name: for messages.
-        clip: L + 1 frames on the spot: the root's mean lies over the origin, its travel was along z.
+        clip: L + 1 frames on the spot: the pelvis' mean lies over the origin, its travel was along z.
         rig: its legs; the floor as `clip` has it.
         contacts: of the L + 1 frames.
         strides: of one round.
@@ -73,9 +74,16 @@ class Walk:
         return carrier(self.clip, self.rig)
 
     @cached_property
+    def body(self) -> int | None:
+        """The joint by which the body can be placed below what carries it, as game engines have it; None for none."""
+        able = self.clip.skeleton.translates & self.clip.skeleton.rotates
+        below = [joint for joint in (self.rig.root, self.rig.pelvis) if joint != self.root and able[joint]]
+        return below[0] if below else None
+
+    @cached_property
     def height(self) -> float:
-        """[m] of the root over the floor, in the mean."""
-        return float(root_in_world(self.clip, self.root)[0][:-1, 1].mean()) - self.rig.floor
+        """[m] of the pelvis over the floor, in the mean."""
+        return float(pelvis_of(self.clip, self.rig)[:-1, 1].mean()) - self.rig.floor
 
     def at(self, frames: Floats) -> Clip:
         """The cycle on the spot at moments (F,) between frames, of any round; at whole frames their very numbers.
@@ -147,25 +155,27 @@ def make_walk(loop: Loop, name: str) -> Walk:
     clip, rig = loop.round, loop.rig
     root = carrier(clip, rig)
     travel = loop.travel
-    place = root_in_world(clip, root)[0]
     far = float(np.hypot(travel.x, travel.z))
     if far < 0.1 * rig.leg_length:
         raise InputError(f"one round of it gets {far:.2f} m on: no walk along a path", file=name)
     spot = taken_out(clip, root, travel)
     heading = float(np.arctan2(travel.x, travel.z))
-    seen = root_in_world(spot, root)[0]
-    middle = seen[:-1].mean(axis=0)
-    # the reference line goes through the root's mean on the spot; its first frame is where the line starts
+    middle = pelvis_of(spot, rig)[:-1].mean(axis=0)
+    # the reference line goes through the pelvis' mean on the spot; its first frame is where the line starts
     back = Travel(-heading)
     x, _, z = -back.places(middle)
     there = Travel(-heading, float(x), float(z))
     new_place, turn = root_in_world(spot, root)
     laid = with_root(spot, root, there.places(new_place), rotation.multiply(there.turn, turn))
-    del place
     return Walk(
         name, _exactly_closed(laid), rig, loop.contacts, max(loop.strides, 1), far,
         (float(middle[0]), float(middle[2]), heading), loop,
     )  # fmt: skip
+
+
+def pelvis_of(clip: Clip, rig: Rig) -> Floats:
+    """(F, 3) [m] the pelvis in the world."""
+    return forward(clip, [rig.pelvis]).position(rig.pelvis)
 
 
 def _exactly_closed(clip: Clip) -> Clip:
