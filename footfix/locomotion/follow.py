@@ -51,6 +51,7 @@ from footfix.locomotion.placing import (
 from footfix.locomotion.steps import envelope, ground_at, lower_swing, reach_lack, unturned
 from footfix.locomotion.stride import Way, averaged, pace_of, scale_of, smoothed, way_on
 from footfix.locomotion.walk import Walk, check_alike, on_one_floor, pelvis_of
+from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
@@ -352,12 +353,16 @@ def _figure(
     laid = lay_body(posed, ground, lean)
     count = np.arange(len(arc))
     goals: list[Goal] = []
-    for foot in posed.feet:
+    for number, foot in enumerate(posed.feet):
         moment = foot.steps.moment
+        toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
+        heel = rotation.rotate(foot.turn, foot.heel)
         there = ground_at(path, np.interp(moment, count, arc), np.interp(moment, count, aside))
-        yaw = unturned(foot.turn, foot.steps, np.interp(moment, count, curvature), dt)
+        yaw, shift = unturned(
+            foot.turn, heel, posed.planted[:, toes], foot.steps, np.interp(moment, count, curvature), dt
+        )
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
-        goals.append(goal_of(foot, there, yaw, height))
+        goals.append(goal_of(foot, there, yaw, shift, height))
     far = reaches(laid, rig)
     lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], far)
     lowered = envelope(lack, _window(posed))

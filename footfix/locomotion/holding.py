@@ -12,7 +12,7 @@ from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
 
-_KEEP = 3e-4  # [leg lengths] only what slides no farther stays as it is
+_KEEP = 1e-3  # [leg lengths] only what slides no farther stays as it is
 
 
 def held_on(

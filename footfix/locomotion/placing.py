@@ -37,15 +37,17 @@ class Foot:
 
     Args:
         steps: its stances.
-        toe: (F, 3) [m] the joint that stands; seen from where the frame is at `steps.moment`.
+        toe: (F, 3) [m] the toe joint, or the ball of the sole; seen from where the frame is at `steps.moment`.
         turn: (F, 4) of the ankle's frame.
         ankle: (F, 3) [m] from the toe to the ankle, in the ankle's frame.
+        heel: (F, 3) [m] from the toe to the heel, in the same.
     """
 
     steps: Steps
     toe: Floats
     turn: Floats
     ankle: Floats
+    heel: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +90,7 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
     moments = [each.moment for each in steps]
     parts = [_zone(walks, zone, moments, timeline.frame_time) for zone in timeline.zones]
     feet = tuple(
-        Foot(each, *(np.concatenate([part.feet[k][n] for part in parts]) for n in range(3)))
+        Foot(each, *(np.concatenate([part.feet[k][n] for part in parts]) for n in range(4)))
         for k, each in enumerate(steps)
     )
     weights = [_weight(zone, moments) for zone in timeline.zones]
@@ -121,7 +123,7 @@ def _weight(zone: Zone, moments: Sequence[Floats]) -> list[Floats]:
 @dataclass(frozen=True, eq=False)
 class _Part:
     clip: Clip
-    feet: list[tuple[Floats, Floats, Floats]]
+    feet: list[tuple[Floats, ...]]
 
 
 def _zone(walks: Sequence[Walk], zone: Zone, moments: Sequence[Floats], frame_time: float) -> _Part:
@@ -150,27 +152,29 @@ def _zone(walks: Sequence[Walk], zone: Zone, moments: Sequence[Floats], frame_ti
 
 def _feet(
     walk: Walk, clip: Clip, at: Floats, moments: Sequence[Floats], some: slice, use: Bools
-) -> list[tuple[Floats, Floats, Floats]]:  # fmt: skip
+) -> list[tuple[Floats, ...]]:  # fmt: skip
     """Each foot of a walk in the frames that use it, as `Foot` has it."""
     count = np.arange(len(at))
     seen = forward(clip, clip.skeleton.with_ancestors(walk.rig.joints()))
-    feet = []
-    for leg, moment in zip(walk.rig.legs, moments, strict=True):
+    feet = list[tuple[Floats, ...]]()
+    tracks = effector_tracks(walk.rig, seen)
+    for k, (leg, moment) in enumerate(zip(walk.rig.legs, moments, strict=True)):
         ankle, turn = seen.position(leg.ankle), seen.rotation(leg.ankle)
-        toe = ankle if leg.toe is None else seen.position(leg.toe)
+        ends = {sole.part: track for sole, track in zip(walk.rig.soles, tracks, strict=True) if sole.leg == k}
+        toe, back = ends["toe"], rotation.inverse(turn)
         gone = (at[some] - np.interp(moment[some], count, at))[use] * walk.length / walk.frames
-        off = rotation.rotate(rotation.inverse(turn), ankle - toe)
-        feet.append((toe + np.outer(gone, [0.0, 0.0, 1.0]), turn, off))
+        offs = [rotation.rotate(back, each - toe) for each in (ankle, ends["heel"])]
+        feet.append((toe + np.outer(gone, [0.0, 0.0, 1.0]), turn, *offs))
     return feet
 
 
 def _blended_foot(
     one: tuple[Floats, ...], two: tuple[Floats, ...], seen: Sequence[Bools], weight: Floats
-) -> tuple[Floats, Floats, Floats]:  # fmt: skip
+) -> tuple[Floats, ...]:  # fmt: skip
     return (
         _mixed(one[0], two[0], seen, weight),
         _mixed(one[1], two[1], seen, weight, turn=True),
-        _mixed(one[2], two[2], seen, weight),
+        *(_mixed(a, b, seen, weight) for a, b in zip(one[2:], two[2:], strict=True)),
     )
 
 
@@ -275,16 +279,17 @@ class Goal:
     turn: Floats
 
 
-def goal_of(foot: Foot, ground: Ground, yaw: Floats, height: Floats) -> Goal:
+def goal_of(foot: Foot, ground: Ground, yaw: Floats, shift: Floats, height: Floats) -> Goal:
     """Where a foot is on the path.
 
     Args:
         foot: as it walks along z.
         ground: the path at the moments that carry it.
         yaw: (F,) [rad] by which it is turned about its toe.
+        shift: (F, 3) [m] by which the toe is moved for that, walking along z.
         height: (F,) [m] of the toe joint.
     """
-    toe = ground.lay(np.stack([foot.toe[:, 0], height, foot.toe[:, 2]], axis=1))
+    toe = ground.lay(np.stack([foot.toe[:, 0], height, foot.toe[:, 2]], axis=1) + shift)
     turn = rotation.multiply(rotation.about_vertical(ground.heading + yaw), foot.turn)
     return Goal(toe + rotation.rotate(turn, foot.ankle), turn)
 

@@ -115,23 +115,30 @@ def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:
     return out
 
 
-def unturned(turn: Floats, steps: Steps, curvature: Floats, frame_time: float) -> Floats:
-    """(F,) [rad] by which a foot is turned about the vertical so that it does not turn while it stands.
+def unturned(
+    turn: Floats, heel: Floats, toes: Bools, steps: Steps, curvature: Floats, frame_time: float
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """By how much a foot is turned about the vertical so that it does not turn while it stands.
 
     K 7.1 gives a plant its mean swivel angle; this leads back to the captured one after it, and where the path is
-    straight the foot turns as it was captured.
+    straight the foot turns as it was captured. It turns about its toe; before that is down, about its heel.
 
     Args:
         turn: (F, 4) of the foot, walking along z.
+        heel: (F, 3) [m] from its toe to its heel.
+        toes: (F,) whether the toe stands.
         steps: its stances.
         curvature: (F,) [rad/m] of the path where it stands.
         frame_time: [s].
+
+    Returns:
+        (F,) [rad], and (F, 3) [m] by which the toe is moved.
     """
     F = len(turn)
-    out = np.zeros(F)
+    yaw, shift = np.zeros(F), np.zeros((F, 3))
     share = ease(np.abs(curvature) / _TURNS)
     if not np.any(share):
-        return out
+        return yaw, shift
     fade = max(3, round(_EASE / frame_time))
     for k, (a, b) in enumerate(steps.stances):
         part = float(share[(a + b) // 2])
@@ -139,13 +146,21 @@ def unturned(turn: Floats, steps: Steps, curvature: Floats, frame_time: float) -
             continue
         own = rotation.yaw(rotation.multiply(turn[a:b], rotation.inverse(turn[[(a + b) // 2]])))
         fix = part * (np.median(own) - own)
-        out[a:b] += fix
         before = steps.stances[k - 1][1] if k else 0
         after = steps.stances[k + 1][0] if k + 1 < len(steps.stances) else F
         fore, aft = min(fade, a - before), min(fade, after - b)
-        out[b : b + aft] += _decay(fix[::-1], aft)
-        out[a - fore : a] += _decay(fix, fore)[::-1]
-    return out
+        yaw[a:b] += fix
+        yaw[b : b + aft] += _decay(fix[::-1], aft)
+        yaw[a - fore : a] += _decay(fix, fore)[::-1]
+        down = np.flatnonzero(toes[a:b])
+        if not len(down) or down[0] == 0:
+            continue
+        rolls = slice(a, a + int(down[0]) + 1)
+        moved = rotation.rotate(rotation.about_vertical(yaw[rolls]), heel[rolls]) - heel[rolls]
+        fix = moved[-1] - moved  # the heel is as far from its place as when the toe comes down
+        shift[rolls] += fix
+        shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in fix.T], axis=1)
+    return yaw, shift
 
 
 def _decay(fix: Floats, frames: int) -> Floats:
