@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any
 
@@ -48,7 +48,7 @@ class Part:
 
     data: bytes
     name: str
-    at: At = At()
+    at: At = field(default_factory=At)
 
 
 def walk_of(

@@ -22,8 +22,8 @@ _SPEED = re.compile(r"(\d+\.?\d*|\.\d+)\s*(x|m/s)?", re.IGNORECASE)
               help="The file of the walk.")  # fmt: skip
 @click.option("--speed", metavar="SPEED", help="Times as fast, as 1.1x, or metres a second, as 1.4; time and length of "
               "strides share it (follow.speed).")  # fmt: skip
-@click.option("--seconds", type=click.FloatRange(min=0.0, min_open=True), metavar="S", help="How long; a closed path is "
-              "walked round and round. By default as long as the path takes (follow.seconds).")  # fmt: skip
+@click.option("--seconds", type=click.FloatRange(min=0.0, min_open=True), metavar="S", help="How long; a closed path "
+              "is walked round and round. By default as long as the path takes (follow.seconds).")  # fmt: skip
 @click.option("--no-stride", is_flag=True, help="Strides stay as long as captured in curves (follow.stride).")
 @click.option("--no-lean", is_flag=True, help="The figure stays upright in curves (follow.lean).")
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -73,7 +74,7 @@ def _bezier(points: Sequence[Point]) -> list[Point]:
     u = np.linspace(0.0, 1.0, _FINE + 1)[1:]
     level = [np.full(len(u), point) for point in points]
     while len(level) > 1:  # de Casteljau
-        level = [(1.0 - u) * a + u * b for a, b in zip(level[:-1], level[1:], strict=True)]
+        level = [(1.0 - u) * a + u * b for a, b in pairwise(level)]
     out: list[Point] = level[0].tolist()
     return out
 

@@ -73,7 +73,8 @@ def arms_of(skeleton: Skeleton, rig: Rig) -> tuple[tuple[int, int, int], ...]:
             continue
         above = [joint]
         for parent in skeleton.ancestors(joint)[1:]:
-            if np.linalg.norm(skeleton.offsets[above[-1]]) > _SMALL * rig.leg_length and not read(skeleton.names[parent]).helper:
+            bone = float(np.linalg.norm(skeleton.offsets[above[-1]]))
+            if bone > _SMALL * rig.leg_length and not read(skeleton.names[parent]).helper:
                 above.append(parent)
             if len(above) == 3:
                 break
@@ -128,7 +129,7 @@ def _between(pose: Pose, part: Segment) -> Floats:
 def acceleration(track: Floats, frame_time: float) -> Floats:
     """(..., F, 3) [m/s^2] of tracks (..., F, 3) [m], by K 7.2's 4th-order difference over half a second.
 
-    a = (-f(t - 2h) + 16 f(t - h) - 30 f(t) + 16 f(t + h) - f(t + 2h)) / 12 h^2. Beyond their ends tracks go straight on.
+    a = (-f(t - 2h) + 16 f(t - h) - 30 f(t) + 16 f(t + h) - f(t + 2h)) / 12 h^2. Beyond its ends a track goes straight on.
     """
     n = max(1, round(_SPAN / 4.0 / frame_time))
     reach = 2 * n

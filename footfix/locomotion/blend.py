@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from footfix.errors import UsageError
 from footfix.locomotion.walk import Walk
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.kinematics import places
+from footfix.motion.spline import Cubic, monotone
 
 _FINE = 16  # steps a frame, in which a blend's clock is told
 _STEEP = 0.4  # of a clip's 99th percentile of acceleration, that a blend may add
@@ -46,34 +48,27 @@ class Keys:
     def frame(self, time: Floats) -> Floats:
         """Frames (F,) at generic times (F,)."""
         rounds = np.floor(time / self.strides)
-        return np.asarray(_curve(*self._round())(time - rounds * self.strides) + rounds * self.length)
+        return np.asarray(self._curve(time - rounds * self.strides)[..., 0] + rounds * self.length)
 
     def time(self, frame: Floats) -> Floats:
         """Generic times (F,) at frames (F,)."""
         first = self.frames[0]
         rounds = np.floor((frame - first) / self.length)
         within = frame - rounds * self.length
-        curve = _curve(*self._round())
+        curve = self._curve
         fine = np.linspace(0.0, self.strides, 64 * len(self.times) + 1)
-        time = np.interp(within, curve(fine), fine)
-        slope = curve.derivative()
+        time = np.interp(within, curve(fine)[:, 0], fine)
         for _ in range(4):  # Newton
-            time = np.clip(time - (curve(time) - within) / np.maximum(slope(time), 1e-6), 0.0, self.strides)
+            step = (curve(time)[..., 0] - within) / np.maximum(curve(time, 1)[..., 0], 1e-6)
+            time = np.clip(time - step, 0.0, self.strides)
         return np.asarray(time + rounds * self.strides)
 
-    def _round(self) -> tuple[Floats, Floats]:
-        """Times and frames with a key more than a round on either side."""
+    @cached_property
+    def _curve(self) -> Cubic:
+        """Frames by times, with a round more on either side."""
         more = [(k * self.strides, k * self.length) for k in (-1, 0, 1, 2)]
-        return (
-            np.concatenate([self.times + t for t, _ in more]),
-            np.concatenate([self.frames + f for _, f in more]),
-        )
-
-
-def _curve(at: Floats, values: Floats) -> Any:
-    from scipy.interpolate import PchipInterpolator
-
-    return PchipInterpolator(at, values)
+        times = np.concatenate([self.times + t for t, _ in more])
+        return monotone(times, np.concatenate([self.frames + f for _, f in more])[:, None])
 
 
 def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
@@ -163,7 +158,9 @@ class Transition:
     clamped: bool
 
 
-def blend_length(one: Walk, other: Walk, keys: tuple[Keys, Keys], at: float, ends: Sequence[int]) -> tuple[int, float, float]:
+def blend_length(
+    one: Walk, other: Walk, keys: tuple[Keys, Keys], at: float, ends: Sequence[int]
+) -> tuple[int, float, float]:  # fmt: skip
     """Tell how long the change from one walk to another takes (K 6.2): dD / |T_a - T_b|, at equal phase.
 
     Args:
@@ -176,14 +173,15 @@ def blend_length(one: Walk, other: Walk, keys: tuple[Keys, Keys], at: float, end
         The effector that differs most, the length by it [s], and the least [s] in which the blend itself accelerates
         no joint by much of what the walks do.
     """
-    here = [places(walk.at(key.frame(np.array([at]))))[0, list(ends)] for walk, key in zip((one, other), keys, strict=True)]
+    pair = tuple(zip((one, other), keys, strict=True))
+    here = [places(walk.at(key.frame(np.array([at]))))[0, list(ends)] for walk, key in pair]
     apart = np.linalg.norm(here[1] - here[0], axis=1)
     most = int(np.argmax(apart))
     speeds = [_speed(walk, ends[most]) for walk in (one, other)]
     differ = abs(speeds[0] - speeds[1])
     asked = float(apart[most] / differ) if differ > 1e-9 else np.inf if apart[most] > 1e-9 else 0.0
     time = np.linspace(0.0, float(np.lcm(one.strides, other.strides)), _PHASES * one.strides, endpoint=False)
-    whole = [places(walk.at(key.frame(time))) for walk, key in zip((one, other), keys, strict=True)]
+    whole = [places(walk.at(key.frame(time))) for walk, key in pair]
     gap = np.linalg.norm(whole[1] - whole[0], axis=2).max(axis=0)
     steep = np.max([_acceleration(walk) for walk in (one, other)], axis=0)
     floor = 0.2 * float(np.median(steep))
@@ -323,10 +321,10 @@ def make_timeline(
         lead: frames before the start, and after the end.
         frame_time: [s].
     """
-    time = (np.arange(-lead, frames + lead)) * frame_time
+    time: Floats = np.asarray(np.arange(-lead, frames + lead) * frame_time, dtype=np.float64)
     blends = lay_blends(walks, keys, paces, wanted)
     cuts = [0]
-    for one, two in zip(blends[:-1], blends[1:], strict=True):
+    for one, two in pairwise(blends):
         cuts.append(int(np.searchsorted(time, 0.5 * (one.times[-1] + two.times[0]))))
     cuts.append(len(time))
     if not blends:
@@ -396,7 +394,9 @@ def _blend(
     at, gone = _uniform(walks, paces, piece, np.array([change.start]))
     strides = (change.end - change.start) / np.mean([walks[k].stride_seconds * paces[k].time for k in (a, b)])
     first = keys[a].time(at)[0]
-    last = keys[a].frame(np.array([first + strides]))[0] if not same else at[0] + strides * walks[a].frames / walks[a].strides
+    last = at[0] + strides * walks[a].frames / walks[a].strides
+    if not same:
+        last = keys[a].frame(np.array([first + strides]))[0]
     one = np.linspace(at[0], last, max(int(np.ceil((last - at[0]) * _FINE)), 8) + 1)
     two = one if same else _to(keys[a], keys[b], one)
     weight = ease((one - at[0]) / (last - at[0]))

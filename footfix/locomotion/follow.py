@@ -49,7 +49,7 @@ from footfix.locomotion.placing import (
     reaches,
 )
 from footfix.locomotion.steps import envelope, ground_at, lower_swing, reach_lack, unturned
-from footfix.locomotion.stride import Way, averaged, pace_of, scale_of, smoothed, way_on
+from footfix.locomotion.stride import Way, averaged, pace_of, smoothed, way_on
 from footfix.locomotion.walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -58,6 +58,7 @@ from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _MOST = 1_000_000  # frames
+_LINE = Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)  # along z
 _LEAD = 1.6  # strides before the start, and after the end, that are laid and cut off
 
 
@@ -314,7 +315,8 @@ def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, param
     off = np.zeros(len(arc))
     if np.any(angle):
         body = segments(first.clip.skeleton, first.rig)
-        upright = _balance(_straight(posed, timeline.gone), first.rig, body, _line(timeline.gone), timeline.gone, 0.0 * aside)
+        on = _straight(posed, timeline.gone)
+        upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside)
         off = _balance(clip, first.rig, body, path, arc, aside) - upright
         high = float((centres(first.clip, body)[..., 1] - first.rig.floor).mean(axis=1) @ [each.mass for each in body])
         angle = corrected_lean(angle, off, high, usual)
@@ -323,14 +325,10 @@ def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, param
     return _Made(posed, laid, clip, arc, speed, scale, Lean(angle, neck, params.head, lowered), aside, off, stride)
 
 
-def _line(gone: Floats) -> Path:
-    return Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)
-
-
 def _straight(posed: Posed, gone: Floats) -> Clip:
     """The walks straight on along z."""
     still = np.zeros(len(gone))
-    return lay_body(posed, ground_at(_line(gone), gone, still), Lean(still))
+    return lay_body(posed, ground_at(_LINE, gone, still), Lean(still))
 
 
 def _balance(clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: Floats, aside: Floats) -> Floats:
@@ -341,7 +339,7 @@ def _balance(clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: F
     on = arc + np.einsum("fk,fk->f", point - path.place(arc), ahead)
     heading = path.heading(on)
     left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
-    return np.einsum("fk,fk->f", point - path.place(on), left) - aside
+    return np.asarray(np.einsum("fk,fk->f", point - path.place(on), left) - aside)
 
 
 def _figure(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footfix.errors import ArgumentError
 from footfix.motion.clip import Bools, Floats, frozen
+from footfix.motion.spline import Cubic, spline
 from footfix.notes import Note
 
 _SPACING = 0.025  # [m] between points that are smoothed
@@ -51,8 +52,8 @@ class Path:
         return not self.closed and _is_straight(self.points)
 
     @cached_property
-    def _spline(self) -> Any:
-        return _through(np.linspace(0.0, self.length, len(self.points)), self.points, self.closed)
+    def _spline(self) -> Cubic:
+        return spline(np.linspace(0.0, self.length, len(self.points)), self.points, closed=self.closed)
 
     @cached_property
     def _headings(self) -> tuple[Floats, Floats]:
@@ -148,15 +149,9 @@ def _is_straight(points: Floats) -> bool:
     return bool(np.abs(off).max() <= _SAME * size and np.all(np.diff(on) > 0.0))
 
 
-def _through(at: Floats, points: Floats, closed: bool) -> Any:
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(at, points, axis=0, bc_type="periodic" if closed else "natural")
-
-
-def _bent(spline: Any, at: Floats) -> Floats:
+def _bent(curve: Cubic, at: Floats) -> Floats:
     """(...) [rad/m] curvature to the left of a spline of x and z."""
-    (dx, dz), (ddx, ddz) = (np.moveaxis(spline(at, k), -1, 0) for k in (1, 2))
+    (dx, dz), (ddx, ddz) = (np.moveaxis(curve(at, k), -1, 0) for k in (1, 2))
     return np.asarray((ddx * dz - dx * ddz) / np.maximum(np.hypot(dx, dz), 1e-12) ** 3)
 
 
@@ -169,7 +164,7 @@ def _curve(points: Floats, closed: bool, kink: float) -> Floats:
     cuts = [0, *(np.flatnonzero(corner) + 1).tolist(), len(points) - 1]
     if closed and len(cuts) == 2 and len(points) > 4:
         return _dense(points, True)
-    pieces = [_dense(points[a : b + 1], False) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+    pieces = [_dense(points[a : b + 1], False) for a, b in pairwise(cuts)]
     return np.concatenate([pieces[0], *(each[1:] for each in pieces[1:])])
 
 
@@ -181,23 +176,23 @@ def _dense(points: Floats, closed: bool) -> Floats:
     wanted = np.linspace(0.0, at[-1], min(many, 4 * _MOST))
     if len(points) == 2:
         return np.asarray(points[0] + np.outer(wanted / at[-1], points[1] - points[0]))
-    return np.asarray(_through(at, points, closed)(wanted))
+    return spline(at, points, closed=closed)(wanted)
 
 
 def _even(points: Floats, closed: bool) -> tuple[Floats, float]:
     """Points (M, 2) evenly spaced by arc length on a spline through points (N, 2), and its length [m]."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     points, steps = points[np.append(True, steps > 0.0)], steps[steps > 0.0]
-    spline = _through(np.append(0.0, np.cumsum(steps)), points, closed)
-    knots = spline.x
+    knots = np.append(0.0, np.cumsum(steps))
+    curve = spline(knots, points, closed=closed)
     part = np.linspace(0.0, 1.0, 5)[:-1]
     fine = np.append((knots[:-1, None] + part * np.diff(knots)[:, None]).ravel(), knots[-1])
-    speed = np.linalg.norm(spline(fine, 1), axis=1)
-    middle = np.linalg.norm(spline(0.5 * (fine[1:] + fine[:-1]), 1), axis=1)
+    speed = np.linalg.norm(curve(fine, 1), axis=1)
+    middle = np.linalg.norm(curve(0.5 * (fine[1:] + fine[:-1]), 1), axis=1)
     far = np.append(0.0, np.cumsum(np.diff(fine) * (speed[:-1] + 4.0 * middle + speed[1:]) / 6.0))  # Simpson
     length = float(far[-1])
     wanted = np.linspace(0.0, length, max(int(np.ceil(length / _SPACING)), 8) + 1)
-    out = spline(np.interp(wanted, far, fine))
+    out = curve(np.interp(wanted, far, fine))
     if closed:
         out[-1] = out[0]
     return out, length
@@ -229,8 +224,8 @@ def _rounded(points: Floats, length: float, closed: bool, sharpest: float) -> Fl
     kernel = _kernel(_ROUND / step, int(np.ceil(3.0 * _ROUND / step)))
     touched = np.zeros(len(points), dtype=np.bool_)
     for turn in range(_PASSES):
-        spline = _through(np.arange(len(points)) * step, points, closed)
-        sharp: Bools = np.asarray(np.abs(_bent(spline, spline.x)) > (1.0 + _ENOUGH) * sharpest)
+        curve = spline(np.linspace(0.0, length, len(points)), points, closed=closed)
+        sharp: Bools = np.asarray(np.abs(_bent(curve, curve.at)) > (1.0 + _ENOUGH) * sharpest)
         if not sharp.any():
             break
         touched |= sharp

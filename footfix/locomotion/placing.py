@@ -134,8 +134,7 @@ def _zone(walks: Sequence[Walk], zone: Zone, moments: Sequence[Floats], frame_ti
     every = np.stack([weight, *weights])
     a, b = (walks[k] for k in zone.walks)
     alone = a is b and zone.at[0] is zone.at[1]
-    seen = [np.ones(len(weight), np.bool_) if alone else (every < 1.0).any(axis=0),
-            np.zeros(len(weight), np.bool_) if alone else (every > 0.0).any(axis=0)]  # fmt: skip
+    seen: list[Bools] = [np.asarray(alone | (every < 1.0).any(axis=0)), np.asarray((every > 0.0).any(axis=0) & (not alone))]
     clips = [walk.at(at[some][use]) for walk, at, use in zip((a, b), zone.at, seen, strict=True)]
     feet = [_feet(walk, clip, at, moments, some, use)
             for walk, clip, at, use in zip((a, b), clips, zone.at, seen, strict=True)]  # fmt: skip
@@ -262,7 +261,8 @@ def lay_body(posed: Posed, ground: Ground, lean: Lean) -> Clip:
     above = forward(laid, [parent]).rotation(parent)
     tangent = rotation.rotate(ground.turn, np.array([0.0, 0.0, 1.0]))
     back = rotation.from_axis_angle(tangent, lean.share * phi)
-    local = rotation.multiply(rotation.multiply(rotation.inverse(above), rotation.multiply(back, above)), laid.turn(neck))
+    local = rotation.multiply(rotation.inverse(above), rotation.multiply(back, above))
+    local = rotation.multiply(local, laid.turn(neck))
     return laid.with_joints({}, {neck: np.where((phi != 0.0)[:, None], local, laid.turn(neck))})
 
 

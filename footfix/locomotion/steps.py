@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from footfix.locomotion.blend import ease
 from footfix.locomotion.path import Path
@@ -194,9 +195,7 @@ def envelope(lack: Floats, width: int) -> Floats:
     """(F,) [m] a smooth curve that is nowhere below `lack` (F,) [m]: the largest within a window, in the mean."""
     if not np.any(lack):
         return lack
-    from scipy.ndimage import maximum_filter1d
-
     half = max(2, width // 2)
     window = np.hanning(2 * half + 3)[1:-1]
-    highest = maximum_filter1d(lack, 2 * half + 1, mode="nearest")
+    highest = sliding_window_view(np.pad(lack, half, mode="edge"), 2 * half + 1).max(axis=1)
     return np.convolve(np.pad(highest, half, mode="edge"), window / window.sum(), mode="valid")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from footfix.locomotion.follow_params import FollowParams
 from footfix.locomotion.path import Path
 from footfix.locomotion.walk import Walk
 from footfix.motion.clip import Floats
+from footfix.motion.spline import spline
 
 _TIME, _STRIDE = -0.42, 0.58  # powers of a speed: how a stride's time and length share it
 _STEP = 0.02  # [m]
@@ -88,11 +88,11 @@ class Way:
 
     def place(self, gone: Floats) -> Floats:
         """(F,) [m] arc lengths where walks have gone (F,) [m]."""
-        return gone if self.u is None else np.asarray(_curve(self.u, self.s)(gone))
+        return gone if self.u is None else spline(self.u, self.s[:, None])(gone)[..., 0]
 
     def gone(self, s: float) -> float:
         """[m] what walks have gone at an arc length [m]."""
-        return s if self.u is None else float(_curve(self.s, self.u)(s))
+        return s if self.u is None else float(spline(self.s, self.u[:, None])(np.array(s))[0])
 
 
 def way_on(path: Path, stride: float, leg_length: float, until: float, params: FollowParams) -> Way:
@@ -114,8 +114,3 @@ def way_on(path: Path, stride: float, leg_length: float, until: float, params: F
     u = np.append(0.0, np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(s)))
     return Way(s, u - np.interp(0.0, s, u))
 
-
-def _curve(at: Floats, values: Floats) -> Any:
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(at, values)

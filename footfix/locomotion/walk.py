@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
+from footfix.motion.spline import spline
 from footfix.rig.rig import Rig
 
 _MARGIN = 12  # frames before and after a round, over which what lies between frames is found
@@ -104,11 +104,11 @@ class Walk:
     def _track(self, track: Floats, frames: Floats, *, turn: bool = False) -> Floats:
         if not np.any(track != track[0]):
             return np.broadcast_to(track[:1], (len(frames), track.shape[1]))
-        count = np.arange(-_MARGIN, self.frames + _MARGIN + 1)
+        count: Ints = np.arange(-_MARGIN, self.frames + _MARGIN + 1)
         around = track[count % self.frames]
         if turn:
             around = rotation.continuous(around)
-        return np.asarray(_spline(count, around)(frames))
+        return spline(count.astype(np.float64), around)(frames)
 
     def planted(self, frames: Floats) -> Bools:
         """(F, E) which sole points are planted at moments (F,)."""
@@ -128,12 +128,6 @@ class Walk:
         down = stances(_three(self.contacts), self.rig, leg)
         found = [(a, b) for a, b in down if length <= a < 2 * length]
         return np.array([a for a, _ in found], np.intp) - length, np.array([b for _, b in found], np.intp) - length
-
-
-def _spline(at: Ints, values: Floats) -> Any:
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(at, values, axis=0)
 
 
 def _three(contacts: Contacts) -> Contacts:

@@ -34,8 +34,8 @@ def _strides(follow: Report) -> str:
 
 def _lean(follow: Report) -> list[str]:
     lean = section(follow, "lean")
-    sides = [f"{_value(lean, key):.1f} degrees to the {side}"
-             for key, side in (("most_left_deg", "left"), ("most_right_deg", "right")) if _value(lean, key) >= 0.05]  # fmt: skip
+    both = (("most_left_deg", "left"), ("most_right_deg", "right"))
+    sides = [f"{_value(lean, key):.1f} degrees to the {side}" for key, side in both if _value(lean, key) >= 0.05]
     if not sides:
         return []
     return [f"leans up to {' and '.join(sides)}; its zero-moment point stays within "
