@@ -129,7 +129,7 @@ def _between(pose: Pose, part: Segment) -> Floats:
 def acceleration(track: Floats, frame_time: float) -> Floats:
     """(..., F, 3) [m/s^2] of tracks (..., F, 3) [m], by K 7.2's 4th-order difference over half a second.
 
-    a = (-f(t - 2h) + 16 f(t - h) - 30 f(t) + 16 f(t + h) - f(t + 2h)) / 12 h^2. Beyond its ends a track goes straight on.
+    a = (-f(t - 2h) + 16 f(t - h) - 30 f(t) + 16 f(t + h) - f(t + 2h)) / 12 h^2; beyond its ends a track goes straight.
     """
     n = max(1, round(_SPAN / 4.0 / frame_time))
     reach = 2 * n

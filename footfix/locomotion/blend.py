@@ -16,7 +16,7 @@ from footfix.motion.kinematics import places
 from footfix.motion.spline import Cubic, monotone
 
 _FINE = 16  # steps a frame, in which a blend's clock is told
-_STEEP = 0.4  # of a clip's 99th percentile of acceleration, that a blend may add
+_STEEP = 0.04  # of a clip's 99th percentile of acceleration, that a blend may add
 _BEND = 5.8  # of a quintic step in unit time: the most that it accelerates
 _PHASES = 32  # at which two walks are compared
 
