@@ -50,6 +50,7 @@ from footfix.locomotion.placing import (
 )
 from footfix.locomotion.steps import envelope, ground_at, lower_swing, reach_lack, unturned
 from footfix.locomotion.stride import Way, averaged, pace_of, smoothed, way_on
+from footfix.locomotion.travel import root_in_world
 from footfix.locomotion.walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -118,7 +119,9 @@ class Follow:
         transitions: from walk to walk.
         walks: the loops that were laid.
         frames: (F,) which frame of the first captured clip each is written like.
-        plants, correction, notes: what holding did.
+        plants: each contact, where it stands.
+        correction: what makes `clip` of `laid`.
+        notes: what a person should know.
     """
 
     clip: Clip
@@ -391,8 +394,17 @@ def _finished(
     frames = _like(walks[0], timeline, some)
     return Follow(
         clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
-        tuple(walks), frames, found.plants, found.correction, (*notes, *found.notes),
+        tuple(walks), frames, found.plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
     )  # fmt: skip
+
+
+def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
+    """What makes of a clip another one whose body is somewhere else and whose legs are bent otherwise."""
+    shift = root_in_world(clip, rig.root)[0] - root_in_world(laid, rig.root)[0]
+    joints = [joint for leg in rig.legs for joint in (*leg.chain, *(() if leg.toe is None else (leg.toe,)))]
+    turned = [joint for joint in joints if np.any(clip.turn(joint) != laid.turn(joint))]
+    turns = np.stack([clip.turn(joint) for joint in turned], axis=1) if turned else np.zeros((len(clip), 0, 4))
+    return Correction(rig.root, shift, tuple(turned), turns)
 
 
 def _changes(made: _Made, timeline: Timeline) -> Bools:

@@ -6,13 +6,16 @@ from typing import Any
 
 from footfix.report.verdict import Report, entries, number, section
 
+_SAID = ("kinks-rounded", "path-ends", "blend-cut")  # notes that are about what was asked for
+
 
 def follow_lines(report: Report) -> list[str]:
     """A few lines about walks along a path; none where the report is not about them."""
     follow = section(report, "follow")
     if not follow:
         return []
-    return [_path(follow), _strides(follow), *_lean(follow), *_changes(follow)]
+    said = [str(each.get("text")) for each in entries(report, "notes") if each.get("id") in _SAID]
+    return [_path(follow), *said, _strides(follow), *_lean(follow), *_changes(follow)]
 
 
 def _path(follow: Report) -> str:
