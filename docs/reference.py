@@ -296,6 +296,7 @@ _PYTHON = {
     "Contacts": "detect Contacts Effector Contact load_contacts save_contacts",
     "Cleaning": "clean clean_figures Result Correction apply Footplant Note",
     "Loops": "loop Loop",
+    "Paths": "follow Follow",
     "Joint positions": "clean_positions CleanedPositions",
     "Measuring": "measure Measures PlantMeasure skating_ratio weighted_skate physdiff PhysDiff jitter slides",
     "Settings": "make_settings presets Settings",
