@@ -101,7 +101,7 @@ class Path:
         return on, s - on, np.zeros_like(s)
 
 
-def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = np.radians(45.0)) -> Path:
+def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = 0.25 * np.pi) -> Path:
     """Make a path through points: smooth where they lie on a curve, with rounded corners where they turn sharply.
 
     Points are laid close together and smoothed by a Gaussian over N_p = 7 of them (K sec. 4).
@@ -118,10 +118,9 @@ def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = np.radi
     if points.ndim != 2 or points.shape[1] != 2 or not np.all(np.isfinite(points)):
         raise ArgumentError(f"a path is made of points (N, 2), x and z, all of them numbers, not {points.shape}")
     size = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) if len(points) > 1 else 0.0
-    apart = np.append(True, np.linalg.norm(np.diff(points, axis=0), axis=1) > _SAME * size) if size else [True]
-    points = points[apart]
-    if len(points) < 2 or size < 0.01:
+    if size < 0.01:
         raise ArgumentError(f"a path needs two different points at least; these lead {size:.3f} m far")
+    points = points[np.append(True, np.linalg.norm(np.diff(points, axis=0), axis=1) > _SAME * size)]
     if size / _SPACING > _MOST:
         raise ArgumentError(f"a path of {size / 1000.0:.1f} km is longer than {_MOST * _SPACING / 1000.0:.0f} km")
     if _is_straight(points):

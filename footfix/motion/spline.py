@@ -102,5 +102,5 @@ def monotone(at: Floats, values: Floats) -> Cubic:
     a, b = width[:-1] + 2.0 * width[1:], 2.0 * width[:-1] + width[1:]
     same = rise[:-1] * rise[1:] > 0.0
     before, after = np.where(same, rise[:-1], 1.0), np.where(same, rise[1:], 1.0)
-    slopes[1:-1] = np.where(same, (a + b) / (b / before + a / after), 0.0)
+    slopes[1:-1] = np.where(same, (a + b) / (a / before + b / after), 0.0)
     return Cubic(np.asarray(at, dtype=np.float64), np.asarray(values, dtype=np.float64), slopes)
