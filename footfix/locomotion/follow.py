@@ -319,12 +319,12 @@ def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, param
     if np.any(angle):
         body = segments(first.clip.skeleton, first.rig)
         on = _straight(posed, timeline.gone)
-        upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside)
-        off = _balance(clip, first.rig, body, path, arc, aside) - upright
+        upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside, usual)
+        off = _balance(clip, first.rig, body, path, arc, aside, usual) - upright
         high = float((centres(first.clip, body)[..., 1] - first.rig.floor).mean(axis=1) @ [each.mass for each in body])
         angle = corrected_lean(angle, off, high, usual)
         laid, clip, lowered, aside = lay(angle)
-        off = averaged(_balance(clip, first.rig, body, path, arc, aside) - upright, usual)
+        off = _balance(clip, first.rig, body, path, arc, aside, usual) - upright
     return _Made(posed, laid, clip, arc, speed, scale, Lean(angle, neck, params.head, lowered), aside, off, stride)
 
 
@@ -334,15 +334,21 @@ def _straight(posed: Posed, gone: Floats) -> Clip:
     return lay_body(posed, ground_at(_LINE, gone, still), Lean(still))
 
 
-def _balance(clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: Floats, aside: Floats) -> Floats:
-    """(F,) [m] how far the zero-moment point is to the left of where feet step along a path."""
-    point = zero_moment_point(clip, rig, body)
+def _balance(
+    clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: Floats, aside: Floats, stride: float
+) -> Floats:  # fmt: skip
+    """(F,) [m] how far the zero-moment point is to the left of where feet step along a path.
+
+    The mean over a stride, by how hard the body presses on the floor: in free flight it does not.
+    """
+    point, press = zero_moment_point(clip, rig, body)
     heading = path.heading(arc)
     ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
     on = arc + np.einsum("fk,fk->f", point - path.place(arc), ahead)
     heading = path.heading(on)
     left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
-    return np.asarray(np.einsum("fk,fk->f", point - path.place(on), left) - aside)
+    side = np.einsum("fk,fk->f", point - path.place(on), left) - aside
+    return averaged(press * side, stride) / averaged(press, stride)
 
 
 def _figure(
@@ -388,13 +394,15 @@ def _finished(
     clip, laid = made.clip.frames(some), made.laid.frames(some)
     contacts = contacts_of(made.posed, some)
     changed: Bools = np.asarray(_changes(made, timeline))
-    found = held_on(clip, made.posed.rig, contacts, holding, needed=bool(changed[some].any()))
+    needed = bool(changed[some].any())
+    found = held_on(clip, made.posed.rig, contacts, holding, needed=needed)
+    plants = tuple(replace(p, outcome="pinned") if needed and p.outcome == "kept" else p for p in found.plants)
     clip = apply(clip, found.correction)
     walked = _walked(made, path, clip, some)
     frames = _like(walks[0], timeline, some)
     return Follow(
         clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
-        tuple(walks), frames, found.plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
+        tuple(walks), frames, plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
     )  # fmt: skip
 
 

@@ -18,6 +18,15 @@ def follow_lines(report: Report) -> list[str]:
     return [_path(follow), *said, _strides(follow), *_lean(follow), *_changes(follow)]
 
 
+def path_of(report: Report) -> list[list[float]] | None:
+    """The path that was walked, [x, z] [m], for the page's view from above; None where the report is not about one."""
+    points = section(section(report, "follow"), "path").get("points_m")
+    if not isinstance(points, list):
+        return None
+    pairs = [[number(each) for each in point] for point in points if isinstance(point, list) and len(point) == 2]
+    return [[x, z] for x, z in pairs if x is not None and z is not None] or None
+
+
 def _path(follow: Report) -> str:
     path, walked = section(follow, "path"), section(follow, "walked")
     shape = "a closed path" if path.get("closed") else "a path"

@@ -49,9 +49,10 @@ def test_the_zero_moment_point_of_who_stands_is_below_the_centre_and_lags_who_sp
     rig = rig_of(walk())
     body = segments(walk().clip.skeleton, rig)
     t = np.arange(180) / 60.0
-    at_rest = zero_moment_point(still(np.zeros((180, 3))), rig, body)
+    at_rest, press = zero_moment_point(still(np.zeros((180, 3))), rig, body)
     assert np.allclose(at_rest, at_rest[0], atol=1e-9)
-    faster = zero_moment_point(still(np.stack([0.5 * t**2, 0.0 * t, 0.0 * t], axis=1)), rig, body)
+    assert np.allclose(press, GRAVITY)
+    faster, _ = zero_moment_point(still(np.stack([0.5 * t**2, 0.0 * t, 0.0 * t], axis=1)), rig, body)
     lag = (faster[:, 0] - 0.5 * t**2 - at_rest[:, 0])[40:-40]
     height = -float(lag.mean()) * GRAVITY  # of the centre of mass, by x'' = 1 m/s^2
     assert np.allclose(lag, lag[0], atol=1e-6)
