@@ -58,7 +58,7 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_MOST = 1_000_000  # frames
+_MOST = 300_000  # frames
 _LINE = Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)  # along z
 _LEAD = 1.6  # strides before the start, and after the end, that are laid and cut off
 

@@ -76,7 +76,9 @@ def _slopes(at: Floats, values: Floats) -> Floats:
     width = np.diff(at)
     rise = np.diff(values, axis=0) / width[:, None]
     bend = np.zeros_like(values)
-    if len(at) > 2:
+    if len(at) == 3:
+        bend[1] = 6.0 * (rise[1] - rise[0]) / (2.0 * (at[2] - at[0]))
+    elif len(at) > 3:
         from scipy.linalg import solveh_banded
 
         bands = np.stack([2.0 * (width[:-1] + width[1:]), np.append(width[1:-1], 0.0)])

@@ -48,6 +48,17 @@ def test_few_points_of_a_circle_are_a_circle_and_corners_are_not() -> None:
     assert [note.id for note in square.notes] == ["kinks-rounded"]
 
 
+@pytest.mark.parametrize("back", [[0.0, 0.0], [0.05, 0.0], [3.0, 0.0]])
+def test_who_has_to_turn_back_is_led_round(back: list[float]) -> None:
+    path = make_path(np.array([[0.0, 0.0], [0.0, 5.0], back]), sharpest=1.5)
+    s = np.linspace(0.0, path.length, 4001)
+    assert np.abs(path.curvature(s)).max() <= 1.05 * 1.5
+    assert np.abs(np.diff(path.heading(s))).max() <= 1.05 * 1.5 * s[1]  # no cusp, either
+    assert path.place(np.array(path.length)) == pytest.approx(back, abs=0.15)
+    assert np.linalg.norm(path.place(s) - [0.0, 5.0], axis=1).min() < 0.7
+    assert [note.id for note in path.notes] == ["kinks-rounded"]
+
+
 def test_a_straight_path_is_straight_to_the_last_bit() -> None:
     path = make_path(np.array([[1.0, 2.0], [1.0, 3.0], [1.0, 7.0]]))
     s = np.array([-1.0, 0.0, 2.5, 9.0])

@@ -19,6 +19,13 @@ def test_a_spline_is_the_natural_one(derivative: int) -> None:
     assert np.allclose(spline(AT, VALUES)(wanted, derivative), known(wanted, derivative), atol=1e-9)
 
 
+def test_two_and_three_values_are_enough() -> None:
+    wanted = np.linspace(0.0, 1.1, 11)
+    assert np.allclose(spline(AT[:2], VALUES[:2])(AT[:2]), VALUES[:2])
+    known = CubicSpline(AT[:3], VALUES[:3], bc_type="natural")
+    assert np.allclose(spline(AT[:3], VALUES[:3])(wanted), known(wanted), atol=1e-12)
+
+
 def test_a_closed_spline_is_the_periodic_one() -> None:
     values = np.concatenate([VALUES[:-1], VALUES[:1]])
     wanted = np.linspace(0.0, 5.2, 101)
