@@ -48,7 +48,7 @@ from footfix.locomotion.placing import (
     pose,
     reaches,
 )
-from footfix.locomotion.steps import envelope, ground_at, lower_swing, reach_lack, unturned
+from footfix.locomotion.steps import envelope, firmness, ground_at, lower_swing, reach_lack, unslid, unturned
 from footfix.locomotion.stride import Way, averaged, pace_of, smoothed, way_on
 from footfix.locomotion.travel import root_in_world
 from footfix.locomotion.walk import Walk, check_alike, on_one_floor, pelvis_of
@@ -365,9 +365,9 @@ def _figure(
         toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
         heel = rotation.rotate(foot.turn, foot.heel)
         there = ground_at(path, np.interp(moment, count, arc), np.interp(moment, count, aside))
-        yaw, shift = unturned(
-            foot.turn, heel, posed.planted[:, toes], foot.steps, np.interp(moment, count, curvature), dt
-        )
+        share, down = firmness(np.interp(moment, count, curvature)), posed.planted[:, toes]
+        yaw, shift = unturned(foot.turn, heel, down, foot.steps, share, dt)
+        shift += unslid(foot.toe, down, share, dt)
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
     far = reaches(laid, rig)
