@@ -240,6 +240,12 @@ class Timeline:
     def __len__(self) -> int:
         return len(self.gone)
 
+    def blended(self) -> Bools:
+        """(F,) whether two walks are blended in a frame."""
+        weights = [np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones]
+        weight = np.concatenate(weights)
+        return np.asarray((weight > 0.0) & (weight < 1.0))
+
     def leads(self) -> Ints:
         """(F,) index of the walk that leads in each frame."""
         return np.concatenate([np.where(z.weight[z.frames] >= 0.5, z.walks[1], z.walks[0]) for z in self.zones])

@@ -168,7 +168,7 @@ def follow_path(
     way = way_on(path, stride, first.rig.leg_length, _until(path, params, walks, paces), params)
     wanted, notes = _transitions(walks, keys, paces, ats, way, params)
     timeline, more = _timeline(path, way, walks, keys, paces, wanted, params)
-    made = _laid(path, way, walks, timeline, params)
+    made = _laid(path, way, walks, timeline, params, paced=any(pace != Pace() for pace in paces))
     return _finished(made, path, walks, timeline, holding, (*path.notes, *notes, *more))
 
 
@@ -291,8 +291,10 @@ class _Made:
     stride: Floats
 
 
-def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams) -> _Made:
-    """Lay body and feet along a path, and lean."""
+def _laid(
+    path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams, *, paced: bool
+) -> _Made:  # fmt: skip
+    """Lay body and feet along a path, and lean; `paced` says whether walks are gone at another speed."""
     posed = pose(walks, timeline)
     arc = way.place(timeline.gone)
     dt, first = timeline.frame_time, walks[0]
@@ -304,6 +306,7 @@ def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, param
     scale = np.where(straight > 0.0, np.gradient(arc) / np.maximum(straight, 1e-12), 1.0)
     scale = np.ones_like(scale) if path.straight else scale
     curvature = path.curvature(arc)
+    firm = np.maximum(firmness(curvature), paced | timeline.blended())
     height = smoothed(np.array([walk.height for walk in walks])[leads], round(usual)) if len(walks) > 1 else np.full(
         len(arc), first.height
     )  # fmt: skip
@@ -312,7 +315,7 @@ def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, param
 
     def lay(angle: Floats) -> tuple[Clip, Clip, Floats, Floats]:
         aside = -height * np.sin(angle) * (params.on_path == "root")
-        return (*_figure(posed, path, arc, aside, Lean(angle, neck, params.head), scale, curvature), aside)
+        return (*_figure(posed, path, arc, aside, Lean(angle, neck, params.head), scale, firm), aside)
 
     laid, clip, lowered, aside = lay(angle)
     off = np.zeros(len(arc))
@@ -352,7 +355,7 @@ def _balance(
 
 
 def _figure(
-    posed: Posed, path: Path, arc: Floats, aside: Floats, lean: Lean, scale: Floats, curvature: Floats
+    posed: Posed, path: Path, arc: Floats, aside: Floats, lean: Lean, scale: Floats, firm: Floats
 ) -> tuple[Clip, Clip, Floats]:  # fmt: skip
     """The body on a path, the same with its feet where they step, and by how much it is lowered for that."""
     rig, dt = posed.rig, posed.clip.frame_time
@@ -365,7 +368,7 @@ def _figure(
         toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
         heel = rotation.rotate(foot.turn, foot.heel)
         there = ground_at(path, np.interp(moment, count, arc), np.interp(moment, count, aside))
-        share, down = firmness(np.interp(moment, count, curvature)), posed.planted[:, toes]
+        share, down = np.interp(moment, count, firm), posed.planted[:, toes]
         yaw, shift = unturned(foot.turn, heel, down, foot.steps, share, dt)
         shift += unslid(foot.toe, down, share, dt)
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
@@ -417,9 +420,7 @@ def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
 
 def _changes(made: _Made, timeline: Timeline) -> Bools:
     """(F,) where anything is otherwise than in a straight walk."""
-    blended = np.concatenate([(z.weight[z.frames] > 0.0) & (z.weight[z.frames] < 1.0) & (z.at[0] is not z.at[1])
-                              for z in timeline.zones])  # fmt: skip
-    return np.asarray(blended | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
+    return np.asarray(timeline.blended() | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
 
 
 def _any_turn(made: _Made) -> bool:
