@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.locomotion.blend import Pace
 from footfix.locomotion.follow_params import FollowParams
 from footfix.locomotion.path import Path
+from footfix.locomotion.timeline import Pace
 from footfix.locomotion.walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.spline import spline

@@ -12,9 +12,10 @@ from walks import rig_of, walk
 from footfix.enforce.run import EnforceParams
 from footfix.errors import InputError, UsageError
 from footfix.formats.paths import shape
-from footfix.locomotion.blend import align, ease
+from footfix.locomotion.blend import ease
 from footfix.locomotion.follow import At, Follow, follow_path
 from footfix.locomotion.follow_params import FollowParams
+from footfix.locomotion.keys import align
 from footfix.locomotion.loop import make_loop
 from footfix.locomotion.params import LoopParams
 from footfix.locomotion.walk import Walk, check_alike, make_walk
