@@ -297,6 +297,7 @@ _PYTHON = {
     "Cleaning": "clean clean_figures Result Correction apply Footplant Note",
     "Loops": "loop Loop",
     "Live figures": "Stream",
+    "Paths": "follow Follow",
     "Joint positions": "clean_positions CleanedPositions",
     "Measuring": "measure Measures PlantMeasure skating_ratio weighted_skate physdiff PhysDiff jitter slides",
     "Settings": "make_settings presets Settings",
