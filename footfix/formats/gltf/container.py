@@ -48,6 +48,7 @@ class Container:
         text_at: where the JSON stands in the file, `(start, stop)`.
         binary_at: where its binary chunk's bytes stand, `(start, stop)`; None where it has none.
         buffers: the bytes of each buffer; None of one that has neither bytes nor an address (a placeholder).
+        fetched: the files beside it that were read: path -> bytes.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Container:
     text_at: tuple[int, int]
     binary_at: tuple[int, int] | None
     buffers: tuple[memoryview | None, ...]
+    fetched: Mapping[str, bytes]
 
     @property
     def is_binary(self) -> bool:
@@ -84,11 +86,25 @@ def open_container(
         text_at, binary_at = _chunks(data) if data[:4] == _MAGIC else ((0, len(data)), None)
         tree = _parsed(data, *text_at)
         refuse_packed(tree)
-        buffers = _buffers(data, tree, binary_at, limits, beside)
+        fetched: dict[str, bytes] = {}
+        buffers = _buffers(data, tree, binary_at, limits, _remembering(beside, fetched))
         tables = {key: table(tree, key) for key in _TABLES}
-        return Container(name, data, tree, tables, text_at, binary_at, buffers)
+        return Container(name, data, tree, tables, text_at, binary_at, buffers, fetched)
     except InputError as error:
         raise (error.within(name) if name and not error.file else error) from None
+
+
+def _remembering(beside: Beside | None, fetched: dict[str, bytes]) -> Beside | None:
+    """Read files that are named as `beside` does, and keep them."""
+    if beside is None:
+        return None
+
+    def fetch(path: str) -> bytes:
+        if path not in fetched:
+            fetched[path] = beside(path)
+        return fetched[path]
+
+    return fetch
 
 
 def neighbours(tree: Mapping[str, Any]) -> tuple[str, ...]:
