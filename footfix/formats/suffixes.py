@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
+
 # Suffix, in lower case -> the module that reads and writes it (see `footfix.formats.document`).
 MOTION: dict[str, str] = {
     ".bvh": "footfix.formats.bvh",
@@ -34,6 +36,12 @@ def in_file(name: str) -> tuple[str, str]:
         more, mark, clip = clip.partition("#")
         file = f"{file}#{more}"
     return (file, clip) if mark else (name, "")
+
+
+def bare(name: str) -> str:
+    """A clip's name without the folders of its file."""
+    file, clip = in_file(name)
+    return PurePath(file).name + (f"#{clip}" if clip else "")
 
 
 def is_cleaned(name: str) -> bool:

@@ -14,7 +14,7 @@ from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.gltf.container import Container
 from footfix.formats.gltf.grid import Grid
 from footfix.formats.gltf.nodes import Nodes
-from footfix.formats.gltf.tracks import Track
+from footfix.formats.gltf.tracks import WIDTHS, Track
 from footfix.motion.clip import Clip, Floats, Ints, Skeleton, constant_track
 from footfix.notes import Note
 from footfix.rig.figure import figures
@@ -40,6 +40,7 @@ class Document:
         notes: what was assumed, and what is doubtful.
         unit_m: [m] one unit of the file.
         up: the file's upward axis.
+        cut: whether tracks and grid are not those of the file, but of some of its frames.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Document:
     notes: tuple[Note, ...] = ()
     unit_m: float = 1.0
     up: str = "y"
+    cut: bool = False
 
     metric = True  # glTF is in metres, y up
 
@@ -63,7 +65,7 @@ class Document:
     @property
     def columns(self) -> int:
         """How many numbers of joints are animated."""
-        return sum(track.values.shape[1] for track in self.tracks.values())
+        return sum(track.values.shape[1] for (_, path), track in self.tracks.items() if path in WIDTHS)
 
     @property
     def frame_time(self) -> float:
@@ -76,10 +78,9 @@ class Document:
         found: list[Floats] = []
         for k, parent in zip(self.joints, self._parents.tolist(), strict=True):
             track = self.tracks.get((k, "scale"))
-            still = track is None or track.constant
-            sizes = self._own_scale(k) if still else track.at(self.grid.times)  # type: ignore[union-attr]
-            own = np.cbrt(np.maximum(np.abs(np.prod(np.atleast_2d(sizes), axis=1)), 1e-30))
-            own = own if still and np.ptp(np.abs(sizes)) > 0.0 or not still else np.abs(np.atleast_2d(sizes)[:, 0])
+            sizes = self.nodes.scales[k : k + 1] if track is None else track.at(self.grid.times)
+            sizes = sizes[:1] if sizes.strides[0] == 0 else sizes
+            own = np.cbrt(np.maximum(np.abs(np.prod(sizes, axis=1)), 1e-30))
             found.append(own if parent < 0 else own * found[parent])
         return tuple(found)
 
@@ -161,7 +162,7 @@ class Document:
         track = self.tracks.get((node, "translation"))
         if track is None:
             return constant_track(self.nodes.translations[node], self.frames)
-        return track.at(self.grid.times)
+        return np.asarray(track.at(self.grid.times), dtype=np.float64)
 
     @cached_property
     def _parents(self) -> Ints:

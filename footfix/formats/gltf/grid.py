@@ -41,7 +41,7 @@ class Grid:
     @property
     def times(self) -> Floats:
         """(F,) [s]."""
-        return self.start + self.step * np.arange(self.frames)
+        return np.asarray(self.start + self.step * np.arange(self.frames), dtype=np.float64)
 
 
 def grid_of(tracks: Collection[Track], limits: Limits) -> Grid:

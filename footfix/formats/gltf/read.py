@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from functools import lru_cache
+from dataclasses import replace
 
 from footfix.errors import InputError
 from footfix.formats.bvh.text import Limits
@@ -80,17 +79,18 @@ def _decoded(container: Container, wanted: str, limits: Limits) -> Document:
     if not names:
         raise InputError("the file holds no animation", hint="there is no motion to work on")
     animation = _chosen(names, wanted)
-    tracks = {key: track for key, track in read_tracks(container, animation).items() if key[1] in WIDTHS}
+    tracks = read_tracks(container, animation)
+    moving = {key: track for key, track in tracks.items() if key[1] in WIDTHS}
     nodes = read_nodes(container, limits)
-    joints = joints_of(container, nodes, {node for node, _ in tracks})
-    if not tracks or not joints:
+    joints = joints_of(container, nodes, {node for node, _ in moving})
+    if not moving or not joints:
         raise InputError("the animation moves no joint")
     if len(joints) > limits.joints:
         raise InputError(f"{len(joints)} joints, more than {limits.joints}", hint="limits.joints allows more")
-    grid = grid_of(tracks.values(), limits)
+    grid = grid_of(moving.values(), limits)
     name = f"{container.name}#{names[animation]}" if wanted or len(names) > 1 else container.name
     document = Document(name, container, animation, nodes, joints, tracks, grid)
-    return Document(name, container, animation, nodes, joints, tracks, grid, _doubts(document))
+    return replace(document, notes=_doubts(document))
 
 
 def _chosen(names: tuple[str, ...], wanted: str) -> int:

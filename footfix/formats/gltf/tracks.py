@@ -13,7 +13,7 @@ from footfix.formats.gltf.container import Container
 from footfix.formats.gltf.fields import child, index, rows_of, text
 from footfix.formats.gltf.nodes import node_at
 from footfix.motion import rotation
-from footfix.motion.clip import Floats, constant_track
+from footfix.motion.clip import Floats, Ints, constant_track
 
 WIDTHS = {"translation": 3, "rotation": 4, "scale": 3}
 _MODES = ("LINEAR", "STEP", "CUBICSPLINE")
@@ -76,11 +76,11 @@ class Track:
         a[between] = rotation.slerp(a[between], b[between], u[between])
         return a
 
-    def _spline(self, a: Floats, b: Floats, left: Floats, right: Floats, gap: Floats, u: Floats) -> Floats:
+    def _spline(self, a: Floats, b: Floats, left: Ints, right: Ints, gap: Floats, u: Floats) -> Floats:
         """Hermite splines between keys (glTF 2.0, appendix C.4)."""
         assert self.tangents is not None
         u, gap = u[:, None], gap[:, None]
-        out, into = gap * self.tangents[1][left], gap * self.tangents[0][right]  # type: ignore[index]
+        out, into = gap * self.tangents[1][left], gap * self.tangents[0][right]
         found = (
             (2.0 * u**3 - 3.0 * u**2 + 1.0) * a + (u**3 - 2.0 * u**2 + u) * out
             + (3.0 * u**2 - 2.0 * u**3) * b + (u**3 - u**2) * into

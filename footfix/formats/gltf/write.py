@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from footfix.formats.gltf.document import Document
 from footfix.formats.gltf.grid import Grid
 from footfix.formats.gltf.nodes import read_nodes
 from footfix.formats.gltf.patch import Patch, patched
-from footfix.formats.gltf.tracks import WIDTHS, Track, read_tracks
+from footfix.formats.gltf.tracks import Track, read_tracks
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, same_track
 
@@ -69,52 +69,50 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
     if clip is not old and (len(clip), len(clip.skeleton)) != (len(old), len(old.skeleton)):
         of = [f"{len(each)} frames of {len(each.skeleton)} joints" for each in (clip, old)]
         raise ValueError(f"the clip has {of[0]}, the file {of[1]}")
-    changed = {} if clip is old else _changes(document, clip)
+    changed = _every(document, clip) if document.cut else {} if clip is old else _changes(document, clip)
     if not changed:
         return document.container.data, old
-    written = patched(document.container, patch_of(document, changed, document.grid))
-    again = reread(document, written, limits)
-    return written, again.clip
+    written = patched(document.container, _patch(document, changed))
+    return written, _reread(document, written, limits)
 
 
-def reread(document: Document, written: bytes, limits: Limits, grid: Grid | None = None) -> Document:
-    """Read an animation of a file again, at the same times or at those of another grid."""
+def _reread(document: Document, written: bytes, limits: Limits) -> Clip:
+    """Read an animation of a file again, at the same times."""
     beside = _at_hand(document)
     container = open_container(written, name=document.container.name, limits=limits, beside=beside)
-    tracks = {key: each for key, each in read_tracks(container, document.animation).items() if key[1] in WIDTHS}
-    again = Document(
-        document.name, container, document.animation, read_nodes(container, limits), document.joints, tracks,
-        grid or document.grid, document.notes,
-    )  # fmt: skip
-    return again.placed(unit_m=document.unit_m, up=document.up)
+    tracks, nodes = read_tracks(container, document.animation), read_nodes(container, limits)
+    again = replace(document, container=container, nodes=nodes, tracks=tracks)
+    return again.placed(unit_m=document.unit_m, up=document.up).clip
 
 
-def patch_of(document: Document, changed: Mapping[tuple[int, str], Floats], grid: Grid) -> Patch:
+def _patch(document: Document, changed: Mapping[tuple[int, str], Floats]) -> Patch:
     """Make of new values what is new in the file.
 
     Args:
         document: the file and the animation.
-        changed: (node, path) -> (F, w) at the times of the grid, in the file's units and axes.
-        grid: the times.
+        changed: (node, path) -> (F, w) at the times of its grid, in the file's units and axes.
     """
-    tree, container = document.container.tree, document.container
+    tree, container, grid = document.container.tree, document.container, document.grid
     row = _copied(tree["animations"][document.animation])
     numbers = Numbers(len(container.tables["accessors"]))
-    times: int | None = None
+    times = dict[bool, int]()  # of the first and last frame alone, or of all
     users = _users(row["channels"])
     for (node, path), values in changed.items():
         track = document.tracks.get((node, path))
-        if track is not None and fits(track, grid):
+        if not document.cut and track is not None and _fits(track, grid):
             taken = row["samplers"][track.sampler]["input"]
         else:
-            times = numbers.add(grid.times[:, None], bounds=True) if times is None else times
-            taken = times
-        _put(row, track, users, node, path, {"input": taken, "interpolation": "LINEAR", "output": numbers.add(values)})
+            still = document.cut and bool(np.all(values == values[0]))
+            if still not in times:
+                times[still] = numbers.add(grid.times[[0, -1] if still else slice(None), None], bounds=True)
+            taken, values = times[still], values[:2] if still else values
+        mode = "STEP" if document.cut and track is not None and track.mode == "STEP" else "LINEAR"
+        _put(row, track, users, node, path, {"input": taken, "interpolation": mode, "output": numbers.add(values)})
     nodes = _without_matrices(document, {node for node, _ in changed})
     return Patch({document.animation: row}, nodes, numbers.rows, b"".join(numbers.parts))
 
 
-def fits(track: Track, grid: Grid) -> bool:
+def _fits(track: Track, grid: Grid) -> bool:
     """Whether a channel has its keys at the frames, so that its times can stay."""
     if track.mode != "LINEAR" or len(track.times) != grid.frames:
         return False
@@ -152,6 +150,12 @@ def _changes(document: Document, clip: Clip) -> dict[tuple[int, str], Floats]:
             kept = document.local(j)
             found[node, "translation"] = np.where(moved[:, None], now.place(j) / size[:, None], kept)
     return found
+
+
+def _every(document: Document, clip: Clip) -> dict[tuple[int, str], Floats]:
+    """Take the values of every channel: of joints those of a clip, of all else those of the document."""
+    found = {key: np.array(track.at(document.grid.times)) for key, track in document.tracks.items()}
+    return {**found, **_changes(document, clip)}
 
 
 def _differ(new: Floats, old: Floats) -> Floats:
