@@ -17,7 +17,7 @@ from footfix.rig.sample import Sample
 from footfix.rig.toes import ball, balls
 
 _LEAST = 1.2  # score below which a pair of limbs is no pair of legs
-_LEAST_FRONT = -1.2  # shape, and what names say of sides, below which it is no pair of front legs; they hang far out from the spine
+_LEAST_FRONT = -1.2  # shape, and what names say of sides, below which a pair is none of front legs; these hang far out
 _ALIKE = (0.75, 1.35)  # front legs against hind legs in length; a man's arms have 0.63 of his legs
 _BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
 _HIGH = 0.45  # [leg lengths] of hips and shoulders over the lowest joint, at least, when it stands up
