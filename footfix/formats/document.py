@@ -188,5 +188,10 @@ def _format(name: str) -> Any:
     return import_module(MOTION.get(PurePath(in_file(name)[0]).suffix.lower(), MOTION[_DEFAULT]))
 
 
+def one_format(name: str, other: str) -> bool:
+    """Whether two files' names are of one format, as far as they say."""
+    return _format(name) is _format(other)
+
+
 def _fetching(kind: Any, beside: Beside | None) -> dict[str, Beside]:
     return {"beside": beside} if beside is not None and hasattr(kind, "neighbours_of") else {}
