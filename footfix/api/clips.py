@@ -91,7 +91,7 @@ def _file_and_clip(path: str | os.PathLike[str], animation: str | None) -> tuple
 
 def _beside(file: str) -> Beside:
     """What reads the files that a glTF file names."""
-    return lambda name: Path(file).with_name(name).read_bytes()
+    return lambda name: (Path(file).parent / name).read_bytes()
 
 
 def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = None) -> None:

@@ -50,7 +50,7 @@ def clean_file(
     file = os.fspath(path) if Path(path).exists() else in_file(os.fspath(path))[0]
     return job.clean_file(
         Path(file).read_bytes(), os.fspath(path), check_settings(settings), labels=given,
-        beside=lambda name: Path(file).with_name(name).read_bytes(),
+        beside=lambda name: (Path(file).parent / name).read_bytes(),
     )  # fmt: skip
 
 

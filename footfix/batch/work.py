@@ -17,7 +17,7 @@ from footfix.batch.files import STDIN, read_whole
 from footfix.batch.making import made, write
 from footfix.batch.task import CONTACTS, FileResult, Task
 from footfix.errors import InputError, OutputError
-from footfix.formats.suffixes import in_file
+from footfix.formats.suffixes import STDIN_NAME, in_file
 
 if TYPE_CHECKING:
     from footfix.job import Outputs
@@ -59,8 +59,24 @@ def check_one(task: Task) -> FileResult:
 def _guarded(task: Task, work: Work) -> FileResult:
     """The result of some work and the time it took."""
     begun = time.perf_counter()
-    result = ended(task, lambda: work(task, _read(task)))
+
+    def done() -> FileResult:
+        data = _read(task)
+        return work(_as_it_is(task, data), data)
+
+    result = ended(task, done)
     return replace(result, seconds=time.perf_counter() - begun)
+
+
+def _as_it_is(task: Task, data: bytes) -> Task:
+    """The task with a name for what standard input holds, where that is no BVH."""
+    job = task.job
+    if job.source != STDIN or not data.startswith(b"glTF"):
+        return task
+    target = job.target
+    if target is not None and target.name == STDIN_NAME:
+        target = target.with_suffix(".glb")
+    return replace(task, job=replace(job, source="stdin.glb", target=target))
 
 
 def _each(work: Work) -> Work:
@@ -142,7 +158,7 @@ def _detect(task: Task, data: bytes) -> FileResult:
         if task.extra.get("one_file") and len(task.animations) != 1:
             raise InputError("it holds several clips, and -o names one file", file=job.source, hint="name a folder")
         target = target if task.extra.get("one_file") else job.beside(ENDS[kind])
-        if os.path.lexists(Path(task.folder, target)) and not task.force:
+        if os.path.lexists(Path(task.folder, target)) and not (task.force or task.dry_run):
             raise OutputError(f"{target} is there already; --force overwrites it")
     contacts, entry, rig, notes = detect_file(
         data, job.source, task.settings, labels=task.labels, beside=beside_of(task)
