@@ -230,6 +230,7 @@ _FILES = {
     "check": "What `footfix check --json` prints",
     "inspect": "What `footfix inspect --json` prints",
     "run": "What `footfix clean --json` prints",
+    "events": "Strikes and lifts: `NAME.events.json`",
 }
 
 
