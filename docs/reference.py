@@ -291,7 +291,7 @@ def _json_kind(schema: Mapping[str, Any]) -> str:
 # ---- Python ------------------------------------------------------------------------------------------
 
 _PYTHON = {
-    "Files": "load save Document clean_file Outputs",
+    "Files": "load animations save Document clean_file Outputs",
     "Clips": "Clip Skeleton global_positions",
     "Legs and soles": "find_rig find_rigs Rig Leg SolePoint RigParams",
     "Contacts": "detect Contacts Effector Contact load_contacts save_contacts",
