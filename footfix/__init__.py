@@ -24,6 +24,7 @@ from footfix.version import __version__
 
 if TYPE_CHECKING:
     from footfix.api.clips import (
+        animations,
         apply,
         clean,
         clean_figures,
@@ -63,7 +64,8 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "footfix.api.clips": (
-        "apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure presets save"
+        "animations apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure "
+        "presets save"
     ),
     "footfix.api.follows": "follow",
     "footfix.api.labels": "load_contacts save_contacts",
@@ -124,6 +126,7 @@ __all__ = [
     "Stream",
     "UsageError",
     "__version__",
+    "animations",
     "apply",
     "clean",
     "clean_figures",

@@ -11,11 +11,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_whole
 from footfix.batch.inputs import Source
+from footfix.batch.making import fingerprint, write_outputs
 from footfix.batch.outputs import plan
 from footfix.batch.task import FileResult, Task, beside
-from footfix.batch.work import guarded, write_outputs
 from footfix.errors import InputError, UsageError
 from footfix.formats.suffixes import STDIN_NAME
 
@@ -100,7 +101,7 @@ def run_follow(
     )  # fmt: skip
     task = Task(job, settings, dry_run=dry_run, folder=str(Path.cwd()))
 
-    def work(task: Task) -> FileResult:
+    def work() -> FileResult:
         from footfix.following import Part, follow_file
 
         held: dict[str, bytes] = {}
@@ -109,10 +110,10 @@ def run_follow(
         parts = [Part(held[name], name if name != STDIN else STDIN_NAME, at)
                  for (name, _), at in zip(clips, ats, strict=True)]  # fmt: skip
         made = follow_file(drawing, parts, settings, output=output.name)
-        return write_outputs(task, made, dict(made.report))
+        return write_outputs(task, made, fingerprint(b"".join(held.values()), settings, None))
 
     begun = time.perf_counter()
-    return replace(guarded(task, work), seconds=time.perf_counter() - begun)
+    return replace(ended(task, work), seconds=time.perf_counter() - begun)
 
 
 def _read(name: str, settings: Settings) -> bytes:
