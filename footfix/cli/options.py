@@ -102,6 +102,7 @@ class Many:
     Args:
         from_file: lists of inputs.
         include, exclude: globs over what folders hold.
+        animation: of files that hold several clips, those that are meant; none for all.
         shard: (part, parts), part from 1; None for all.
         jobs: processes; 0 for as many as pay.
         timeout: [s] for one clip.
@@ -111,6 +112,7 @@ class Many:
     from_file: tuple[str, ...] = ()
     include: tuple[str, ...] = ()
     exclude: tuple[str, ...] = ()
+    animation: tuple[str, ...] = ()
     shard: tuple[int, int] | None = None
     jobs: int = 0
     timeout: float | None = None
@@ -133,6 +135,8 @@ def many(command: Command) -> Command:
         click.option("--from-file", multiple=True, metavar="LIST", help="Inputs, one a line; - for standard input."),
         click.option("--include", multiple=True, metavar="GLOB", help="Of folders, only files that match."),
         click.option("--exclude", multiple=True, metavar="GLOB", help="Of folders, no files that match."),
+        click.option("--animation", multiple=True, metavar="NAME",
+                     help="Of glTF files only this animation; file.glb#NAME means the same. May be repeated."),
         click.option("--shard", metavar="PART/PARTS", callback=_shard,
                      help="Only this part of the inputs, such as 3/16, for job arrays."),
         click.option("-j", "--jobs", type=click.IntRange(0), default=0, metavar="N",

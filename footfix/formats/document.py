@@ -1,19 +1,23 @@
 """The seam between files and clips: what the rest of the house asks of a file of motion, whatever its format.
 
 A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
-`footfix.formats.suffixes`; it may have `legible`, too.
+`footfix.formats.suffixes`; it may have `legible`, too. One whose files hold several clips has `clips_of` and `joined`,
+and where they may name other files, `neighbours_of`: its functions take `beside`, which reads such a file.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import PurePath
 from typing import Any, Protocol
 
 from footfix.formats.bvh.text import Limits
-from footfix.formats.suffixes import MOTION
+from footfix.formats.suffixes import MOTION, in_file
 from footfix.motion.clip import Clip, Ints
 from footfix.notes import Note
+
+Beside = Callable[[str], bytes]  # the bytes of a file that another one names, relative to its folder
 
 _LIMITS = Limits()
 _DEFAULT = ".bvh"
@@ -58,23 +62,72 @@ class Document(Protocol):
     def clip(self) -> Clip:
         """The motion in metres, y up, by the unit and axis it is believed to have."""
 
+    @property
+    def metric(self) -> bool:
+        """Whether its format says metres and y up, so that the figure's size hardly counts against it."""
+
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
         """Give the same file another belief about its unit and its upward axis."""
 
 
-def open_document(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document:
+def open_document(
+    data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None
+) -> Document:  # fmt: skip
     """Read a file of motion; its name says which format it has, and BVH is taken where it does not.
 
     Args:
         data: the file.
-        name: what it is called.
+        name: what it is called; of one that holds several clips, the clip's after a "#": character.glb#Walk.
         limits: beyond these it is refused.
+        beside: reads a file that this one names.
 
     Raises:
         InputError: it is not of its format, or damaged beyond reading; with line and column.
     """
-    document: Document = _format(name).decode(data, name=name, limits=limits)
+    kind = _format(name)
+    document: Document = kind.decode(data, name=name, limits=limits, **_fetching(kind, beside))
     return document
+
+
+def clips_of(
+    data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None
+) -> tuple[str, ...] | None:  # fmt: skip
+    """List the clips that a file holds by name; None where its format holds one, which needs no name.
+
+    Raises:
+        InputError: it can't be read, or holds none.
+    """
+    kind = _format(name)
+    if not hasattr(kind, "clips_of"):
+        return None
+    names: tuple[str, ...] = kind.clips_of(data, name=name, limits=limits, **_fetching(kind, beside))
+    return names
+
+
+def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Beside | None = None) -> bytes:
+    """Join the changes of two files into one.
+
+    Args:
+        data: the file that both were made of.
+        so_far: it with some of its clips changed.
+        written: it with others changed.
+        name: what it is called.
+        beside: reads a file that it names.
+    """
+    kind = _format(name)
+    whole: bytes = kind.joined(data, so_far, written, name=name, **_fetching(kind, beside))
+    return whole
+
+
+def neighbours_of(
+    data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None
+) -> tuple[str, ...]:  # fmt: skip
+    """List the files that a file names, relative to its folder: without them it is not whole."""
+    kind = _format(name)
+    if not hasattr(kind, "neighbours_of"):
+        return ()
+    names: tuple[str, ...] = kind.neighbours_of(data, name=name, limits=limits, **_fetching(kind, beside))
+    return names
 
 
 def legible(data: bytes, *, name: str = "") -> tuple[bytes, tuple[Note, ...]]:
@@ -132,4 +185,8 @@ def repair(document: Document) -> tuple[bytes, tuple[Note, ...]]:
 
 
 def _format(name: str) -> Any:
-    return import_module(MOTION.get(PurePath(name).suffix.lower(), MOTION[_DEFAULT]))
+    return import_module(MOTION.get(PurePath(in_file(name)[0]).suffix.lower(), MOTION[_DEFAULT]))
+
+
+def _fetching(kind: Any, beside: Beside | None) -> dict[str, Beside]:
+    return {"beside": beside} if beside is not None and hasattr(kind, "neighbours_of") else {}

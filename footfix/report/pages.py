@@ -9,7 +9,7 @@ from typing import Any
 from footfix.enforce.run import ground_of
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
-from footfix.formats.document import open_document
+from footfix.formats.document import Beside, open_document
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.report.again import Again
@@ -64,7 +64,7 @@ def draw(
 
 def redraw(
     report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
-    again: Again | None = None,
+    again: Again | None = None, beside: Beside | None = None,
 ) -> dict[str, bytes]:  # fmt: skip
     """Draw the pages of a clip whose report is there already.
 
@@ -75,6 +75,7 @@ def redraw(
         written: the bytes of the corrected one.
         params: which pages.
         again: how the clip is cleaned again from edited contacts, where that is known.
+        beside: reads files that the clip names.
 
     Raises:
         InputError: the files do not belong together.
@@ -86,7 +87,7 @@ def redraw(
         raise InputError("the report does not say the clip's unit and up axis") from None
     name = str((report.get("source") or {}).get("file", ""))
     clip, after = (
-        open_document(data, name=name).placed(unit_m=unit_m, up=up).clip for data in (source, written)
+        open_document(data, name=name, beside=beside).placed(unit_m=unit_m, up=up).clip for data in (source, written)
     )
     loop = report["loop"] if isinstance(report.get("loop"), Mapping) else None
     before = clip if loop is None else captured(clip, loop)

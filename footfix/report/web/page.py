@@ -12,6 +12,7 @@ from functools import cache
 from string import Template
 from typing import Any
 
+from footfix.formats.suffixes import in_file, is_motion
 from footfix.report import words
 from footfix.report.again import Again, quoted
 from footfix.report.loops import round_of
@@ -116,7 +117,8 @@ def _viewer(data: PageData) -> str:
     if data.motion is None:
         return ""
     file = source_name(data.report).replace("\\", "/").rsplit("/", 1)[-1]
-    stem = file[:-4] if file.lower().endswith(".bvh") else file
+    stem = in_file(file)[0]
+    stem = stem.rpartition(".")[0] if is_motion(stem) else stem
     return Template(asset("viewer.html")).substitute(
         chart=chart(data.motion, data.contacts),
         file=text(f"{stem}.contacts.json"),
