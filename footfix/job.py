@@ -92,6 +92,13 @@ def _opened(data: bytes, name: str, settings: Settings, beside: Beside | None) -
         return placed(document, settings.rig, proper)[0], proper
 
 
+def suited(settings: Settings, document: Document) -> Settings:
+    """Suit settings to a file's format: animations of games are likely to be cycles."""
+    if not document.metric or settings.enforce.cycle != "find":
+        return settings
+    return replace(settings, enforce=replace(settings.enforce, cycle="likely"))
+
+
 def placed(
     document: Document, params: RigParams, proper: slice | None = None
 ) -> tuple[Document, tuple[Note, ...]]:
@@ -139,6 +146,7 @@ def clean_file(
         InputError: the clip can't be used; says why.
     """
     document, proper = _opened(data, name, settings, beside)
+    settings = suited(settings, document)
     clip = document.clip
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
@@ -285,6 +293,7 @@ def _planted(
 ) -> tuple[Document, dict[str, Any], Prepared, Contacts]:
     """A file as a document, its source entry, its figures, and their contacts."""
     document, proper = _opened(data, name, settings, beside)
+    settings = suited(settings, document)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)

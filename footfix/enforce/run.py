@@ -54,7 +54,8 @@ class EnforceParams:
         method: "ik" bends the legs, "root" moves the root alone, "both" gives the root what planted feet share and
             the legs the rest.
         solver: "whole_clip" is one least squares, "glardon" and "kim_neff" the papers' own ways.
-        cycle: whether the last frame leads to the first, over a closed seam: "find", "yes" or "no".
+        cycle: whether the last frame leads to the first, over a closed seam: "find", "yes" or "no"; "likely" is content
+            with ends that nearly meet, in place, as in animations of games. For glTF files "find" means that.
         heights: "floor" draws plants to their floor, "keep" leaves them the height they have.
         strength: how much of the correction is applied, 0 to 1 [share].
         pins: when a plant is corrected, and what of it is held.
@@ -68,7 +69,7 @@ class EnforceParams:
 
     method: Literal["ik", "root", "both"] = "ik"
     solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"
-    cycle: Literal["find", "yes", "no"] = "find"
+    cycle: Literal["find", "likely", "yes", "no"] = "find"
     heights: Literal["floor", "keep"] = "floor"
     strength: float = 1.0
     pins: PinParams = field(default_factory=PinParams)

@@ -162,7 +162,8 @@ class Document:
         track = self.tracks.get((node, "translation"))
         if track is None:
             return constant_track(self.nodes.translations[node], self.frames)
-        return np.asarray(track.at(self.grid.times), dtype=np.float64)
+        values: Floats = np.asarray(track.at(self.grid.times))
+        return values
 
     @cached_property
     def _parents(self) -> Ints:
@@ -171,7 +172,7 @@ class Document:
 
     def _own_scale(self, node: int) -> Floats:
         track = self.tracks.get((node, "scale"))
-        return self.nodes.scales[node] if track is None else track.values[0]
+        return np.asarray(self.nodes.scales[node] if track is None else track.values[0])
 
     def _scaled(self, joint: int, local: Floats) -> Floats:
         """The place (F, 3) of a joint in its parent's frame, in the units of the world."""
