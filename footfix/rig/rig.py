@@ -11,6 +11,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts, Effector, Part
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
+from footfix.rig.mesh import FootMesh
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ class Rig:
         leg_length: [m] from hip joint to ankle along the bones, mean of the legs.
         floor: [m] height of the floor: the file's zero plane, or the lowest level that the feet often rest on.
         notes: how each of these was guessed, and what is doubtful.
+        origins: where each was found.
+        meshes: of each leg the foot of a character's skin, where one was given.
     """
 
     root: int
@@ -76,6 +79,7 @@ class Rig:
     floor: float
     notes: tuple[Note, ...] = ()
     origins: Mapping[str, str] = field(default_factory=dict)
+    meshes: tuple[FootMesh, ...] = ()
 
     def of_figure(self, number: int) -> Rig:
         """Name legs and soles for one of several figures (`figure2_left_heel`); the first keeps its names."""
@@ -86,13 +90,14 @@ class Rig:
         return replace(self, legs=legs, soles=soles)
 
     def joints(self) -> tuple[int, ...]:
-        """List the joints that detection and enforcement look at: root, pelvis, leg chains, toes, sole points."""
+        """List the joints that detection and enforcement look at: root, pelvis, leg chains, toes, what carries soles."""
         wanted = {self.root, self.pelvis}
         for leg in self.legs:
             wanted.update(leg.chain)
             if leg.toe is not None:
                 wanted.add(leg.toe)
         wanted.update(sole.joint for sole in self.soles)
+        wanted.update(joint for mesh in self.meshes for joint in mesh.carriers)
         return tuple(sorted(wanted))
 
     def pose(self, clip: Clip) -> Pose:
@@ -115,8 +120,9 @@ class Rig:
 def joined(rigs: Sequence[Rig]) -> Rig:
     """Join the legs and soles of several rigs; root, size and floor are the first one's."""
     first, *others = rigs
-    legs, soles = first.legs, first.soles
+    legs, soles, meshes = first.legs, first.soles, first.meshes
     for rig in others:
+        meshes += tuple(replace(mesh, leg=mesh.leg + len(legs)) for mesh in rig.meshes)
         soles += tuple(replace(sole, leg=sole.leg + len(legs)) for sole in rig.soles)
         legs += rig.legs
-    return replace(first, legs=legs, soles=soles) if others else first
+    return replace(first, legs=legs, soles=soles, meshes=meshes) if others else first

@@ -261,12 +261,14 @@ def _foot(skin: Skin, leg: SkinLeg, up: Floats, length: float) -> SkinFoot:
     left, side = np.cross(up, ahead), (vertices - ankle) @ np.cross(up, ahead)
     toe = ankle if leg.toe is None else skin.places[leg.toe]
     under = float((toe - ankle) @ ahead) if leg.toe is not None else float(np.quantile(along[low], 0.6))
+    rear, front = float(along[low].min()), float(along[low].max())
     places = []
-    for at in (float(along[low].min()), under, float(along[low].max())):
+    for at, stop in ((rear, 0.5 * (rear + under)), (under, None), (front, None)):
         near = low & (np.abs(along - at) <= _BAND * length)
         near = near if near.any() else low & (np.abs(along - at) <= np.abs(along - at)[low].min())
         across = float(side[near].min() + side[near].max()) / 2.0
-        places.append(ankle + (at * ahead + across * left) + (float(height[near].min()) - float(ankle @ up)) * up)
+        bears = near if stop is None else low & (along <= max(stop, rear))  # a heel is round, and stands ahead of its back
+        places.append(ankle + (at * ahead + across * left) + (float(height[bears].min()) - float(ankle @ up)) * up)
     return SkinFoot(leg, length, up, ahead, level, vertices, np.clip(toes / moved[own], 0.0, 1.0), low, *places)
 
 
