@@ -15,6 +15,7 @@ from footfix.batch.clips import beside_of, parts_of, together
 from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_whole
 from footfix.batch.making import made, write
+from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, FileResult, Task
 from footfix.errors import InputError, OutputError
 from footfix.formats.suffixes import in_file
@@ -96,7 +97,7 @@ def _clean(task: Task, data: bytes) -> FileResult:
             leave = f"footfix wrote this file, as {own.source} says, so it stays as it is; --anew cleans it again"
         return clean_file(
             data, part.job.source, part.settings, labels=labels, output=_output(part), again=_again(part),
-            leave=leave, beside=beside_of(part),
+            leave=leave, beside=beside_of(part), skin=skin_for(part.settings, part.folder),
         )  # fmt: skip
 
     return made(task, data, make)
@@ -109,7 +110,7 @@ def _loop(task: Task, data: bytes) -> FileResult:
         again = _again(part, loop=True)
         return loop_file(
             data, part.job.source, part.settings, labels=part.labels, output=_output(part), again=again,
-            beside=beside_of(part),
+            beside=beside_of(part), skin=skin_for(part.settings, part.folder),
         )  # fmt: skip
 
     return made(task, data, make, "loop")
@@ -145,7 +146,8 @@ def _detect(task: Task, data: bytes) -> FileResult:
         if os.path.lexists(Path(task.folder, target)) and not task.force:
             raise OutputError(f"{target} is there already; --force overwrites it")
     contacts, entry, rig, notes = detect_file(
-        data, job.source, task.settings, labels=task.labels, beside=beside_of(task)
+        data, job.source, task.settings, labels=task.labels, beside=beside_of(task),
+        skin=skin_for(task.settings, task.folder),
     )  # fmt: skip
     if kind == "json":
         encoded = contacts_json(contacts, entry, rig, task.settings)
@@ -166,7 +168,8 @@ def _detect(task: Task, data: bytes) -> FileResult:
 def _inspect(task: Task, data: bytes) -> FileResult:
     from footfix.inspection import inspect_file
 
-    found = inspect_file(data, task.job.source, task.settings, beside=beside_of(task))
+    skin = skin_for(task.settings, task.folder)
+    found = inspect_file(data, task.job.source, task.settings, beside=beside_of(task), skin=skin)
     return FileResult(task.job.source, "done", report=found)
 
 

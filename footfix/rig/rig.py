@@ -90,7 +90,7 @@ class Rig:
         return replace(self, legs=legs, soles=soles)
 
     def joints(self) -> tuple[int, ...]:
-        """List the joints that detection and enforcement look at: root, pelvis, leg chains, toes, what carries soles."""
+        """List the joints that the stages look at: root, pelvis, leg chains, toes, and what carries soles."""
         wanted = {self.root, self.pelvis}
         for leg in self.legs:
             wanted.update(leg.chain)

@@ -69,7 +69,7 @@ class Skin:
 
     def below(self, joint: int) -> Bools:
         """Tell (J,) which joints are a joint or hang from it."""
-        found = np.arange(len(self.names)) == joint
+        found: Bools = np.asarray(np.arange(len(self.names)) == joint)
         for other in range(joint + 1, len(self.names)):
             found[other] |= self.parents[other] >= 0 and found[self.parents[other]]
         return found
@@ -267,7 +267,8 @@ def _foot(skin: Skin, leg: SkinLeg, up: Floats, length: float) -> SkinFoot:
         near = low & (np.abs(along - at) <= _BAND * length)
         near = near if near.any() else low & (np.abs(along - at) <= np.abs(along - at)[low].min())
         across = float(side[near].min() + side[near].max()) / 2.0
-        bears = near if stop is None else low & (along <= max(stop, rear))  # a heel is round, and stands ahead of its back
+        # A heel is round, and stands on the floor ahead of its back.
+        bears = near if stop is None else low & (along <= max(stop, rear))
         places.append(ankle + (at * ahead + across * left) + (float(height[bears].min()) - float(ankle @ up)) * up)
     return SkinFoot(leg, length, up, ahead, level, vertices, np.clip(toes / moved[own], 0.0, 1.0), low, *places)
 

@@ -163,8 +163,8 @@ def _common_turn(skin: Skin, seen: Sample, legs: Sequence[Leg], own: Sequence[Sk
     for mine, other in zip(pairs, its, strict=True):
         for k in range(3):
             if mine[k + 1] is not None and other[k + 1] is not None:
-                a.append(skin.places[other[k + 1]] - skin.places[other[k]])  # type: ignore[index]
-                b.append(at[mine[k + 1]] - at[mine[k]])  # type: ignore[index]
+                a.append(skin.places[other[k + 1]] - skin.places[other[k]])
+                b.append(at[mine[k + 1]] - at[mine[k]])
     a.append(skin.places[its[0][0]] - skin.places[its[-1][0]])
     b.append(at[pairs[0][0]] - at[pairs[-1][0]])
     first, second = (np.array(each) / np.maximum(np.linalg.norm(each, axis=1, keepdims=True), 1e-12) for each in (a, b))
@@ -259,7 +259,8 @@ def _by_places(skin: Skin, sole: SkinFoot, leg: Leg, foot: Foot, scale: float) -
     if leg.toe is None or foot.ball is None or foot.toe_turn is None:
         ones = np.ones((len(at_ankle), 1))
         return _Bound(np.full(ones.shape, leg.ankle, np.intp), ones, at_ankle[:, None], heel, ball)
-    share = sole.share if sole.leg.toe is not None else (at_ankle @ foot.ahead > own).astype(np.float64)
+    ahead_of_it = at_ankle @ foot.ahead > float(foot.ball @ foot.ahead)
+    share = sole.share if sole.leg.toe is not None else ahead_of_it.astype(np.float64)
     turn = rotation.inverse(foot.toe_turn)
     at_toe = rotation.rotate(turn, at_ankle - foot.ball)
     if sole.leg.toe is None:
@@ -325,7 +326,7 @@ def _hull(points: Floats, which: Ints) -> Ints:
     if len(which) < 5:
         return which
     try:
-        return which[ConvexHull(points[which]).vertices]
+        return np.asarray(which[ConvexHull(points[which]).vertices])
     except QhullError:
         return which
 
