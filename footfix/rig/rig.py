@@ -108,6 +108,25 @@ class Rig:
         """Compute for each sole point its (F, 3) [m] track in the world."""
         return tuple(pose.point(sole.joint, np.array(sole.offset)) for sole in self.soles)
 
+    def mesh_of(self, sole: SolePoint) -> FootMesh | None:
+        """Get the mesh of the foot of a sole point; None where no skin was given."""
+        return next((mesh for mesh in self.meshes if mesh.leg == sole.leg), None)
+
+    def lowest(self, pose: Pose) -> tuple[Floats, ...]:
+        """Work out for each sole point (F,) [m] the height of the lowest vertex of its part of the foot.
+
+        Without a mesh it is the height of the sole point itself.
+        """
+        found = []
+        for sole, track in zip(self.soles, self.tracks(pose), strict=True):
+            mesh = self.mesh_of(sole)
+            part = None if mesh is None else mesh.toe == (sole.part == "toe")
+            if mesh is None or part is None or not part.any():
+                found.append(np.asarray(track[:, 1]))
+            else:
+                found.append(mesh.lowest(pose, part))
+        return tuple(found)
+
     def no_contacts(self, clip: Clip) -> Contacts:
         """Make the effectors of this rig, nothing in contact."""
         names = clip.skeleton.names

@@ -355,7 +355,7 @@ def _spread(sole: SkinFoot) -> Ints:
     while len(chosen) < _MOST_SOLE:
         chosen.append(int(np.argmax(away)))
         away = np.minimum(away, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return own[np.sort(chosen)]
+    return np.asarray(own[np.sort(chosen)])
 
 
 def _points(number: int, leg: Leg, bound: _Bound) -> list[SolePoint]:
