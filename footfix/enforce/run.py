@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground as grounds
+from footfix.enforce import mesh as meshes
 from footfix.enforce import pins as pinning
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.cycle import correction_back, cycle_note, plants_back
@@ -27,7 +28,7 @@ from footfix.enforce.outcomes import CorrectedLeg, outcomes
 from footfix.enforce.papers.glardon import GlardonParams
 from footfix.enforce.papers.kim_neff import KimNeffParams
 from footfix.enforce.papers.lyard import LyardRootParams
-from footfix.enforce.pins import Floors, PinParams
+from footfix.enforce.pins import Floors, PinParams, Pins
 from footfix.enforce.posed import local_rotations
 from footfix.enforce.problem import CostParams, Problem
 from footfix.enforce.solve import solve
@@ -204,6 +205,9 @@ def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Ta
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
         heights=params.heights == "floor", params=params.pins,
     )  # fmt: skip
+    if rig.meshes and params.heights == "floor":
+        deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)
+        keep = tuple(stays and not sinks for stays, sinks in zip(keep, deep.tolist(), strict=True))
     by_hand = tuple(pinning.given(contacts, plant) for plant in plants)
     return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)
 
@@ -287,6 +291,8 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         )
         for k, leg in enumerate(task.legs)
     )  # fmt: skip
+    if rig.meshes and heights:
+        pins = tuple(_over_floor(pin, k, rig, task, params.pins) for k, pin in enumerate(pins))
     own = [noise_of(task.pose.position(rig.root))] * 3
     for each in task.calibration:
         line, knee, foot = each.noise
@@ -298,6 +304,12 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         edge=params.pins.edge,
     )  # fmt: skip
     return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut)
+
+
+def _over_floor(pins: tuple[Pins, ...], number: int, rig: Rig, task: Task, params: PinParams) -> tuple[Pins, ...]:
+    own = [plant for plant in task.plants if plant.leg == number]
+    step = pinning.floor_steps(own, task.floors, len(task.pose.positions), params.near * rig.leg_length)
+    return meshes.over_floor(pins, number, rig, task.pose, step)
 
 
 def _faded(x: Floats, problem: Problem) -> Floats:

@@ -267,6 +267,7 @@ def _foot(skin: Skin, leg: SkinLeg, up: Floats, length: float) -> SkinFoot:
         near = low & (np.abs(along - at) <= _BAND * length)
         near = near if near.any() else low & (np.abs(along - at) <= np.abs(along - at)[low].min())
         across = float(side[near].min() + side[near].max()) / 2.0
+        across = float((toe - ankle) @ left) if at == under and leg.toe is not None else across  # under its joint
         # A heel is round, and stands on the floor ahead of its back.
         bears = near if stop is None else low & (along <= max(stop, rear))
         places.append(ankle + (at * ahead + across * left) + (float(height[bears].min()) - float(ankle @ up)) * up)
