@@ -28,7 +28,7 @@ from footfix.enforce.outcomes import CorrectedLeg, outcomes
 from footfix.enforce.papers.glardon import GlardonParams
 from footfix.enforce.papers.kim_neff import KimNeffParams
 from footfix.enforce.papers.lyard import LyardRootParams
-from footfix.enforce.pins import Floors, PinParams, Pins
+from footfix.enforce.pins import Floors, PinParams
 from footfix.enforce.posed import local_rotations
 from footfix.enforce.problem import CostParams, Problem
 from footfix.enforce.solve import solve
@@ -44,6 +44,7 @@ from footfix.rig.rounds import Rounds, rounds_of
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
 _SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
+_ROUNDS = 3  # times at most that a clip is solved again because a mesh is in the floor
 _FEWEST = 4  # frames, of which accelerations can be told
 
 
@@ -260,11 +261,30 @@ def _by_least_squares(
     wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
     if wanted and len(clip) >= _FEWEST:
         x = _faded(solve(problem), problem)
+        if rig.meshes and params.heights == "floor":
+            x = _out_of_floor(clip, rig, task, params, problem, x)
     x = params.strength * x
     less = (params.strength - 1.0) * task.lift * np.array([[0.0], [1.0], [0.0]])  # the legs are raised by all of it
     after = [CorrectedLeg.of_state(leg, x[:3] + less, x[own]) for leg, own in zip(task.legs, columns, strict=True)]
     shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
+
+
+def _out_of_floor(
+    clip: Clip, rig: Rig, task: Task, params: EnforceParams, problem: Problem, x: Floats
+) -> Floats:
+    """Solve again while the mesh is in the floor, each foot held as much higher as it was too deep."""
+    columns = [problem.columns(k) for k in range(len(task.legs))]
+    steps = [_step(task, k, rig, params.pins) for k in range(len(task.legs))]
+    lift = np.array([0.0, task.lift, 0.0])
+    for _ in range(_ROUNDS):
+        done = apply(clip, correction(clip, rig, task.pose, task.legs, x, columns, x[:3].T + lift))
+        pins, deepest = meshes.raised(problem.pins, rig, pose_of(done, rig), steps)
+        if deepest <= 0.0:
+            break
+        problem = replace(problem, pins=pins)
+        x = _faded(solve(problem), problem)
+    return x
 
 
 def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams, leave: bool) -> Enforcement:
@@ -292,7 +312,8 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         for k, leg in enumerate(task.legs)
     )  # fmt: skip
     if rig.meshes and heights:
-        pins = tuple(_over_floor(pin, k, rig, task, params.pins) for k, pin in enumerate(pins))
+        steps = [_step(task, k, rig, params.pins) for k in range(len(pins))]
+        pins = meshes.over_floor(pins, rig, task.pose, steps)
     own = [noise_of(task.pose.position(rig.root))] * 3
     for each in task.calibration:
         line, knee, foot = each.noise
@@ -306,10 +327,10 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
     return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut)
 
 
-def _over_floor(pins: tuple[Pins, ...], number: int, rig: Rig, task: Task, params: PinParams) -> tuple[Pins, ...]:
+def _step(task: Task, number: int, rig: Rig, params: PinParams) -> Floats:
+    """(F,) [m] how much higher than the rig's the floor under the foot of a leg is."""
     own = [plant for plant in task.plants if plant.leg == number]
-    step = pinning.floor_steps(own, task.floors, len(task.pose.positions), params.near * rig.leg_length)
-    return meshes.over_floor(pins, number, rig, task.pose, step)
+    return pinning.floor_steps(own, task.floors, len(task.pose.positions), params.near * rig.leg_length)
 
 
 def _faded(x: Floats, problem: Problem) -> Floats:
