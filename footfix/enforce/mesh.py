@@ -44,7 +44,7 @@ def sunk(plants: Sequence[Footplant], rig: Rig, pose: Pose, lift: float, floors:
 def over_floor(pins: Sequence[tuple[Pins, ...]], rig: Rig, pose: Pose, steps: Sequence[Floats]) -> AllPins:
     """Keep heel and toe of each leg so high that no vertex of their parts of the foot is below the floor.
 
-    How far the lowest vertex is below the joint that is held depends on how the foot is turned; it is taken as captured.
+    How far the lowest vertex is below the joint that is held depends on how the foot is turned: as captured.
 
     Args:
         pins: of each leg: heel, toe, and others.
