@@ -26,7 +26,8 @@ class FootMesh:
         offsets: (V, k, 3) [m] where the vertex is in each of these joints' frames.
         sole: (V,) which vertices are of the sole.
         toe: (V,) which belong to the toe's sole point, the others to the heel's.
-        outlines: vertices in the order in which a line around them is drawn, of the heel's part and of the toe's.
+        outlines: vertices in the order in which a line around them is drawn, of what moves with the ankle and of what
+            moves with the toe joint.
     """
 
     leg: int

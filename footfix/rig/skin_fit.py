@@ -284,13 +284,13 @@ def _mesh(number: int, sole: SkinFoot, bound: _Bound, scale: float) -> FootMesh:
     low = sole.vertices @ sole.up - sole.level < _LOW * sole.length
     outlines = tuple(
         tuple(number_of[v] for v in _outline(sole, np.flatnonzero(low & own)))
-        for own in (~part, part)
+        for own in (sole.share <= 0.5, sole.share > 0.5)
     )  # fmt: skip
     whole = np.zeros(len(sole.vertices), np.bool_)
     whole[_spread(sole)] = True
     return FootMesh(
         number, bound.joints[kept], bound.weights[kept], bound.offsets[kept], whole[kept], part[kept],
-        tuple(line for line in outlines if len(line) > 2),
+        outlines,
     )  # fmt: skip
 
 
@@ -315,7 +315,7 @@ def _kept(sole: SkinFoot, part: Bools) -> Ints:
         for own in (part, ~part):
             kept |= set(_hull(sole.vertices, np.flatnonzero((groups == group) & own)).tolist())
     low = sole.vertices @ sole.up - sole.level < _LOW * sole.length
-    for own in (part, ~part):
+    for own in (sole.share <= 0.5, sole.share > 0.5):
         kept |= set(_outline(sole, np.flatnonzero(low & own)))
     return np.array(sorted(kept), np.intp)
 

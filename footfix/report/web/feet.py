@@ -18,6 +18,8 @@ from footfix.rig.rig import Rig
 _FRAMES = 25  # of a clip, from which it is told where an outline lies in its part
 _CORNERS = 24  # of an outline, at most
 
+_PARTS: tuple[Part, ...] = ("heel", "toe")
+
 Place = tuple[str, int]  # ("joint", its number in the page) or ("point", the number of a sole point)
 
 
@@ -59,8 +61,9 @@ def sole_parts(clip: Clip, rig: Rig) -> tuple[SolePart, ...]:
     lanes = {(sole.leg, sole.part): k for k, sole in enumerate(rig.soles)}
     found = []
     for mesh in rig.meshes:
-        for outline in mesh.outlines:
-            part: Part = "toe" if mesh.toe[list(outline)].all() else "heel"
+        for part, outline in zip(_PARTS, mesh.outlines, strict=False):
+            if len(outline) < 3:
+                continue
             at, to, beside = _places(clip, rig, mesh.leg, part, lanes)
             corners = np.array(outline)[:: max(1, -(-len(outline) // _CORNERS))]
             where = _along(pose, rig, clip, (at, to, beside), mesh, corners)
