@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.footplant import Footplant, Outcome
+from footfix.enforce.kept import core
 from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
-from footfix.enforce.pins import FEWEST, Floors, core
+from footfix.enforce.pins import FEWEST, Floors
 from footfix.enforce.posed import places_of
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
