@@ -23,6 +23,7 @@ from footfix.version import __version__
 
 if TYPE_CHECKING:
     from footfix.api.clips import (
+        animations,
         apply,
         clean,
         clean_figures,
@@ -59,7 +60,8 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "footfix.api.clips": (
-        "apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure presets save"
+        "animations apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure "
+        "presets save"
     ),
     "footfix.api.labels": "load_contacts save_contacts",
     "footfix.api.loops": "loop",
@@ -115,6 +117,7 @@ __all__ = [
     "SolePoint",
     "UsageError",
     "__version__",
+    "animations",
     "apply",
     "clean",
     "clean_figures",

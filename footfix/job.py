@@ -277,18 +277,18 @@ def measure_file(
 def detect_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None,
     skin: Skin | None = None,
-) -> tuple[Contacts, dict[str, Any], dict[str, Any], list[dict[str, Any]]]:
+) -> tuple[Contacts, dict[str, Any], dict[str, Any], list[dict[str, Any]], float]:
     """Find the contacts of one clip.
 
     Returns:
-        The contacts, its source and rig entries, and its notes.
+        The contacts, its source and rig entries, its notes, and the time of its first frame [s].
 
     Raises:
         InputError: the clip can't be used; says why.
     """
     document, source, prepared, contacts = _planted(data, name, settings, labels, "find contacts in", beside, skin)
     entry = report_format.rig(prepared.rigs[0], document.clip, unit_m=document.unit_m, up=document.up)
-    return contacts, source, entry, _doubts(document, prepared, contacts)
+    return contacts, source, entry, _doubts(document, prepared, contacts), document.start
 
 
 def _planted(

@@ -169,9 +169,7 @@ def _mesh(made: Writer, nodes: list[dict[str, Any]], joints: int, skins: int) ->
     made.tree["meshes"] = [{"primitives": [primitive]}]
     made.tree["materials"] = [{"pbrMetallicRoughness": {"metallicFactor": 0.10000000149011612}}]
     made.tree["images"] = [{"bufferView": made.view(b"\x89PNG not really"), "mimeType": "image/png"}]
-    made.tree["skins"] = [
-        {"joints": list(range(1, joints + 1)), "inverseBindMatrices": inverse} for _ in range(skins)
-    ]
+    made.tree["skins"] = [{"joints": list(range(1, joints + 1)), "inverseBindMatrices": inverse} for _ in range(skins)]
     for k in range(skins):
         nodes.append({"name": f"Body {k}", "mesh": 0, "skin": k})
         nodes[0]["children"].append(len(nodes) - 1)
@@ -201,7 +199,7 @@ def with_tree(data: bytes, tree: Mapping[str, Any]) -> bytes:
 
 
 def world(data: bytes, animation: int, times: Sequence[float] | Floats) -> dict[str, Floats]:
-    """Where the nodes of a GLB are in the world, read without footfix: name -> (F, 3). LINEAR and STEP, floats alone."""
+    """Where the nodes of a GLB are in the world, read without footfix: name -> (F, 3). LINEAR and STEP alone."""
     tree, body = tree_of(data), binary_of(data)
     at = np.asarray(times, dtype=np.float64)
 

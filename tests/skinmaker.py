@@ -114,7 +114,8 @@ def file_of(clip: Clip, *, bound: str = "skin", weights: float = 1.0, normals: b
             attributes["WEIGHTS_0"] = made.add(np.tile([weights, 0.0, 0.0, 0.0], (24, 1)))
         quads = np.arange(0, 24, 4)[:, None] + np.array([0, 2, 1, 1, 2, 3])
         quads[::2] = quads[::2, [0, 2, 1, 3, 5, 4]]  # of sides that look back
-        made.tree["meshes"].append({"primitives": [{"attributes": attributes, "indices": made.add(quads.ravel(), "u2")}]})
+        listed = made.add(quads.ravel(), "u2")
+        made.tree["meshes"].append({"primitives": [{"attributes": attributes, "indices": listed}]})
         node: dict[str, Any] = {"name": f"{name} mesh", "mesh": len(made.tree["meshes"]) - 1}
         if apart == "rigid":
             nodes[joint].setdefault("children", []).append(len(nodes))

@@ -62,12 +62,13 @@ def file_names(names: Sequence[str]) -> dict[str, str]:
     """What the names of clips become in names of files: each another one, even where case counts for nothing."""
     found: dict[str, str] = {}
     taken: set[str] = set()
+    count: dict[str, int] = {}
     for name in names:
         plain = _UNFIT.sub("_", name)[:_LONGEST].strip(". ") or "clip"
-        end, count = plain, 1
+        end = plain
         while end.lower() in taken:
-            count += 1
-            end = f"{plain}.{count}"
+            count[plain] = count.get(plain, 1) + 1
+            end = f"{plain}.{count[plain]}"
         taken.add(end.lower())
         found[name] = end
     return found

@@ -158,7 +158,7 @@ def _write_neighbours(task: Task, data: bytes) -> None:
         if (
             not is_within(path, folder)
             or ".." in path.parts
-            or not Path(task.folder, job.source).with_name(name).is_file()
+            or not (Path(task.folder, job.source).parent / name).is_file()
         ):
             continue
         content = fetch(name)

@@ -46,7 +46,7 @@ def redraw_one(
             read_whole(path.with_name(str(report.get("output") or f"{stem}.bvh")), most),
             params,
             _again(report, path, source),
-            lambda name: read_whole(path.with_name(name), most),
+            lambda name: read_whole(path.parent / name, most),
             _skin(report, path, source),
         )
         folder = output or path.parent

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from footfix.settings import Settings
 
 REPORT, PAGE, PICTURE, CONTACTS = ".report.json", ".report.html", ".report.png", ".contacts.json"
+EVENTS = ".events.json"
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.cleanings import contacts_it_was_cleaned_by
-from footfix.batch.clips import beside_of, parts_of, together
+from footfix.batch.clips import beside_of, parts_of, spread, together
 from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_whole
 from footfix.batch.making import made, write
 from footfix.batch.skins import skin_for
-from footfix.batch.task import CONTACTS, FileResult, Task
+from footfix.batch.task import CONTACTS, EVENTS, FileResult, Task
 from footfix.errors import InputError, OutputError
-from footfix.formats.suffixes import in_file
+from footfix.formats.suffixes import STDIN_NAME, in_file
 
 if TYPE_CHECKING:
     from footfix.job import Outputs
@@ -39,7 +39,7 @@ def loop_one(task: Task) -> FileResult:
 
 def detect_one(task: Task) -> FileResult:
     """Finds the contacts of one clip, and writes them or hands them back; `extra["kind"]` is the format."""
-    return _guarded(task, _each(_detect))
+    return _guarded(task, _detect)
 
 
 def inspect_one(task: Task) -> FileResult:
@@ -60,8 +60,24 @@ def check_one(task: Task) -> FileResult:
 def _guarded(task: Task, work: Work) -> FileResult:
     """The result of some work and the time it took."""
     begun = time.perf_counter()
-    result = ended(task, lambda: work(task, _read(task)))
+
+    def done() -> FileResult:
+        data = _read(task)
+        return work(_as_it_is(task, data), data)
+
+    result = ended(task, done)
     return replace(result, seconds=time.perf_counter() - begun)
+
+
+def _as_it_is(task: Task, data: bytes) -> Task:
+    """The task with a name for what standard input holds, where that is no BVH."""
+    job = task.job
+    if job.source != STDIN or not data.startswith(b"glTF"):
+        return task
+    target = job.target
+    if target is not None and target.name == STDIN_NAME:
+        target = target.with_suffix(".glb")
+    return replace(task, job=replace(job, source="stdin.glb", target=target))
 
 
 def _each(work: Work) -> Work:
@@ -134,19 +150,20 @@ def _again(task: Task, *, loop: bool = False) -> Again | None:
 
 
 def _detect(task: Task, data: bytes) -> FileResult:
-    from footfix.formats.contacts import ENCODERS, ENDS
+    """Finds the contacts of every clip of a file; events go beside them, and into a copy of it that has a place."""
+    result = _each(_detect_clip)(task, data)
+    wanted = task.extra.get("events") and task.job.target is not None and not task.dry_run
+    return _annotated(task, data, result) if wanted else result
+
+
+def _detect_clip(task: Task, data: bytes) -> FileResult:
+    from footfix.formats.contacts import ENCODERS
+    from footfix.formats.events import encode, events_of
     from footfix.job import contacts_json, detect_file
 
-    job, kind = task.job, task.extra["kind"]
-    target = job.target
-    if job.end and target is not None:
-        if task.extra.get("one_file") and len(task.animations) != 1:
-            raise InputError("it holds several clips, and -o names one file", file=job.source, hint="name a folder")
-        target = target if task.extra.get("one_file") else job.beside(ENDS[kind])
-        if os.path.lexists(Path(task.folder, target)) and not task.force:
-            raise OutputError(f"{target} is there already; --force overwrites it")
-    contacts, entry, rig, notes = detect_file(
-        data, job.source, task.settings, labels=task.labels, beside=beside_of(task),
+    kind, target = task.extra["kind"], _labels_of(task)
+    contacts, entry, rig, notes, start = detect_file(
+        data, task.job.source, task.settings, labels=task.labels, beside=beside_of(task),
         skin=skin_for(task.settings, task.folder),
     )  # fmt: skip
     if kind == "json":
@@ -159,10 +176,32 @@ def _detect(task: Task, data: bytes) -> FileResult:
         "coverage": float(contacts.mask().mean()) if contacts.effectors else 0.0,
         "notes": notes,
     }
+    if task.extra.get("events"):
+        report["events"] = events_of(contacts, start=start)
     if target is None or task.dry_run:
-        return FileResult(job.source, "done", report=report, data=encoded)
-    write(task, {target: encoded})
-    return FileResult(job.source, "done", report=report, written=(str(target),))
+        return FileResult(task.job.source, "done", report=report, data=encoded)
+    files = {target: encoded}
+    if task.extra.get("events"):
+        files[task.job.beside(EVENTS)] = encode(contacts, entry, start=start)
+    write(task, files)
+    return FileResult(task.job.source, "done", report=report, written=tuple(map(str, files)))
+
+
+def _labels_of(task: Task) -> Path | None:
+    """Where the labels of a clip go; of one among several, whose names only its file tells, it is looked at now."""
+    from footfix.formats.contacts import ENDS
+
+    job, one = task.job, bool(task.extra.get("one_file"))
+    if job.target is None:
+        return None
+    if job.end and one and len(task.animations) != 1:
+        raise InputError("it holds several clips, and -o names one file", file=job.source, hint="name a folder")
+    target = job.beside(ENDS[task.extra["kind"]]) if job.end and not one else job.target
+    new = [target] if job.end else []
+    for path in [*new, *([job.beside(EVENTS)] if task.extra.get("events") else [])]:
+        if os.path.lexists(Path(task.folder, path)) and not (task.force or task.dry_run):
+            raise OutputError(f"{path} is there already; --force overwrites it")
+    return target
 
 
 def _inspect(task: Task, data: bytes) -> FileResult:
@@ -190,3 +229,23 @@ def _check(task: Task, data: bytes) -> FileResult:
     from footfix.batch.gates import check
 
     return check(task, data)
+
+
+def _annotated(task: Task, data: bytes, result: FileResult) -> FileResult:
+    """Writes a copy of a file whose animations say when feet strike and lift, where its format has a place for that."""
+    from footfix.formats.document import annotated, clips_of
+
+    job = task.job
+    assert job.target is not None and job.stem is not None
+    names = clips_of(data, name=job.source, limits=task.settings.limits, beside=beside_of(task))
+    good = [part for part in spread(result) if "events" in part.report]
+    if names is None or not good:
+        return result
+    extras = {in_file(part.source)[1] or names[0]: {"footfix_events": part.report["events"]} for part in good}
+    path = job.stem.with_name(f"{job.stem.name}.events{Path(in_file(job.source)[0]).suffix.lower()}")
+    if os.path.lexists(Path(task.folder, path)) and not task.force:
+        raise OutputError(f"{path} is there already; --force overwrites it")
+    whole = annotated(data, extras, name=job.source, beside=beside_of(task))
+    assert whole is not None
+    write(task, {path: whole})
+    return replace(result, written=(*result.written, str(path)))

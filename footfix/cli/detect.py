@@ -42,13 +42,15 @@ from footfix.errors import ExitCode
               "intervals; npy: the mask (F, 4) alone. By default as -o ends, else json.")
 @click.option("--method", type=click.Choice(["auto", "threshold", "adaptive", "lyard"]),
               help="Detector (detect.method).")
+@click.option("--events", is_flag=True, help="Also write when feet strike and lift, as walk.events.json; a glTF file "
+              "gets a copy, too: character.events.glb has them as extras of its animations.")  # fmt: skip
 @given("Contacts to keep; the rest is detected")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @many
 @shared
 def detect(
-    src: tuple[str, ...], output: Path | None, kind: str | None, method: str | None, given: Given, force: bool,
-    many: Many, common: Common,
+    src: tuple[str, ...], output: Path | None, kind: str | None, method: str | None, events: bool, given: Given,
+    force: bool, many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Find contacts only, as labels.
 
@@ -57,13 +59,14 @@ def detect(
     """
     options = {"detect": {"method": method}} if method else {}
     return detected(
-        src, output=output, kind=kind, options=options, given=given, force=force, many=many, common=common
+        src, output=output, kind=kind, options=options, given=given, force=force, many=many, common=common,
+        events=events,
     )  # fmt: skip
 
 
 def detected(
     src: tuple[str, ...], *, output: Path | None, kind: str | None, options: Mapping[str, Any], given: Given,
-    force: bool, many: Many, common: Common,
+    force: bool, many: Many, common: Common, events: bool = False,
 ) -> int:  # fmt: skip
     """`footfix detect`."""
     from footfix.formats.contacts import ENDS
@@ -79,9 +82,10 @@ def detected(
         found, output=output, suffix=ENDS[kind], force=force or common.as_json, one_file=one_file
     )  # fmt: skip
     tasks = [
-        replace(task, extra={"kind": kind, "one_file": one_file}, dry_run=common.as_json, force=force, tag=many.tag)
+        replace(task, extra={"kind": kind, "one_file": one_file, "events": events}, dry_run=common.as_json,
+                force=force, tag=many.tag)
         for task in tasks_for(jobs, found, config, given)
-    ]
+    ]  # fmt: skip
     outcome = run_tasks(detect_one, tasks, many, common, "text", Journal(), _told_detected(common, len(tasks) == 1))
     clips = [each for result in outcome.results for each in spread(result)]
     if common.as_json:

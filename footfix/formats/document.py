@@ -7,7 +7,7 @@ and where they may name other files, `neighbours_of`: its functions take `beside
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import PurePath
 from typing import Any, Protocol
@@ -49,6 +49,10 @@ class Document(Protocol):
     @property
     def frame_time(self) -> float:
         """[s] of one frame."""
+
+    @property
+    def start(self) -> float:
+        """[s] the time of the first frame."""
 
     @property
     def unit_m(self) -> float:
@@ -119,6 +123,15 @@ def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Bes
     return whole
 
 
+def annotated(data: bytes, extras: Mapping[str, Any], *, name: str, beside: Beside | None = None) -> bytes | None:
+    """Write a file with more at some of its clips, by their names; None where its format has no place for that."""
+    kind = _format(name)
+    if not hasattr(kind, "annotated"):
+        return None
+    written: bytes = kind.annotated(data, extras, name=name, **_fetching(kind, beside))
+    return written
+
+
 def neighbours_of(
     data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None
 ) -> tuple[str, ...]:  # fmt: skip
@@ -186,6 +199,11 @@ def repair(document: Document) -> tuple[bytes, tuple[Note, ...]]:
 
 def _format(name: str) -> Any:
     return import_module(MOTION.get(PurePath(in_file(name)[0]).suffix.lower(), MOTION[_DEFAULT]))
+
+
+def one_format(name: str, other: str) -> bool:
+    """Whether two files' names are of one format, as far as they say."""
+    return _format(name) is _format(other)
 
 
 def _fetching(kind: Any, beside: Beside | None) -> dict[str, Beside]:

@@ -13,6 +13,9 @@ MOTION: dict[str, str] = {
     ".vrma": "footfix.formats.gltf",
 }
 
+# What outputs beside their inputs have before that.
+_OWN = (".clean", ".loop", ".events")
+
 # Formats that people may ask for by a name, and that are not written.
 OTHERS = frozenset({".fbx", ".c3d", ".trc", ".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc"}) - set(MOTION)
 
@@ -46,7 +49,7 @@ def bare(name: str) -> str:
 
 def is_cleaned(name: str) -> bool:
     """Whether a file's name is one that an output has: walk.clean.bvh, walk.loop.bvh."""
-    return name.lower().endswith(tuple(f"{ending}{suffix}" for suffix in MOTION for ending in (".clean", ".loop")))
+    return name.lower().endswith(tuple(f"{ending}{suffix}" for suffix in MOTION for ending in _OWN))
 
 
 def cleaned_name(name: str, ending: str = "clean") -> str:

@@ -81,8 +81,8 @@ def with_frames(clip: Clip, seed: int) -> Clip:
         places.append(rotation.rotate(back, clip.place(j)))
         rest.append(rotation.rotate(back, clip.skeleton.offsets[j]))
         own.append(rotation.multiply(rotation.multiply(back, clip.turn(j)), turns[j]))
-    ends = clip.skeleton.end_parents.tolist()
-    tips = [rotation.rotate(rotation.inverse(turns[p]), e) for p, e in zip(ends, clip.skeleton.end_offsets, strict=True)]
+    ends = zip(clip.skeleton.end_parents.tolist(), clip.skeleton.end_offsets, strict=True)
+    tips = [rotation.rotate(rotation.inverse(turns[parent]), offset) for parent, offset in ends]
     skeleton = replace(clip.skeleton, offsets=np.array(rest), end_offsets=np.array(tips).reshape(-1, 3))
     return Clip.from_tracks(skeleton, places, own, clip.frame_time)
 

@@ -52,6 +52,7 @@ class Document:
     up: str = "y"
 
     metric = False  # nothing says what a BVH is in
+    start = 0.0  # [s]
 
     @property
     def values(self) -> Floats:

@@ -2,7 +2,9 @@
 
 from footfix.formats.gltf.document import Document
 from footfix.formats.gltf.read import clips_of, decode, glance, neighbours_of, repair
-from footfix.formats.gltf.select import joined, select
+from footfix.formats.gltf.select import annotated, joined, select
 from footfix.formats.gltf.write import rewrite
 
-__all__ = ["Document", "clips_of", "decode", "glance", "joined", "neighbours_of", "repair", "rewrite", "select"]
+__all__ = [
+    "Document", "annotated", "clips_of", "decode", "glance", "joined", "neighbours_of", "repair", "rewrite", "select",
+]  # fmt: skip

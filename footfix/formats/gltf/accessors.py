@@ -22,7 +22,7 @@ _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126:
 _INDICES = (5121, 5123, 5125)
 # type -> numbers of an element.
 _SHAPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_MOST_ZEROS = 1 << 24  # elements of an accessor without a view, which no length of the file bounds
+_MOST_ZEROS = 1 << 23  # numbers of an accessor without a view, which no length of the file bounds
 
 
 def read_accessor(container: Container, number: int) -> Array:
@@ -79,13 +79,13 @@ def _read(container: Container, row: Row, where: str) -> Array:
     sparse = child(row, "sparse", where)
     if view is not None:
         found = _strided(container, view, whole(row, "byteOffset", where, default=0), count, width, dtype, where)
-    elif count > _MOST_ZEROS:
+    elif count * width > _MOST_ZEROS:
         raise InputError(f"{where} says {count} elements, and has no bytes for them")
     else:
         found = np.broadcast_to(np.zeros(1, dtype), (count, width))
     if sparse:
-        found = np.array(found)
         at, values = _sparse(container, sparse, count, width, dtype, where)
+        found = np.array(found)
         found[at] = values
     if row.get("normalized") is True and dtype.kind in "iu":
         found = np.maximum(found / float(np.iinfo(dtype).max), -1.0)

@@ -135,6 +135,11 @@ class Document:
         return self.file_clip if self.plain else in_metres(self.file_clip, self.unit_m, self.up)
 
     @property
+    def start(self) -> float:
+        """[s] the time of the first frame, as players count it."""
+        return self.grid.start
+
+    @property
     def plain(self) -> bool:
         """Whether unit and up axis are those of glTF."""
         return self.unit_m == 1.0 and self.up == "y"

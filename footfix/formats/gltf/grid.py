@@ -18,8 +18,8 @@ _SLOW = 20.0  # [Hz] keys that are further apart are no frames: feet would slide
 _QUICK = 1000.0  # [Hz] keys that are nearer to each other are none, either
 _OFF = 0.05  # of a step, by which a key may miss its frame: times are often rounded to a millisecond
 _MOST = 0.98  # of the keys that must lie on frames
-_PLENTY = 4_000_000  # values of all moving channels, which any file may have
-_PER_KEY = 8  # and for each key of the file as many more
+_PLENTY = 1_000_000  # values of all moving channels, which any file may have
+_PER_KEY = 16  # and for each key of the file as many more
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from footfix.formats.gltf.container import Beside, Container, open_container
 from footfix.formats.gltf.document import Document
 from footfix.formats.gltf.grid import Grid
 from footfix.formats.gltf.patch import Patch, patched
-from footfix.formats.gltf.tracks import Track
+from footfix.formats.gltf.tracks import Track, animation_names
 from footfix.motion.clip import Ints
 
 _LIMITS = Limits()
@@ -39,6 +40,26 @@ def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits =
     tracks = {key: _without_splines(track) for key, track in tracks.items()}
     new = replace(document, tracks=tracks, grid=grid, cut=True)
     return new.placed(unit_m=document.unit_m, up=document.up)
+
+
+def annotated(data: bytes, extras: Mapping[str, Any], *, name: str, beside: Beside | None = None) -> bytes:
+    """The file with `extras` at some of its animations, which engines and programs hand on to scripts.
+
+    Args:
+        data: the file.
+        extras: name of an animation -> what its extras are to have.
+        name: what the file is called.
+        beside: reads a file that it names.
+    """
+    container = open_container(data, name=name, beside=beside)
+    names = animation_names(container)
+    rows = container.tables["animations"]
+    new: dict[int, dict[str, Any]] = {}
+    for animation, more in extras.items():
+        k = names.index(animation)
+        own = rows[k].get("extras")
+        new[k] = {**rows[k], "extras": {**(own if isinstance(own, dict) else {}), **more}}
+    return patched(container, Patch(animations=new))
 
 
 def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Beside | None = None) -> bytes:

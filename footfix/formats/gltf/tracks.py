@@ -90,14 +90,15 @@ class Track:
 
 def animation_names(container: Container) -> tuple[str, ...]:
     """List what the animations are called, each by a name of its own; those without one by their number."""
-    found: list[str] = []
+    found: dict[str, None] = {}
+    count: dict[str, int] = {}
     for k, row in enumerate(container.tables["animations"]):
         plain = text(row, "name").strip() or f"animation {k}"
-        name, count = plain, 1
+        name = plain
         while name in found:
-            count += 1
-            name = f"{plain} ({count})"
-        found.append(name)
+            count[plain] = count.get(plain, 1) + 1
+            name = f"{plain} ({count[plain]})"
+        found[name] = None
     return tuple(found)
 
 
