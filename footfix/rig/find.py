@@ -79,7 +79,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
     seek_zero = not on_four and params.floor in (None, "zero")
     measured = on_zero_plane(seen, feet, joints, figure.length) if seek_zero else None
     feet = feet if measured is None else list(measured)
-    fitted, unfit = (None, ()) if skin is None else _fitted(skin, seen, legs, feet, figure.length)
+    fitted, unfit = (None, ()) if skin is None else _fitted(skin, seen, legs, feet)
     points, given = _points(seen, legs, feet, params.soles, () if fitted is None else fitted.points)
     on_zero = measured is not None and fitted is None
     level, others, floor_origin = _floor(seen, points, figure.length, params.floor, on_zero)
@@ -112,11 +112,11 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
 
 
 def _fitted(
-    skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], length: float
+    skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot]
 ) -> tuple[Fitted | None, tuple[Note, ...]]:
     """Put the feet of a skin on the legs, if they go there; say what does not fit."""
     try:
-        fitted = fit_skin(skin, seen, legs, feet, length)
+        fitted = fit_skin(skin, seen, legs, feet)
     except InputError as error:
         return None, (Note("skin-not-used", f"the skin of {skin.name} is not used: {error.what}", "warning"),)
     return fitted, fitted.notes

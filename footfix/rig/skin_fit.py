@@ -51,7 +51,7 @@ class Fitted:
     how: str
 
 
-def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot], length: float) -> Fitted:
+def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]) -> Fitted:
     """Put a skin's feet on the legs of a clip.
 
     Args:
@@ -59,7 +59,6 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]
         seen: frames of the clip [m], y up.
         legs: of the clip.
         feet: how each of its feet lies when it is flat.
-        length: of its legs [m].
 
     Raises:
         InputError: the skin has no such legs, or its feet move no vertices.
@@ -68,7 +67,9 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]
     named = _by_names(skin, names, legs)
     own = named or _by_shape(skin, legs)
     soles = feet_of(skin, own)
-    scale = length / soles[0].length
+    # Straight from hip to knee to ankle in both, whatever joints lie between.
+    lengths = [seen.distance(leg.hip, leg.knee) + seen.distance(leg.knee, leg.ankle) for leg in legs]
+    scale = float(np.mean(lengths)) / soles[0].length
     how = "joint names" if named else "the shape of its legs"
     frames = _shared_frames(skin, seen, legs, own, feet, soles, named=bool(named))
     meshes, points, notes = [], [], list[Note]()
@@ -86,15 +87,18 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]
 def _by_names(skin: Skin, names: Sequence[str], legs: Sequence[Leg]) -> tuple[SkinLeg, ...] | None:
     """Match joints by their names, without namespace and case; None where some are not there, or there twice."""
     folded = [bare(name).casefold() for name in skin.names]
+
+    def find(joint: int) -> int | None:
+        hits = [k for k, name in enumerate(folded) if name == bare(names[joint]).casefold()]
+        # What hangs below a joint of its name is the mesh that moves with it.
+        return hits[0] if hits and skin.below(hits[0])[hits].all() else None
+
     found = []
     for leg in legs:
-        wanted = [bare(names[j]).casefold() for j in (leg.hip, leg.knee, leg.ankle)]
-        if any(folded.count(name) != 1 for name in wanted):
+        hip, knee, ankle = (find(joint) for joint in (leg.hip, leg.knee, leg.ankle))
+        if hip is None or knee is None or ankle is None:
             return None
-        toe = None if leg.toe is None else bare(names[leg.toe]).casefold()
-        hip, knee, ankle = (folded.index(name) for name in wanted)
-        has_toe = toe is not None and folded.count(toe) == 1
-        found.append(SkinLeg(leg.name, hip, knee, ankle, folded.index(toe) if has_toe and toe is not None else None))
+        found.append(SkinLeg(leg.name, hip, knee, ankle, None if leg.toe is None else find(leg.toe)))
     return tuple(found)
 
 
