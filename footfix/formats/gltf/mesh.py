@@ -51,12 +51,15 @@ def _read(container: Container, limits: Limits) -> Skin:
     world = _world(nodes)
     skins = [_skin(container, k) for k in range(len(container.tables["skins"]))]
     frames = _bound(nodes, world, skins)
+    largest = set(max(skins, key=lambda skin: len(skin[0]))[0]) if skins else set()
+    spaces = [_space(skin, frames, largest) for skin in skins]
     parts = []
     for k, row in enumerate(container.tables["nodes"]):
         mesh = index(row, "mesh", f"nodes[{k}]", len(container.tables["meshes"]))
         skin = index(row, "skin", f"nodes[{k}]", len(skins))
         if mesh is not None:
-            parts += _of_mesh(container, mesh, k, None if skin is None else skins[skin], frames)
+            space = frames[k] if skin is None else spaces[skin]
+            parts += _of_mesh(container, mesh, k, None if skin is None else skins[skin][0], space)
     if not parts:
         raise InputError("it shows no mesh", hint="--skin wants a character with its mesh")
     most = max(part[2].shape[1] for part in parts)
@@ -131,13 +134,29 @@ def _inverse(matrices: Floats) -> Floats:
         raise InputError("a node of the character, or its bind matrix, is flattened to nothing") from None
 
 
+def _space(skin: tuple[list[int], Floats], frames: Floats, largest: set[int]) -> Floats:
+    """Find (4, 4) what brings the space of a skin into the common one, by a joint that the largest skin binds, too."""
+    joints, inverse = skin
+    shared = next((k for k, node in enumerate(joints) if node in largest), 0)
+    return np.asarray(frames[joints[shared]] @ inverse[shared])
+
+
 _Part = tuple[Floats, Floats, Ints, Floats]  # vertices, normals, joints, weights
 
 
 def _of_mesh(
-    container: Container, mesh: int, node: int, skin: tuple[list[int], Floats] | None, frames: Floats
-) -> list[_Part]:
-    """Read the primitives of a mesh into the space that all are bound in."""
+    container: Container, mesh: int, node: int, joints_of: list[int] | None, to: Floats
+) -> list[_Part]:  # fmt: skip
+    """Read the primitives of a mesh into the space that all are bound in.
+
+    Args:
+        container: the file.
+        mesh: its number.
+        node: that shows it, and moves it where it has no skin.
+        joints_of: its skin, as nodes; None without one.
+        to: (4, 4) from its own space.
+    """
+    back = _inverse(to[:3, :3])
     found = []
     for k, row in enumerate(rows_of(container.tables["meshes"][mesh], "primitives", f"meshes[{mesh}]")):
         where = f"meshes[{mesh}].primitives[{k}]"
@@ -147,13 +166,11 @@ def _of_mesh(
             continue
         places = read_floats(container, at, 3)
         normals = _normals(container, row, named, places, where)
-        if skin is None:
-            to = frames[node]
+        if joints_of is None:
             joints, weights = np.full((len(places), 1), node, np.intp), np.ones((len(places), 1))
         else:
-            to = frames[skin[0][0]] @ skin[1][0]  # the same for all joints, but where a file binds them oddly
-            joints, weights = _weights(container, named, skin[0], len(places), where)
-        turned = normals @ np.linalg.inv(to[:3, :3])
+            joints, weights = _weights(container, named, joints_of, len(places), where)
+        turned = normals @ back
         turned = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-12)
         found.append((places @ to[:3, :3].T + to[:3, 3], turned, joints, weights))
     return found
