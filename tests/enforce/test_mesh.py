@@ -1,4 +1,4 @@
-"""Where a skin is given, no vertex of a planted foot stays below the floor, and root-only correction looks at vertices."""
+"""Where a skin is given, no vertex of a planted foot stays below the floor; root-only correction looks at vertices."""
 
 from __future__ import annotations
 
