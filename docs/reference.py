@@ -230,6 +230,7 @@ _FILES = {
     "check": "What `footfix check --json` prints",
     "inspect": "What `footfix inspect --json` prints",
     "run": "What `footfix clean --json` prints",
+    "events": "Strikes and lifts: `NAME.events.json`",
 }
 
 
@@ -290,7 +291,7 @@ def _json_kind(schema: Mapping[str, Any]) -> str:
 # ---- Python ------------------------------------------------------------------------------------------
 
 _PYTHON = {
-    "Files": "load save Document clean_file Outputs",
+    "Files": "load animations save Document clean_file Outputs",
     "Clips": "Clip Skeleton global_positions",
     "Legs and soles": "find_rig find_rigs Rig Leg SolePoint RigParams",
     "Contacts": "detect Contacts Effector Contact load_contacts save_contacts",

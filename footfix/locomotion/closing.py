@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from footfix.errors import InputError
 from footfix.locomotion.cloud import fit
 from footfix.locomotion.cuts import Cut
 from footfix.locomotion.params import LoopParams
+from footfix.locomotion.seam import apart, changes, ratios
 from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
@@ -17,7 +19,14 @@ from footfix.rig.rig import Rig
 
 _BESIDE = 1.0 / 30.0  # [s] before and after a frame, over which its velocity is taken
 _RATIO = 0.5  # of the gap that the start takes; the end takes the rest
-_SLOPE = 0.4  # of the time in which a gap decays, that its slope does in: joints swing out less, and seams are as calm
+# shares of the time for the gap, and for its slope: the sooner they decay the less do joints swing out, and the more
+# are they jolted. The first is tried, the others where it does not do.
+_TIMES = ((1.0, 0.4), (1.6, 0.6), (1.0, 0.25), (0.75, 0.25), (0.5, 0.2))
+_MOST = 0.6  # of the largest gap, by which a joint may be moved
+_CALM = 1.1  # times what a joint accelerates elsewhere, up to which a seam is calm
+_FAR = 5.0  # times as bad as the same share of such an acceleration it is to be moved by more
+_NO_GAP = 1e-3  # [leg lengths] less is none
+_NONE: Floats = np.zeros(3)
 _FEWEST = 4  # frames that K's blend needs to be one
 
 
@@ -51,8 +60,25 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
     root, travel = carrier(clip, rig), fit(clip, rig, cut.start, cut.end, params.window)
     if params.method == "kim-neff":
         return _blended(clip, root, cut, travel)
-    tau = min(params.blend, 0.5 * (cut.end - cut.start) * clip.frame_time)
-    return Closed(_offset(clip, root, cut, travel, tau), cut.start, travel)
+    best: tuple[float, Clip | None] = (np.inf, None)
+    for share, slope in _TIMES:
+        limit = 0.5 * (cut.end - cut.start) * clip.frame_time
+        closed = _offset(clip, root, cut, travel, min(share * params.blend, limit), min(slope * params.blend, limit))
+        worse = _worse(clip, rig, cut, closed, travel)
+        if best[1] is None or worse < best[0]:
+            best = worse, closed
+        if worse == 0.0:
+            break
+    assert best[1] is not None
+    return Closed(best[1], cut.start, travel)
+
+
+def _worse(clip: Clip, rig: Rig, cut: Cut, closed: Clip, travel: Travel) -> float:
+    """By how much a closed cycle is worse than it should be: joints that swing out, or are jolted at the seam."""
+    gap = apart(clip, rig, cut.start, cut.end, travel)[0]
+    moved = changes(clip.frames(slice(cut.start, cut.end + 1)), closed, rig)[0]
+    far = max(moved / gap - _MOST, 0.0) if gap > _NO_GAP * rig.leg_length else 0.0
+    return _FAR * far + max(ratios(closed, rig, travel)[1] - _CALM, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,58 +97,62 @@ class Decay:
     value_behind: Floats
     slope_behind: Floats
 
-    def ahead(self, gap: Floats, speed: Floats) -> Floats:
+    def ahead(self, gap: Floats = _NONE, speed: Floats = _NONE) -> Floats:
         """(F, 3) the start's share of a gap (3,) and of its change (3,) [1/s]."""
         return _RATIO * (np.multiply.outer(self.value_ahead, gap) + np.multiply.outer(self.slope_ahead, speed))
 
-    def behind(self, gap: Floats, speed: Floats) -> Floats:
+    def behind(self, gap: Floats = _NONE, speed: Floats = _NONE) -> Floats:
         """(F, 3) the end's share, which takes away what the start adds."""
         rest = 1.0 - _RATIO
         return rest * (np.multiply.outer(self.slope_behind, speed) - np.multiply.outer(self.value_behind, gap))
 
 
-def decay(frames: int, frame_time: float, tau: float) -> Decay:
-    """The decay of a gap over `tau` [s] at either end of some frames; of its slope sooner."""
+def decay(frames: int, frame_time: float, tau: float, slope: float) -> Decay:
+    """The decay of a gap over `tau` [s] at either end of some frames; of its slope over `slope` [s]."""
     time: Floats = np.asarray(np.arange(frames) * frame_time, dtype=np.float64)
     parts = []
     for since in (time, time[-1] - time):
-        u, w = (np.clip(since / part, 0.0, 1.0) for part in (tau, _SLOPE * tau))
-        parts += [(1.0 - u) ** 2 * (1.0 + 2.0 * u), (1.0 - w) ** 2 * w * _SLOPE * tau]
+        u, w = (np.clip(since / part, 0.0, 1.0) for part in (tau, slope))
+        parts += [(1.0 - u) ** 2 * (1.0 + 2.0 * u), (1.0 - w) ** 2 * w * slope]
     return Decay(*parts)
 
 
-def _offset(clip: Clip, root: int, cut: Cut, travel: Travel, tau: float) -> Clip:
+def _offset(clip: Clip, root: int, cut: Cut, travel: Travel, tau: float, slope: float) -> Clip:
     """The gap of position, rotation and velocity is shared by both ends, and decays from either.
 
-    A joint is so moved by half of what a blend on one side moves it. Rotations are offset by a rotation vector on
-    the left, what carries the figure in the frame of the travel.
+    A joint is so moved by half of what a blend on one side moves it. Rotations are offset by rotation vectors on the
+    left, what carries the figure in the frame of the travel. First the poses are joined, by offsets that begin at
+    rest; the velocities are compared as these turn them, and their gap decays after.
 
     Source: D. Holden, Creating looping animations from motion capture, theorangeduck.com 2022.
     """
     whole, dt = slice(cut.start, cut.end + 1), clip.frame_time
     out = clip.frames(whole)
-    fade = decay(len(out), dt, tau)
+    fade = decay(len(out), dt, tau, slope)
     some = (fade.value_ahead > 0.0) | (fade.value_behind > 0.0)
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in range(len(clip.skeleton)):
         if joint in clip.skeleton.ancestors(root):
             continue
-        gap = _place_gap(clip.place(joint), cut, dt)
-        if np.any(gap):
+        gap, speed = _place_gap(clip.place(joint), cut, dt)
+        if np.any(gap) or np.any(speed):
             places[joint] = np.array(out.place(joint), order="F")
-            places[joint][some] += (fade.ahead(*gap) + fade.behind(*gap))[some]
-        gap = _turn_gap(clip.turn(joint), cut, dt)
-        if np.any(gap):
-            off = rotation.from_rotation_vector((fade.ahead(*gap) + fade.behind(*gap))[some])
+            places[joint][some] += (fade.ahead(gap, speed) + fade.behind(gap, speed))[some]
+        gap, speed = _turn_gap(clip.turn(joint), cut, dt)
+        if np.any(gap) or np.any(speed):
+            joined = rotation.from_rotation_vector((fade.ahead(gap) + fade.behind(gap))[some])
+            smooth = rotation.from_rotation_vector((fade.ahead(speed=speed) + fade.behind(speed=speed))[some])
             turns[joint] = np.array(out.turn(joint), order="F")
-            turns[joint][some] = rotation.multiply(off, turns[joint][some])
+            turns[joint][some] = rotation.multiply(smooth, rotation.multiply(joined, turns[joint][some]))
     place, turn = root_in_world(clip, root)
-    gap = _place_gap(place, cut, dt, travel)
-    place_out = place[whole] + fade.ahead(*gap) + rotation.rotate(travel.turn, fade.behind(*gap))
-    gap = _turn_gap(turn, cut, dt, travel)
-    behind = rotation.from_rotation_vector(rotation.rotate(travel.turn, fade.behind(*gap)))
-    off = rotation.multiply(rotation.from_rotation_vector(fade.ahead(*gap)), behind)
-    turn_out = np.where(some[:, None], rotation.multiply(off, turn[whole]), turn[whole])
+    gap, speed = _place_gap(place, cut, dt, travel)
+    place_out = place[whole] + fade.ahead(gap, speed) + rotation.rotate(travel.turn, fade.behind(gap, speed))
+    gap, speed = _turn_gap(turn, cut, dt, travel)
+    turn_out = np.array(turn[whole], order="F")
+    for kind in ({"gap": gap}, {"speed": speed}):
+        behind = rotation.from_rotation_vector(rotation.rotate(travel.turn, fade.behind(**kind))[some])
+        off = rotation.multiply(rotation.from_rotation_vector(fade.ahead(**kind)[some]), behind)
+        turn_out[some] = rotation.multiply(off, turn_out[some])
     return _exactly(with_root(out.with_joints(places, turns), root, place_out, turn_out), root, travel)
 
 
@@ -135,29 +165,45 @@ def _place_gap(place: Floats, cut: Cut, dt: float, travel: Travel | None = None)
 
 
 def _velocity(place: Floats, frame: int, dt: float) -> Floats:
-    low, high = _beside(frame, len(place), dt)
-    return np.asarray((place[high] - place[low]) / ((high - low) * dt))
+    at, weight = _beside(frame, len(place), dt)
+    return np.asarray(weight @ (place[at] - place[frame]))
 
 
-def _beside(frame: int, frames: int, dt: float) -> tuple[int, int]:
-    """The frames between which the velocity of a frame is taken."""
-    n = max(1, round(_BESIDE / dt))
-    return max(frame - n, 0), min(frame + n, frames - 1)
+def _beside(frame: int, frames: int, dt: float) -> tuple[Ints, Floats]:
+    """The frames that the velocity of a frame is told by, and the weight [1/s] of each: the slope of a polynomial.
+
+    It is a cubic, so that a changing acceleration does not count as velocity, and a parabola where the clip ends.
+    """
+    n = max(2, round(_BESIDE / dt))
+    before, after = min(n, frame), min(n, frames - 1 - frame)
+    return np.arange(frame - before, frame + after + 1), _slope(before, after, dt)
+
+
+@cache
+def _slope(before: int, after: int, dt: float) -> Floats:
+    at = np.arange(-before, after + 1)
+    degree = 3 if min(before, after) >= 2 else min(2, len(at) - 1)
+    return np.asarray(np.linalg.pinv(np.vander(at * dt, degree + 1, increasing=True))[1])
 
 
 def _turn_gap(turn: Floats, cut: Cut, dt: float, travel: Travel | None = None) -> tuple[Floats, Floats]:
-    """(3,) [rad] and (3,) [rad/s], as rotation vectors on the left, from the start of a track to its end."""
+    """(3,) [rad] and (3,) [rad/s], as rotation vectors on the left, from the start of a track to its end.
+
+    The velocities are those that both ends have when they are turned to where they meet.
+    """
     (a, b), (va, vb) = turn[[cut.start, cut.end]], (_spin(turn, f, dt) for f in (cut.start, cut.end))
     if travel is not None:
         back = rotation.inverse(travel.turn)
         b, vb = rotation.multiply(back, b), rotation.rotate(back, vb)
-    return rotation.to_rotation_vector(rotation.multiply(b, rotation.inverse(a))), vb - va
+    gap = rotation.to_rotation_vector(rotation.multiply(b, rotation.inverse(a)))
+    va = rotation.rotate(rotation.from_rotation_vector(_RATIO * gap), va)
+    vb = rotation.rotate(rotation.from_rotation_vector((_RATIO - 1.0) * gap), vb)
+    return gap, vb - va
 
 
 def _spin(turn: Floats, frame: int, dt: float) -> Floats:
-    low, high = _beside(frame, len(turn), dt)
-    step = rotation.multiply(turn[high], rotation.inverse(turn[low]))
-    return np.asarray(rotation.to_rotation_vector(step) / ((high - low) * dt))
+    at, weight = _beside(frame, len(turn), dt)
+    return np.asarray(weight @ rotation.to_rotation_vector(rotation.multiply(turn[at], rotation.inverse(turn[frame]))))
 
 
 def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:

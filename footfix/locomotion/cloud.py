@@ -112,8 +112,10 @@ def fit(clip: Clip, rig: Rig, start: int, end: int, window: float) -> Travel:
         clip: F frames.
         rig: whose joints are the points.
         start, end: the frames.
-        window: [s] before and after them.
+        window: [s] before and after them; shorter where the clip ends.
     """
+    left = min(start, end, len(clip) - 1 - start, len(clip) - 1 - end)  # both must have them
+    window = min(window, left * clip.frame_time)
     both = clouds(clip, rig, np.array([start, end]), window)
     turn = Travel(float(turns(both, both)[0, 1]))
     first, last = (np.array([x, 0.0, z]) for x, z in both.middle)

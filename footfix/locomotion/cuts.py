@@ -11,18 +11,23 @@ import numpy as np
 from footfix.errors import InputError
 from footfix.locomotion.cloud import clouds, distances, turns, unrest
 from footfix.locomotion.params import LoopParams
+from footfix.locomotion.seam import BESIDE, FLOOR, accelerations
 from footfix.locomotion.strides import Stride, find_strides, stances, style_distances
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
 
 _MOST = 60  # cuts whose frames are looked at one by one, the likeliest of them
+_COARSE = 1.0 / 30.0  # [s] between the frames that cuts are compared at
 _CLEAR = 1.0 / 30.0  # [s] from the ends of a clip, so that the velocity of a cut is known
 _BY_HAND = 0.25  # of a stride, by which one may differ from the usual one where one end is given
 _TURN = 0.06  # [m/rad] a stride that turns the figure counts as much less alike: a degree is a millimetre
 _PERIOD = 0.3  # of a stride, by which a cut may differ from what the starts of its stances say
 _STRANGE = 0.25  # [leg lengths] where strides differ by more, the clip is no gait
 _UNREST = 0.015  # [m] that poses in violent motion count as much less alike, at either end
+_SEEN = 0.04  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
+_UNSEEN = 0.5  # times the usual, from which on it does
+_NEARLY = 0.03  # [leg lengths] by which poses may be less alike where they are calmer
 _STRIKE = 0.02  # [m] that poses count as much less alike when a foot comes down just then, at either end
 _NEAR_STRIKE = 6  # frames before and after that
 _BETTER = 0.85  # of the loss of style: more strides must leave less than this to be worth it
@@ -197,11 +202,13 @@ def _fine(clip: Clip, rig: Rig, cuts: Sequence[Cut], rough_at: Floats, params: L
         return list(cuts)
     clear = max(1, round(_CLEAR / clip.frame_time))
     stands = {span: _frames_of(span, clear, len(clip)) for cut in cuts for span in cut.stands}
+    every = max(1, round(_COARSE / clip.frame_time))  # of the first frames; with all last ones, all periods are tried
     needed = np.unique(np.concatenate(list(stands.values())))
     poses = clouds(clip, rig, needed, params.window)
     found = []
     for cut in cuts:
         first, last = (stands[span] for span in cut.stands)
+        first = first[(len(first) - 1) % every // 2 :: every]
         gap = distances(*(poses.some(np.searchsorted(needed, each)) for each in (first, last)))
         odd = np.abs(last - first[:, None] - cut.frames) > _PERIOD * cut.frames / cut.strides
         gap = np.where(odd, np.inf, gap)
@@ -210,6 +217,50 @@ def _fine(clip: Clip, rig: Rig, cuts: Sequence[Cut], rough_at: Floats, params: L
         best, rough = float(gap[a, b]), float(rough_at[first[a]] + rough_at[last[b]])
         found.append(replace(cut, start=int(first[a]), end=int(last[b]), gap=best, unrest=rough))
     return found
+
+
+def calmer(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Cut:
+    """The same cycle, cut where its seam is likely to be the least seen of all frames of both stances.
+
+    Beside a seam no joint should accelerate by more than it does elsewhere in the round: a heel strike that only one
+    of both ends has would be met as a jolt.
+
+    Args:
+        clip: F frames.
+        rig: its legs.
+        cut: one whose stances are known.
+        params: what is asked for.
+    """
+    if cut.leg < 0 or params.method == "kim-neff":
+        return cut
+    clear = max(1, round(_CLEAR / clip.frame_time))
+    first, last = (_frames_of(span, clear, len(clip)) for span in cut.stands)
+    gap = _gaps(clip, rig, first, last, params)
+    odd = np.abs(last - first[:, None] - cut.frames) > _PERIOD * cut.frames / cut.strides
+    far = gap > cut.gap + _NEARLY * rig.leg_length
+    a, b = np.unravel_index(np.argmin(np.where(odd | far, np.inf, gap + jolts(clip, rig, first, last))), gap.shape)
+    return replace(cut, start=int(first[a]), end=int(last[b]), gap=float(gap[a, b]))
+
+
+def jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:
+    """(N, M) [m] that seams cost for what a joint accelerates within some frames of them by more than elsewhere.
+
+    Args:
+        clip: F frames.
+        rig: its root and size.
+        first, last: (N,), (M,) the frames of either end, in order.
+    """
+    sharp = accelerations(clip.frames(slice(first[0], last[-1] + 1)), rig)
+    a, b, near = first - first[0], last - first[0], BESIDE
+    middle = (a[-1] + b[0]) // 2
+    until = np.maximum.accumulate(sharp[: middle + 1][::-1], axis=0)[::-1]  # the largest from a frame to the middle
+    since = np.maximum.accumulate(sharp[middle:], axis=0)  # and from there to a frame
+    inside = until[np.minimum(a + near + 1, middle)][:, None], since[np.maximum(b - near - 1 - middle, 0)][None]
+    after = np.stack([sharp[k : k + near + 1].max(axis=0) for k in a])[:, None]
+    before = np.stack([sharp[max(k - near, 0) : k + 1].max(axis=0) for k in b])[None]
+    own = np.maximum(np.maximum(*inside), FLOOR)
+    ratio = (np.maximum(after, before) / own).max(axis=-1)
+    return np.asarray(_SEEN * rig.leg_length * np.maximum(ratio - _UNSEEN, 0.0))
 
 
 def _frames_of(span: tuple[int, int], clear: int, frames: int) -> Ints:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.run import pose_of
 from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import PUT_TO_REST, Contacts
 from footfix.rig.cycle import find_cycle
 from footfix.rig.rig import Rig
 
@@ -17,6 +19,7 @@ _FEWEST = 8  # frames
 _LEADS = 0.3  # of the usual step, root mean square over the joints: a step over the seam like those beside it
 _MOVES = 0.2  # of the usual step: less at the seam is a pause, not a stride
 _HEIGHT = 0.02  # [leg lengths] by which the root's height may go on otherwise
+_FEW, _RESTS = 4, 0.3  # steps of a plant that tell, and the share of them in which a foot rests that is held
 _STILL = 1e-3  # [rad] a step less than this at the seam is a pose that is held
 
 
@@ -43,6 +46,24 @@ def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
     far = max(far, float(np.abs(place[2] - again).max()))
     goes = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0]))).max(initial=0.0) > _STILL
     return travel if goes and off <= _TURNED and far <= _MOVED * rig.leg_length else None
+
+
+def put_to_rest(clip: Clip, rig: Rig, contacts: Contacts) -> bool:
+    """Whether a program has held the feet of a cycle already, where they are planted: captured ones are never so still.
+
+    Args:
+        clip: L + 1 frames.
+        rig: its legs and soles.
+        contacts: of the cycle.
+    """
+    most = PUT_TO_REST * rig.leg_length * clip.frame_time
+    for track, effector in zip(effector_tracks(rig, rig.pose(clip)), contacts.effectors, strict=True):
+        still = np.linalg.norm(np.diff(track[:, [0, 2]], axis=0), axis=1) <= most
+        for contact in effector.contacts:
+            own = still[contact.start : contact.end - 1]
+            if len(own) >= _FEW and own.mean() >= _RESTS:
+                return True
+    return False
 
 
 def whole_cycle(clip: Clip, rig: Rig) -> Clip | None:

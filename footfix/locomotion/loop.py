@@ -10,14 +10,14 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.run import EnforceParams
-from footfix.errors import InputError
 from footfix.locomotion.closing import Closed, close
-from footfix.locomotion.cuts import Cut, find_cuts
-from footfix.locomotion.known import closed_travel, completed, whole_cycle
+from footfix.locomotion.cuts import Cut, calmer
+from footfix.locomotion.known import closed_travel, completed, put_to_rest
 from footfix.locomotion.params import LoopParams
-from footfix.locomotion.rounds import hold
+from footfix.locomotion.rounds import ground_under, hold
 from footfix.locomotion.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.settle import settled
+from footfix.locomotion.single import cuts_of
 from footfix.locomotion.strides import count_strides
 from footfix.locomotion.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
 from footfix.locomotion.wrapped import wrapped
@@ -27,9 +27,12 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_OTHERS = 3  # next best cuts that are told
+_OTHERS, _APART = 3, 0.2  # next best cuts that are told, whose ends lie elsewhere by more than this share of a round
 _NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
 _SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
+_JOLT, _HELD = 1.5, 3  # times the usual acceleration at a seam, up to which it is well; cuts that are held to get there
+_SLIDES = 0.002  # [leg lengths] that a foot slides over the seam of a loop whose feet are to be held
+_SPOT = 0.2  # [leg lengths] of travel, less of which is a walk on the spot, whose feet slide on purpose
 _TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
 
 
@@ -120,13 +123,24 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     Raises:
         InputError: the clip holds no cycle, or not the one that is asked for.
     """
-    known = _known(clip, rig, contacts, params)
+    known = _known(clip, rig, contacts, params, holding)
     if known is not None:
         return known
-    frames = len(clip)
-    clip, cuts = _cut(clip, rig, contacts, params)
-    cut, closed = _calmest(clip, rig, cuts, params)
-    others = [each for each in cuts if each is not cut]
+    whole, cuts = cuts_of(clip, rig, contacts, params)
+    made: list[Loop] = []
+    for cut, closed in _calmest(whole, rig, cuts, params)[:_HELD]:
+        made.append(_held(whole, rig, contacts, cut, closed, params, holding, len(clip)))
+        if made[-1].seam.worst_ratio <= _JOLT:
+            break
+    best = min(made, key=lambda loop: loop.seam.worst_ratio)
+    return replace(best, others=tuple(cut for cut in cuts if not _same(cut, best))[:_OTHERS])
+
+
+def _held(
+    clip: Clip, rig: Rig, contacts: Contacts, cut: Cut, closed: Closed, params: LoopParams, holding: EnforceParams,
+    frames: int,
+) -> Loop:  # fmt: skip
+    """The loop of a cut that is closed, its plants held; `frames` is how many the captured clip has."""
     length = cut.end - cut.start
     captured = clip.frames(slice(closed.start, closed.start + length + 1))
     gap = apart(clip, rig, cut.start, cut.end, closed.travel)
@@ -136,50 +150,39 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
         start, travel = straightened(start, carrier(start, rig), travel)
     within = wrapped(contacts, closed.start, length)
     held = hold(start, rig, within, travel, holding)
-    done = held.clip if np.any(held.found.ground) else settled(held.clip, rig, held.found.plants, travel)
-    found = ratios(done, rig, travel)
+    done = settled(held.clip, rig, held.found.plants, travel, held.found.ground)
     far = slide(done, rig, held.found.plants, travel, held.found.ground)
-    seam = Seam(
-        *_told(gap), *_told(moved), *found, slide_mm=None if far is None else 1000.0 * far
-    )  # fmt: skip
     return Loop(
         clip=as_written(done, rig, travel, params), round=done, captured=captured, closed=start, rig=rig,
         contacts=within, start=closed.start, end=closed.start + length,
-        frames=_frames(closed.start, length, frames, params), strides=cut.strides, travel=travel, seam=seam,
-        plants=held.found.plants, correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
-        others=tuple(others[:_OTHERS]),
+        frames=_frames(closed.start, length, frames, params), strides=cut.strides or count_strides(within, rig),
+        travel=travel, seam=_seam(gap, moved, done, rig, travel, far), plants=held.found.plants,
+        correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
     )  # fmt: skip
 
 
-def _cut(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Clip, tuple[Cut, ...]]:
-    """The cuts of a clip; the whole of one that is hardly more than a round, with the frame that it may lack."""
-    try:
-        return clip, find_cuts(clip, rig, contacts, params)
-    except InputError:
-        whole = whole_cycle(clip, rig) if params.start is None and params.end is None else None
-        if whole is None:
-            raise
-        strides = count_strides(wrapped(contacts, 0, len(whole) - 1), rig)
-        if params.strides not in (None, strides):
-            raise
-        return whole, (Cut(0, len(whole) - 1, -1, strides, 0, 0.0),)
+def _same(cut: Cut, loop: Loop) -> bool:
+    """Whether a cut is hardly another one than that which a loop was made of."""
+    return abs(cut.start - loop.start) + abs(cut.end - loop.end) <= _APART * (loop.end - loop.start)
 
 
-def _calmest(clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams) -> tuple[Cut, Closed]:
-    """Of the best cuts the one that is least seen when it is closed, and that closed."""
+def _calmest(
+    clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams
+) -> tuple[tuple[Cut, Closed], ...]:  # fmt: skip
+    """Of the best cuts those that are least seen when they are closed, and those closed; the best one first."""
     best, near = cuts[0], _NEARLY * rig.leg_length
     tried = [c for c in cuts[1:] if c.strides == best.strides and c.cost <= best.cost + near]
     found = []
     for cut in (best, *tried[: _TRIED - 1]):
-        closed = close(clip, rig, cut, params)
+        calm = calmer(clip, rig, cut, params)
+        closed = close(clip, rig, calm, params)
         seen = max(ratios(closed.clip, rig, closed.travel)[1] - 1.0, 0.0) if tried else 0.0
-        found.append((cut.cost + _SEEN * rig.leg_length * seen, cut, closed))
-    _, cut, closed = min(found, key=lambda each: each[0])
-    return cut, closed
+        found.append((calm.cost + _SEEN * rig.leg_length * seen, calm, closed))
+    return tuple((cut, closed) for _, cut, closed in sorted(found, key=lambda each: each[0]))
 
 
-def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop | None:
-    """The loop that a clip is already, unless another part of it is asked for."""
+def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding: EnforceParams) -> Loop | None:
+    """The loop that a clip is already, unless another part of it is asked for; its feet held, if they slide."""
     if params.start is not None or params.end is not None:
         return None
     whole: Clip | None = clip
@@ -192,23 +195,34 @@ def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Loop
     length = len(whole) - 1
     within = wrapped(contacts, 0, length)
     strides = count_strides(within, rig)
-    return None if params.strides not in (None, strides) else _as_it_is(clip, whole, rig, within, travel, params)
+    if params.strides not in (None, strides):
+        return None
+    ground = ground_under(whole, rig, within, travel, holding.ground)
+    found = _as_it_is(clip, whole, rig, within, travel, ground, params)
+    far, spot = found.seam.slide_mm, found.distance < _SPOT * rig.leg_length
+    if far is None or far <= _SLIDES * 1000.0 * rig.leg_length or spot or put_to_rest(whole, rig, within):
+        return found
+    cut = Cut(0, length, -1, strides, 0, 0.0)
+    return _held(whole, rig, contacts, cut, Closed(whole, 0, travel), params, holding, len(clip))
 
 
-def _as_it_is(clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Travel, params: LoopParams) -> Loop:
+def _as_it_is(
+    clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Travel, ground: Floats, params: LoopParams
+) -> Loop:
     """A loop to which nothing is done but what of its travel is to be changed."""
     captured, length = whole, len(whole) - 1
+    plants = _kept(within, rig)
+    far = slide(whole, rig, plants, travel, ground)
     if params.straighten and abs(travel.yaw) > _TURNS:
         whole, travel = straightened(whole, carrier(whole, rig), travel)
-    seam = Seam(0.0, 0.0, 0.0, 0.0, *ratios(whole, rig, travel))
     still = Correction(rig.root, np.zeros((length + 1, 3)), (), np.zeros((length + 1, 0, 4)))
     text = "the clip is a loop already: it is neither cut nor cleaned (footfix clean takes out what slides in it)"
     same = whole is captured and not params.in_place and len(clip) == length + (not params.open)
     return Loop(
         clip=clip if same else as_written(whole, rig, travel, params), round=whole, captured=captured, closed=whole,
         rig=rig, contacts=within, start=0, end=length, frames=_frames(0, length, len(clip), params),
-        strides=count_strides(within, rig), travel=travel, seam=seam, plants=_kept(within, rig),
-        correction=still, notes=(Note("loop-already", text),), ground=np.zeros((length + 1, 3)),
+        strides=count_strides(within, rig), travel=travel, seam=_seam((0.0, 0.0), (0.0, 0.0), whole, rig, travel, far),
+        plants=plants, correction=still, notes=(Note("loop-already", text),), ground=ground,
     )  # fmt: skip
 
 
@@ -218,7 +232,8 @@ def _kept(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
     for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
         for c in effector.contacts:
             if c.wish != "forbid":
-                found.append(Footplant(len(found), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence))
+                plain = Footplant(len(found), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence)
+                found.append(replace(plain, held=((c.start, c.end),)))
     return tuple(found)
 
 
@@ -227,9 +242,15 @@ def _frames(start: int, length: int, frames: int, params: LoopParams) -> Ints:
     return frozen((start + np.arange(length + (not params.open))) % frames, np.intp)
 
 
-def _told(size: tuple[float, float]) -> tuple[float, float]:
-    """[mm] and [degrees] of [m] and [rad]."""
-    return 1000.0 * size[0], float(np.degrees(size[1]))
+def _seam(
+    gap: tuple[float, float], moved: tuple[float, float], clip: Clip, rig: Rig, travel: Travel, far: float | None
+) -> Seam:  # fmt: skip
+    """What is told of a seam, of sizes in [m] and [rad]."""
+    (gap_m, gap_rad), (moved_m, moved_rad) = gap, moved
+    return Seam(
+        1000.0 * gap_m, float(np.degrees(gap_rad)), 1000.0 * moved_m, float(np.degrees(moved_rad)),
+        *ratios(clip, rig, travel), slide_mm=None if far is None else 1000.0 * far,
+    )  # fmt: skip
 
 
 def as_written(cycle: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:

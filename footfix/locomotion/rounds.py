@@ -9,11 +9,12 @@ import numpy as np
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.run import Enforcement, EnforceParams, enforce
+from footfix.enforce.ground import GroundParams
+from footfix.enforce.run import Enforcement, EnforceParams, enforce, ground_of
 from footfix.locomotion.closing import decay
 from footfix.locomotion.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
-from footfix.motion.clip import Clip
+from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, Contacts, Effector
 from footfix.motion.kinematics import forward
 from footfix.notes import Note
@@ -67,6 +68,22 @@ def hold(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: Enfor
     ground = found.ground[middle] - found.ground[middle.start]
     notes = _notes(found.notes, middle, length)
     return Held(apply(clip, own), Enforcement(plants, own, notes, ground))
+
+
+def ground_under(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: GroundParams) -> Floats:
+    """(L + 1, 3) [m] how far the ground under the planted feet of a closed cycle has moved, as on a treadmill.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        rig: its legs and soles.
+        contacts: of the cycle.
+        travel: of one round.
+        params: what makes a belt.
+    """
+    length = len(clip) - 1
+    long = lay(clip, carrier(clip, rig), travel, range(-1, 2))
+    found = ground_of(long, rig, _as_contacts(contacts, laid_contacts(contacts, 3), len(long)), params)
+    return np.asarray(found[length : 2 * length + 1] - found[length])
 
 
 def _cut(found: Correction, middle: slice) -> Correction:
@@ -191,7 +208,8 @@ def _placed(
 
 def _closed(found: Correction, travel: Travel, clip: Clip) -> Correction:
     """The correction of a round so that its end is its start: what is left of a difference decays from both ends."""
-    fade = decay(len(clip), clip.frame_time, 0.5 * (len(clip) - 1) * clip.frame_time)
+    half = 0.5 * (len(clip) - 1) * clip.frame_time
+    fade = decay(len(clip), clip.frame_time, half, half)
     still = np.zeros(3)
     shift, turns = found.root_shift.copy(), found.rotations.copy()
     gap = rotation.rotate(rotation.inverse(travel.turn), shift[-1]) - shift[0]

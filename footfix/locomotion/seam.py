@@ -8,16 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
+from footfix.enforce.papers.leg import effector_tracks
 from footfix.locomotion.settle import stretches
 from footfix.locomotion.travel import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.kinematics import forward, places
+from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
-_BESIDE = 5  # frames on either side of the seam
+BESIDE = 5  # frames on either side of the seam
+_INNER = 4  # frames of a cycle at least that are not beside its seam
 _INSIDE = 99.0  # percentile of the accelerations that are the motion's own
-_FLOOR = 0.5  # [m/s^2] a joint that hardly accelerates is not held against its own noise
+FLOOR = 0.5  # [m/s^2] a joint that hardly accelerates is not held against its own noise
 _LEAST = 5  # frames of a plant that is measured
 _TRIM = 1  # frames at either end of a plant that are not
 
@@ -33,7 +35,8 @@ class Seam:
         changed_deg: largest angle by which closing turned a joint in its parent's frame.
         median_ratio, worst_ratio: of the joints, the largest acceleration beside the seam over the 99th percentile
             elsewhere; 1 is a seam like any other frame.
-        slide_mm: farthest that a toe joint planted over the seam strays from its median place; None where none is.
+        slide_mm: farthest that a toe (its joint, else the ball of the sole) planted over the seam strays from its median
+            place; None where none is.
     """
 
     gap_mm: float
@@ -79,6 +82,15 @@ def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
     return moved, turned
 
 
+def accelerations(clip: Clip, rig: Rig) -> Floats:
+    """(F, joints) [m/s^2] of the root and what hangs on it; nothing where the clip begins and ends."""
+    found = np.zeros((len(clip), 0))
+    if len(clip) > 2:
+        sharp = np.linalg.norm(np.diff(_figure(clip, rig), n=2, axis=0), axis=2) / clip.frame_time**2
+        found = np.pad(sharp, ((1, 1), (0, 0)))
+    return found
+
+
 def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
     """Of all joints the median and the largest ratio of accelerations beside the seam and elsewhere.
 
@@ -93,29 +105,32 @@ def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
     sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / clip.frame_time**2  # about frames 1, 2, ...
     sharp = sharp[length - 1 : 2 * length - 1]  # of the middle round, frame by frame
     frame = np.arange(length)
-    near = min(_BESIDE, length // 4)
+    near = max(min(BESIDE, (length - _INNER) // 2), 1)  # of a short one some frames are left
     beside = (frame <= near) | (frame >= length - near)
     own = np.percentile(sharp[~beside], _INSIDE, axis=0)
-    ratio = sharp[beside].max(axis=0) / np.maximum(own, _FLOOR)
+    ratio = sharp[beside].max(axis=0) / np.maximum(own, FLOOR)
     return float(np.median(ratio)), float(ratio.max())
 
 
 def slide(
     clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats
 ) -> float | None:  # fmt: skip
-    """[m] the farthest that a toe joint, held over the seam, strays from its median place over the floor.
+    """[m] the farthest that a toe, held over the seam, strays from its median place over the floor.
+
+    It is the toe joint; the ball of the sole where a foot has none.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
-        rig: its legs; one without a toe joint is not looked at.
+        rig: its legs and soles.
         plants: of the cycle, with the frames in which they are held.
         travel: of one round.
         ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
     """
-    place, found = places(clip), list[float]()
-    for leg in (each for each in range(len(rig.legs)) if rig.legs[each].toe is not None):
-        toe = place[:, rig.legs[leg].toe]
-        own = [span for p in plants if p.leg == leg and p.part == "toe" for span in stretches(p, len(clip))]
+    found = list[float]()
+    for sole, toe in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), strict=True):
+        if sole.part != "toe":
+            continue
+        own = [span for p in plants if p.leg == sole.leg and p.part == "toe" for span in stretches(p, len(clip))]
         after = [end for start, end in own if start == 0]
         before = [start for start, end in own if end == len(clip)]
         if after and before and before[0] > 0:

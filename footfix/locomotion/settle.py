@@ -9,6 +9,7 @@ import numpy as np
 from footfix.enforce.correction import apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.leg import (
+    CapturedLeg,
     can_turn,
     captured_leg,
     correction_of,
@@ -21,14 +22,15 @@ from footfix.enforce.papers.leg import (
 from footfix.locomotion.travel import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
+from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
-_MOST = 0.0015  # [leg lengths] what strays farther does so for a reason, and is left
+_MOST = 0.0025  # [leg lengths] what strays farther does so for a reason, and is left
 _FADE = 0.12  # [s] before and after a plant, over which the foot comes back to its way
 _FEWEST = 3  # frames
 
 
-def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -> Clip:
+def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats) -> Clip:
     """A closed cycle whose held toes stand exactly, over the seam too.
 
     Args:
@@ -36,6 +38,7 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -
         rig: its legs.
         plants: of the cycle, with the frames in which they are held.
         travel: of one round.
+        ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
     """
     pose = rig.pose(clip)
     tracks = effector_tracks(rig, pose)
@@ -46,15 +49,24 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel) -
         captured = captured_leg(rig, pose, number, tracks)
         own = [p for p in plants if p.leg == number and p.part == "toe" and p.outcome != "released"]
         held = [span for p in own for span in stretches(p, len(clip))]
-        shift = _shift(captured.toe, held, travel, clip.frame_time, _MOST * rig.leg_length)
+        shift = _shift(captured.toe, held, travel, ground, clip.frame_time, _MOST * rig.leg_length)
         moves = np.any(shift != 0.0, axis=1)
         if np.any(moves):
-            goal = within_reach(captured, captured.ankle + shift)
+            goal = _lifted(captured, captured.ankle + shift)
             new = local_rotations(clip, pose, captured, two_bones(captured, goal), captured.turn)
             turns |= where_moved(clip, new, moves)
     for turn in turns.values():
         turn[-1] = turn[0]
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
+
+
+def _lifted(leg: CapturedLeg, ankle: Floats) -> Floats:
+    """Lift goals of the ankle (F, 3) [m] that the leg would have to be stretched for: they stay where they are."""
+    limit = norm(within_reach(leg, ankle) - leg.hip)
+    flat = norm((ankle - leg.hip)[:, [0, 2]])
+    out = ankle.copy()
+    out[:, 1] = np.maximum(out[:, 1], leg.hip[:, 1] - np.sqrt(np.maximum(limit**2 - flat**2, 0.0)))
+    return out
 
 
 def stretches(plant: Footplant, frames: int) -> tuple[tuple[int, int], ...]:
@@ -69,7 +81,7 @@ def stretches(plant: Footplant, frames: int) -> tuple[tuple[int, int], ...]:
 
 
 def _shift(
-    toe: Floats, held: Sequence[tuple[int, int]], travel: Travel, frame_time: float, most: float
+    toe: Floats, held: Sequence[tuple[int, int]], travel: Travel, ground: Floats, frame_time: float, most: float
 ) -> Floats:  # fmt: skip
     """(L + 1, 3) [m] what brings a toe to the middle of where it stands, fading out before and after.
 
@@ -77,11 +89,13 @@ def _shift(
         toe: (L + 1, 3) [m].
         held: the frames in which it stands.
         travel: of one round.
+        ground: (L + 1, 3) [m] how far the ground has moved.
         frame_time: [s].
         most: [m] what strays farther is left.
     """
     length = len(toe) - 1
     three = np.concatenate([travel.places_back(toe[:-1]), toe[:-1], travel.places(toe)])  # (3 L + 1, 3)
+    three -= np.concatenate([ground[:-1] - ground[-1], ground[:-1], ground[-1] + ground])
     fade = max(1, min(round(_FADE / frame_time), length // 4))
     ease = np.linspace(1.0, 0.0, fade + 2)[1:-1]
     ease = ease * ease * (3.0 - 2.0 * ease)

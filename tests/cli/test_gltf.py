@@ -6,9 +6,11 @@ import json
 import sys
 from collections.abc import Callable
 from functools import cache
+from importlib import resources
 from pathlib import Path
 
 import artefacts
+import jsonschema
 import numpy as np
 import pytest
 from conftest import SHARED
@@ -137,6 +139,9 @@ def test_events_stand_beside_it_and_in_a_copy(run: Run, figure: Path, tmp_path: 
     contacts = json.loads((out / "figure.Walk.contacts.json").read_text())
     starts = sorted(each["start"] for effector in contacts["effectors"] for each in effector["contacts"])
     assert [each["frame"] for each in told["events"] if each["event"] == "strike"] == starts
+    jsonschema.validate(
+        told, json.loads((resources.files("footfix.report") / "schemas" / "events.v1.json").read_text())
+    )
     copy = tree_of((out / "figure.events.glb").read_bytes())
     assert copy["animations"][0]["extras"]["footfix_events"] == told["events"]
     assert binary_of((out / "figure.events.glb").read_bytes()) == binary_of(figure.read_bytes())

@@ -12,7 +12,9 @@ from footfix.locomotion.cuts import Cut
 from footfix.locomotion.params import LoopParams
 from footfix.locomotion.rounds import lay
 from footfix.motion import rotation
+from footfix.motion.clip import Clip, Skeleton
 from footfix.motion.kinematics import places
+from footfix.rig.rig import Rig
 
 CUT = Cut(60, 125, 0, 1, 0, 0.02, stands=((52, 80), (117, 145)))
 TIMES = np.linspace(0.0, 1.0, 1001)
@@ -24,7 +26,7 @@ def closed(method: str = "offset", blend: float = 0.3) -> Closed:
 
 
 def test_a_gap_decays_from_its_value_and_slope_to_rest() -> None:
-    fade = decay(1001, 0.001, 0.3)
+    fade = decay(1001, 0.001, 0.3, 0.2)
     gap, speed = np.array([2.0, 0.0, 0.0]), np.array([0.0, 3.0, 0.0])
     ahead, behind = fade.ahead(gap, speed), fade.behind(gap, speed)
     slope = np.gradient(ahead, TIMES, axis=0)
@@ -81,3 +83,18 @@ def test_the_papers_blend_starts_in_mid_window_and_needs_frames_of_both_plants()
     short = Cut(60, 125, 0, 1, 0, 0.02, stands=((52, 63), (117, 128)))
     with pytest.raises(InputError, match="too few to blend"):
         close(walk().clip, rig_of(walk()), short, LoopParams(method="kim-neff"))
+
+
+def test_velocities_join_over_a_wide_gap_of_turns() -> None:
+    skeleton, fps = Skeleton(("root", "arm"), np.array([-1, 0]), np.zeros((2, 3))), 240.0
+    time = np.arange(481) / fps
+    # an arm that swings about one axis while it has turned about another: half a gap turns its velocity by half
+    swing = np.stack([0.4 * np.sin(3.0 * time), 0.5 * time, 0.8 * time**2], axis=1)
+    turns = np.stack([np.tile([0.0, 0.0, 0.0, 1.0], (481, 1)), rotation.from_rotation_vector(swing)], axis=1)
+    clip = Clip(skeleton, np.zeros((481, 2, 3)), turns, 1.0 / fps)
+    found = close(clip, Rig(0, 0, (), (), 1.0, 0.0), Cut(120, 360, -1, 1, 0, 0.0), LoopParams()).clip.turn(1)
+    twice = np.concatenate([found, found[1:]])
+    speed = fps * rotation.to_rotation_vector(rotation.multiply(twice[1:], rotation.inverse(twice[:-1])))
+    sharp = fps * np.linalg.norm(np.diff(speed, axis=0), axis=1)
+    seam = len(found) - 2
+    assert sharp[seam] <= sharp[:seam].max()
