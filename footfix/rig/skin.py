@@ -21,6 +21,7 @@ from footfix.rig.sample import sample
 
 _MOVED = 0.5  # weight of a foot's joints from which on a vertex is the foot's
 _DOWN = 0.7  # cosine of a normal of the sole with down, at least
+_RIM = 0.3  # the same of the rim around it, whose normals are between those of the sole and of the sides
 _LAYER = 0.012  # [leg lengths] over the lowest vertex, up to which a sole reaches: 1 cm of a grown person
 _FEWEST = 3  # vertices that make a sole
 _PAW = 0.05  # share of the lowest vertices that a paw stands on
@@ -255,21 +256,24 @@ def _foot(skin: Skin, leg: SkinLeg, up: Floats, length: float) -> SkinFoot:
     level = float(height.min())
     ahead = _ahead(skin, leg, up, vertices)
     along = (vertices - ankle) @ ahead
-    low = (height - level < _LAYER * length) & (skin.normals[own] @ up < -_DOWN)
+    facing = skin.normals[own] @ up
+    low = (height - level < _LAYER * length) & (facing < -_DOWN)
+    rim = (height - level < _LAYER * length) & (facing < -_RIM)
     if np.count_nonzero(low) < _FEWEST or (leg.toe is None and _on_toes(height, ankle @ up, length)):
         low = height <= np.quantile(height, _PAW) if len(own) > _FEWEST / _PAW else height <= np.sort(height)[2]
+        rim = low
     left, side = np.cross(up, ahead), (vertices - ankle) @ np.cross(up, ahead)
     toe = ankle if leg.toe is None else skin.places[leg.toe]
     under = float((toe - ankle) @ ahead) if leg.toe is not None else float(np.quantile(along[low], 0.6))
-    rear, front = float(along[low].min()), float(along[low].max())
+    rear, front = float(along[rim].min()), float(along[rim].max())
     places = []
     for at, stop in ((rear, 0.5 * (rear + under)), (under, None), (front, None)):
-        near = low & (np.abs(along - at) <= _BAND * length)
-        near = near if near.any() else low & (np.abs(along - at) <= np.abs(along - at)[low].min())
+        near = rim & (np.abs(along - at) <= _BAND * length)
+        near = near if near.any() else rim & (np.abs(along - at) <= np.abs(along - at)[rim].min())
         across = float(side[near].min() + side[near].max()) / 2.0
         across = float((toe - ankle) @ left) if at == under and leg.toe is not None else across  # under its joint
         # A heel is round, and stands on the floor ahead of its back.
-        bears = near if stop is None else low & (along <= max(stop, rear))
+        bears = near if stop is None else rim & (along <= max(stop, rear))
         places.append(ankle + (at * ahead + across * left) + (float(height[bears].min()) - float(ankle @ up)) * up)
     return SkinFoot(leg, length, up, ahead, level, vertices, np.clip(toes / moved[own], 0.0, 1.0), low, *places)
 
