@@ -45,7 +45,7 @@ from footfix.rig.rounds import Rounds, rounds_of
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
 _SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
-_ROUNDS = 3  # times at most that a clip is solved again because a mesh is in the floor
+_ROUNDS = 5  # times at most that a clip is solved again because a mesh is in the floor
 _FEWEST = 4  # frames, of which accelerations can be told
 
 
