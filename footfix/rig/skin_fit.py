@@ -14,22 +14,20 @@ import numpy as np
 
 from footfix.errors import InputError
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.clip import Floats, Ints
 from footfix.notes import Note
 from footfix.rig.mesh import FootMesh
 from footfix.rig.names import bare
 from footfix.rig.rig import Leg, SolePoint
 from footfix.rig.sample import Sample
 from footfix.rig.skin import Skin, SkinFoot, SkinLeg, feet_of, legs_of
+from footfix.rig.skin_vertices import LOW, kept, outline, spread, toes
 from footfix.rig.soles import Foot
 
 _SAME = float(np.cos(np.radians(4.0)))  # of bones in the same frames
 _SAME_SIZE = 0.01  # share by which bones differ that are the same but for the figure's size
 _SAME_UP = float(np.cos(np.radians(25.0)))  # of up in them; where they differ by more, they are other frames
 _MISMATCH = 0.05  # share by which the feet of skin and clip may differ
-_MOST_SOLE = 64  # vertices of a sole that are looked at one by one
-_ALL = 160  # vertices of a foot up to which all are kept
-_LOW = 0.03  # [leg lengths] up to this height over the sole a foot's outline is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,84 +280,20 @@ def _below(foot: Foot, heel: Floats) -> Floats:
 
 def _mesh(number: int, sole: SkinFoot, bound: _Bound, scale: float) -> FootMesh:
     """Keep of a foot the vertices that can be its lowest, and those of its sole."""
-    part = _toes(sole)
-    kept = _kept(sole, part)
-    number_of = {int(v): k for k, v in enumerate(kept.tolist())}
-    low = sole.vertices @ sole.up - sole.level < _LOW * sole.length
+    part = toes(sole)
+    chosen = kept(sole, part)
+    number_of = {int(v): k for k, v in enumerate(chosen.tolist())}
+    low = sole.vertices @ sole.up - sole.level < LOW * sole.length
     outlines = tuple(
-        tuple(number_of[v] for v in _outline(sole, np.flatnonzero(low & own)))
+        tuple(number_of[v] for v in outline(sole, np.flatnonzero(low & own)))
         for own in (sole.share <= 0.5, sole.share > 0.5)
     )  # fmt: skip
     whole = np.zeros(len(sole.vertices), np.bool_)
-    whole[_spread(sole)] = True
+    whole[spread(sole)] = True
     return FootMesh(
-        number, bound.joints[kept], bound.weights[kept], bound.offsets[kept], whole[kept], part[kept],
+        number, bound.joints[chosen], bound.weights[chosen], bound.offsets[chosen], whole[chosen], part[chosen],
         outlines,
     )  # fmt: skip
-
-
-def _toes(sole: SkinFoot) -> Bools:
-    """Tell (V,) which vertices belong to the toe's sole point: those nearer to the ball than to the heel, ahead."""
-    along = sole.vertices @ sole.ahead
-    heel, ball = float(sole.heel @ sole.ahead), float(sole.ball @ sole.ahead)
-    return np.asarray(along > 0.5 * (heel + ball))
-
-
-def _kept(sole: SkinFoot, part: Bools) -> Ints:
-    """Choose the vertices that are kept: all of a few; of many those of the sole, and of the convex hull of each part.
-
-    Of vertices that move with one joint the lowest is always one of their hull.
-    """
-    count = len(sole.vertices)
-    if count <= _ALL:
-        return np.arange(count)
-    kept = set(_spread(sole).tolist())
-    groups = np.clip(np.round(4.0 * sole.share), 0, 4)
-    for group in range(5):
-        for own in (part, ~part):
-            kept |= set(_hull(sole.vertices, np.flatnonzero((groups == group) & own)).tolist())
-    low = sole.vertices @ sole.up - sole.level < _LOW * sole.length
-    for own in (sole.share <= 0.5, sole.share > 0.5):
-        kept |= set(_outline(sole, np.flatnonzero(low & own)))
-    return np.array(sorted(kept), np.intp)
-
-
-def _hull(points: Floats, which: Ints) -> Ints:
-    from scipy.spatial import ConvexHull, QhullError
-
-    if len(which) < 5:
-        return which
-    try:
-        return np.asarray(which[ConvexHull(points[which]).vertices])
-    except QhullError:
-        return which
-
-
-def _outline(sole: SkinFoot, which: Ints) -> list[int]:
-    """List the vertices around some of them, seen from below."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    if len(which) < 3:
-        return []
-    flat = np.stack([sole.vertices[which] @ sole.ahead, sole.vertices[which] @ sole.left], axis=1)
-    try:
-        return [int(v) for v in which[ConvexHull(flat).vertices]]
-    except QhullError:
-        return []
-
-
-def _spread(sole: SkinFoot) -> Ints:
-    """Choose up to `_MOST_SOLE` vertices of the sole, spread over it: always the one farthest from those chosen."""
-    own = np.flatnonzero(sole.sole)
-    if len(own) <= _MOST_SOLE:
-        return own
-    points = sole.vertices[own]
-    chosen = [int(np.argmin(points @ sole.up))]
-    away = np.linalg.norm(points - points[chosen[0]], axis=1)
-    while len(chosen) < _MOST_SOLE:
-        chosen.append(int(np.argmax(away)))
-        away = np.minimum(away, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return np.asarray(own[np.sort(chosen)])
 
 
 def _points(number: int, leg: Leg, bound: _Bound) -> list[SolePoint]:
