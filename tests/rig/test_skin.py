@@ -132,3 +132,12 @@ def test_lowest_is_the_lowest_of_all_tracks(clip: Clip) -> None:
     for mesh in rig.meshes:
         tracks = mesh.tracks(pose, np.arange(len(mesh)))
         assert mesh.lowest(pose) == pytest.approx(tracks[..., 1].min(axis=1))
+
+
+def test_of_many_vertices_those_are_kept_that_can_be_the_lowest(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = find_rig(clip, skin=skin_of(clip))
+    monkeypatch.setattr("footfix.rig.skin_vertices._ALL", 8)
+    few = find_rig(clip, skin=skin_of(clip))
+    assert len(few.meshes[0]) < len(whole.meshes[0])
+    for one, other in zip(whole.meshes, few.meshes, strict=True):
+        assert other.lowest(few.pose(clip)) == pytest.approx(one.lowest(whole.pose(clip)), abs=1e-9)
