@@ -12,6 +12,7 @@ from footfix.job import placed
 from footfix.notes import Note
 from footfix.report import document as report_format
 from footfix.rig.find import find_rigs
+from footfix.rig.skin import Skin
 from footfix.settings import Settings
 
 
@@ -28,7 +29,9 @@ def repair_file(
     return mended, report_format.notes((*first, *notes))
 
 
-def inspect_file(data: bytes, name: str, settings: Settings, *, beside: Beside | None = None) -> dict[str, Any]:
+def inspect_file(
+    data: bytes, name: str, settings: Settings, *, beside: Beside | None = None, skin: Skin | None = None
+) -> dict[str, Any]:
     """What there is to say of a file: its frames, joints, rig, unit, axes, and everything odd about it.
 
     Raises:
@@ -41,7 +44,7 @@ def inspect_file(data: bytes, name: str, settings: Settings, *, beside: Beside |
         try:
             document, doubts = placed(document, settings.rig)
             found += doubts
-            for rig in find_rigs(document.clip, settings.rig):
+            for rig in find_rigs(document.clip, settings.rig, skin=skin):
                 rigs.append(report_format.rig(rig, document.clip, unit_m=document.unit_m, up=document.up))
                 found += rig.notes
         except InputError as error:

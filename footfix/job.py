@@ -28,6 +28,7 @@ from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
 from footfix.rig.rig import joined
+from footfix.rig.skin import Skin
 from footfix.rig.units import infer_units
 from footfix.settings import Settings, plain
 
@@ -128,7 +129,7 @@ def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None)
 
 def clean_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
-    again: Again | None = None, leave: str = "", beside: Beside | None = None,
+    again: Again | None = None, leave: str = "", beside: Beside | None = None, skin: Skin | None = None,
 ) -> Outputs:  # fmt: skip
     """Clean one clip.
 
@@ -154,7 +155,7 @@ def clean_file(
     if leave:
         settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
         if leave:
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
         contacts = find_contacts(prepared, settings, labels)
@@ -250,7 +251,8 @@ def _too_short(
 
 
 def measure_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None,
+    skin: Skin | None = None,
 ) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]], list[dict[str, Any]]]:
     """Measure one clip as it is; nothing is corrected.
 
@@ -260,7 +262,7 @@ def measure_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, source, prepared, contacts = _planted(data, name, settings, labels, "measure", beside)
+    document, source, prepared, contacts = _planted(data, name, settings, labels, "measure", beside, skin)
     found = measure_as_it_is(document.clip, prepared, contacts, settings)
     measures = report_format.worst([report_format.measures(each) for each, _ in found])
     plants = [
@@ -273,7 +275,8 @@ def measure_file(
 
 
 def detect_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None,
+    skin: Skin | None = None,
 ) -> tuple[Contacts, dict[str, Any], dict[str, Any], list[dict[str, Any]], float]:
     """Find the contacts of one clip.
 
@@ -283,13 +286,14 @@ def detect_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, source, prepared, contacts = _planted(data, name, settings, labels, "find contacts in", beside)
+    document, source, prepared, contacts = _planted(data, name, settings, labels, "find contacts in", beside, skin)
     entry = report_format.rig(prepared.rigs[0], document.clip, unit_m=document.unit_m, up=document.up)
     return contacts, source, entry, _doubts(document, prepared, contacts), document.start
 
 
 def _planted(
-    data: bytes, name: str, settings: Settings, labels: Labels | None, purpose: str, beside: Beside | None
+    data: bytes, name: str, settings: Settings, labels: Labels | None, purpose: str, beside: Beside | None,
+    skin: Skin | None,
 ) -> tuple[Document, dict[str, Any], Prepared, Contacts]:
     """A file as a document, its source entry, its figures, and their contacts."""
     document, proper = _opened(data, name, settings, beside)
@@ -298,7 +302,7 @@ def _planted(
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
         return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
 
 

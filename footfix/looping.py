@@ -25,6 +25,7 @@ from footfix.report import document as report_format
 from footfix.report.loops import seen_as
 from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
+from footfix.rig.skin import Skin
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ LEAST_FRAMES = 8
 
 def loop_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
-    again: Again | None = None, beside: Beside | None = None,
+    again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
 ) -> Outputs:  # fmt: skip
     """Cut a seamless cycle out of a clip, and clean it as one.
 
@@ -48,6 +49,7 @@ def loop_file(
         output: the name of the loop's file, for the report.
         again: how the loop is cleaned from edited contacts, for its page.
         beside: reads files that this one names.
+        skin: the character that `settings.rig.skin` names.
 
     Raises:
         InputError: the clip can't be used, or holds no cycle; says why.
@@ -58,7 +60,7 @@ def loop_file(
         raise InputError(f"{len(clip)} frames are too few for a stride", file=name)
     with about(name):
         proper = motion_proper(clip)
-        rigs = find_rigs(clip, settings.rig, proper)
+        rigs = find_rigs(clip, settings.rig, proper, skin)
         if len(rigs) > 1:
             raise InputError(f"the file holds {len(rigs)} figures; a loop is cut out of the motion of one")
         prepared = prepare(clip, settings, rigs, proper)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from footfix.motion.kinematics import places
 from footfix.pipeline import Result
 from footfix.rig import find
 from footfix.rig.rig import Rig
+from footfix.rig.skin import Skin
 from footfix.settings import Layer, Settings
 from footfix.settings import compose as settings_of
 
@@ -162,7 +164,9 @@ def check_settings(settings: Any) -> Settings:
     return settings
 
 
-def find_rig(clip: Clip, settings: Settings | None = None) -> Rig:
+def find_rig(
+    clip: Clip, settings: Settings | None = None, skin: str | os.PathLike[str] | Skin | None = None
+) -> Rig:  # fmt: skip
     """Find legs, sole points, leg length and floor of a clip's figure; of the first one where there are several.
 
     Examples:
@@ -173,26 +177,41 @@ def find_rig(clip: Clip, settings: Settings | None = None) -> Rig:
     Args:
         clip: in metres, y up; positions parent-local.
         settings: what is known beforehand, as `settings.rig`.
+        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken; by default what
+            `settings.rig.skin` names.
 
     Raises:
         ArgumentError: the clip is none, or not in metres.
+        InputError: the skin can't be read.
         NoLegsError: nothing in the skeleton could be a pair of legs.
     """
-    return find_rigs(clip, settings)[0]
+    return find_rigs(clip, settings, skin)[0]
 
 
-def find_rigs(clip: Clip, settings: Settings | None = None) -> tuple[Rig, ...]:
+def find_rigs(
+    clip: Clip, settings: Settings | None = None, skin: str | os.PathLike[str] | Skin | None = None
+) -> tuple[Rig, ...]:  # fmt: skip
     """Find the rigs of all figures of a clip, in the order of the file: one for each root that has legs.
 
     Args:
         clip: in metres, y up; positions parent-local.
         settings: what is known beforehand, as `settings.rig`.
+        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken; by default what
+            `settings.rig.skin` names.
 
     Raises:
         ArgumentError: the clip is none, or not in metres.
+        InputError: the skin can't be read.
         NoLegsError: no figure has legs.
     """
-    rigs = find.find_rigs(check_clip(clip), check_settings(settings).rig)
+    check_clip(clip)
+    settings = check_settings(settings)
+    if not isinstance(skin, Skin):
+        from footfix.batch.skins import skin_for
+
+        rig = settings.rig if skin is None else replace(settings.rig, skin=os.fspath(skin))
+        skin = skin_for(replace(settings, rig=rig))
+    rigs = find.find_rigs(clip, settings.rig, skin=skin)
     return tuple(check_rig(rig, clip) for rig in rigs)
 
 

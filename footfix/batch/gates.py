@@ -78,6 +78,7 @@ def check(task: Task, data: bytes) -> FileResult:
         what this clip has no measure of is skipped, and a note says so.
     """
     from footfix.batch.clips import beside_of
+    from footfix.batch.skins import skin_for
     from footfix.job import measure_file
 
     source = task.job.source
@@ -87,7 +88,8 @@ def check(task: Task, data: bytes) -> FileResult:
     report = report_beside(task)
     before, labels = _cleaning(task, report)
     entry, measures, notes, plants = measure_file(
-        data, source, task.settings, labels=task.labels or labels, beside=beside_of(task)
+        data, source, task.settings, labels=task.labels or labels, beside=beside_of(task),
+        skin=skin_for(task.settings, task.folder),
     )  # fmt: skip
     plants = [{**plant, **fate} for plant, fate in zip(plants, _fates(report, plants), strict=True)]
     values = {**measures, **_rounded(held([p["slide_mm"] for p in plants], [bool(p["let_go"]) for p in plants]))}

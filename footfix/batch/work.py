@@ -15,6 +15,7 @@ from footfix.batch.clips import beside_of, parts_of, spread, together
 from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_whole
 from footfix.batch.making import made, write
+from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, EVENTS, FileResult, Task
 from footfix.errors import InputError, OutputError
 from footfix.formats.suffixes import STDIN_NAME, in_file
@@ -112,7 +113,7 @@ def _clean(task: Task, data: bytes) -> FileResult:
             leave = f"footfix wrote this file, as {own.source} says, so it stays as it is; --anew cleans it again"
         return clean_file(
             data, part.job.source, part.settings, labels=labels, output=_output(part), again=_again(part),
-            leave=leave, beside=beside_of(part),
+            leave=leave, beside=beside_of(part), skin=skin_for(part.settings, part.folder),
         )  # fmt: skip
 
     return made(task, data, make)
@@ -125,7 +126,7 @@ def _loop(task: Task, data: bytes) -> FileResult:
         again = _again(part, loop=True)
         return loop_file(
             data, part.job.source, part.settings, labels=part.labels, output=_output(part), again=again,
-            beside=beside_of(part),
+            beside=beside_of(part), skin=skin_for(part.settings, part.folder),
         )  # fmt: skip
 
     return made(task, data, make, "loop")
@@ -162,7 +163,8 @@ def _detect_clip(task: Task, data: bytes) -> FileResult:
 
     kind, target = task.extra["kind"], _labels_of(task)
     contacts, entry, rig, notes, start = detect_file(
-        data, task.job.source, task.settings, labels=task.labels, beside=beside_of(task)
+        data, task.job.source, task.settings, labels=task.labels, beside=beside_of(task),
+        skin=skin_for(task.settings, task.folder),
     )  # fmt: skip
     if kind == "json":
         encoded = contacts_json(contacts, entry, rig, task.settings)
@@ -205,7 +207,8 @@ def _labels_of(task: Task) -> Path | None:
 def _inspect(task: Task, data: bytes) -> FileResult:
     from footfix.inspection import inspect_file
 
-    found = inspect_file(data, task.job.source, task.settings, beside=beside_of(task))
+    skin = skin_for(task.settings, task.folder)
+    found = inspect_file(data, task.job.source, task.settings, beside=beside_of(task), skin=skin)
     return FileResult(task.job.source, "done", report=found)
 
 

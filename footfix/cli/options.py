@@ -60,19 +60,21 @@ def shared(command: Command) -> Command:
 
 @dataclass(frozen=True)
 class Given:
-    """Contacts that are given.
+    """Contacts and soles that are given.
 
     Args:
         labels: a label file, or a folder of them; None for none.
         order: effector names of the columns of an array, () for the usual ones.
+        skin: a character from whose mesh the soles are taken; None for none.
     """
 
     labels: Path | None = None
     order: tuple[str, ...] = ()
+    skin: Path | None = None
 
 
 def given(purpose: str) -> Callable[[Command], Command]:
-    """The options for contacts that are given, for a purpose in words; they arrive together as `given: Given`."""
+    """The options for what is given, contacts for a purpose in words; they arrive together as `given: Given`."""
 
     def decorate(command: Command) -> Command:
         return _gathered(
@@ -82,6 +84,8 @@ def given(purpose: str) -> Callable[[Command], Command]:
             click.option("--order", default="", metavar="NAMES", callback=_order,
                          help="Effectors of the columns of an array, left to right; by default "
                          "left_heel,left_toe,right_heel,right_toe, as HumanML3D and LAFAN1 have them."),
+            click.option("--skin", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CHARACTER",
+                         help="Take the soles from the mesh of this character: .glb, .gltf or .vrm (rig.skin)."),
         )  # fmt: skip
 
     return decorate

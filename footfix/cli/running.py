@@ -27,6 +27,7 @@ from footfix.errors import ExitCode, UsageError
 if TYPE_CHECKING:
     from footfix.config import Config
     from footfix.formats.contacts import Labels
+    from footfix.settings import Settings
 
 Say = Callable[[str], None]
 
@@ -94,10 +95,16 @@ def tasks_for(
     jobs: Sequence[Job], found: Sequence[Source], config: Config, given: Given | None = None
 ) -> list[Task]:  # fmt: skip
     labels = labels_for(given or Given(), found)
+    skin = None if given is None or given.skin is None else str(given.skin)
+
+    def settings_for(job: Job) -> Settings:
+        settings = config.settings(None if job.source == STDIN else Path(job.source))
+        return replace(settings, rig=replace(settings.rig, skin=skin)) if skin else settings
+
     return [
         Task(
             job,
-            config.settings(None if job.source == STDIN else Path(job.source)),
+            settings_for(job),
             labels=labels.get(job.source),
             clip_labels=clip_labels_for(given or Given(), source),
             folder=str(Path.cwd()),

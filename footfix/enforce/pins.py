@@ -228,7 +228,7 @@ def pins(
     """
     own = [plant for plant in plants if plant.leg == k]
     effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
-    step = _floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
+    step = floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
     found: list[Pins] = []
     for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
         part = POINTS[min(point, TOE)]
@@ -319,7 +319,7 @@ def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParam
     return ramp
 
 
-def _floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
+def floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
     """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
     step = np.zeros(frames)
     steps = [floors.plants[p.id] - floors.rest[p.effector] for p in plants]

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground as grounds
+from footfix.enforce import mesh as meshes
 from footfix.enforce import pins as pinning
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.cycle import correction_back, cycle_note, plants_back
@@ -44,6 +45,7 @@ from footfix.rig.rounds import Rounds, rounds_of
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
 _SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
+_ROUNDS = 5  # times at most that a clip is solved again because a mesh is in the floor
 _FEWEST = 4  # frames, of which accelerations can be told
 
 
@@ -206,6 +208,9 @@ def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
         heights=params.heights == "floor", params=params.pins,
     )  # fmt: skip
+    if rig.meshes and params.heights == "floor":
+        deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)
+        keep = tuple(stays and not sinks for stays, sinks in zip(keep, deep.tolist(), strict=True))
     by_hand = tuple(pinning.given(contacts, plant) for plant in plants)
     return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)
 
@@ -258,11 +263,30 @@ def _by_least_squares(
     wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
     if wanted and len(clip) >= _FEWEST:
         x = faded(solve(problem), problem)
+        if rig.meshes and params.heights == "floor":
+            x = _out_of_floor(clip, rig, task, params, problem, x)
     x = params.strength * x
     less = (params.strength - 1.0) * task.lift * np.array([[0.0], [1.0], [0.0]])  # the legs are raised by all of it
     after = [CorrectedLeg.of_state(leg, x[:3] + less, x[own]) for leg, own in zip(task.legs, columns, strict=True)]
     shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
+
+
+def _out_of_floor(
+    clip: Clip, rig: Rig, task: Task, params: EnforceParams, problem: Problem, x: Floats
+) -> Floats:
+    """Solve again while the mesh is in the floor, each foot held as much higher as it was too deep."""
+    columns = [problem.columns(k) for k in range(len(task.legs))]
+    steps = [_step(task, k, rig, params.pins) for k in range(len(task.legs))]
+    lift = np.array([0.0, task.lift, 0.0])
+    for _ in range(_ROUNDS):
+        done = apply(clip, correction(clip, rig, task.pose, task.legs, x, columns, x[:3].T + lift))
+        pins, deepest = meshes.raised(problem.pins, rig, pose_of(done, rig), steps)
+        if deepest <= 0.0:
+            break
+        problem = replace(problem, pins=pins)
+        x = faded(solve(problem), problem)
+    return x
 
 
 def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams, leave: bool) -> Enforcement:
@@ -286,6 +310,9 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         )
         for k, leg in enumerate(task.legs)
     )  # fmt: skip
+    if rig.meshes and heights:
+        steps = [_step(task, k, rig, params.pins) for k in range(len(pins))]
+        pins = meshes.over_floor(pins, rig, task.pose, steps)
     noise, white = noises(task, rig)
     moves = bool(clip.skeleton.translates[rig.root])
     fault = faults(
@@ -293,6 +320,12 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         edge=params.pins.edge,
     )  # fmt: skip
     return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut)
+
+
+def _step(task: Task, number: int, rig: Rig, params: PinParams) -> Floats:
+    """(F,) [m] how much higher than the rig's the floor under the foot of a leg is."""
+    own = [plant for plant in task.plants if plant.leg == number]
+    return pinning.floor_steps(own, task.floors, len(task.pose.positions), params.near * rig.leg_length)
 
 
 def costs_of(params: EnforceParams) -> CostParams:

@@ -19,6 +19,7 @@ from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
 from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig, joined
+from footfix.rig.skin import Skin
 from footfix.settings import Layer, ReportParams, Settings, compose
 
 PAGE, PICTURE = ".report.html", ".report.png"
@@ -64,7 +65,7 @@ def draw(
 
 def redraw(
     report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
-    again: Again | None = None, beside: Beside | None = None,
+    again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
 ) -> dict[str, bytes]:  # fmt: skip
     """Draw the pages of a clip whose report is there already.
 
@@ -76,6 +77,7 @@ def redraw(
         params: which pages.
         again: how the clip is cleaned again from edited contacts, where that is known.
         beside: reads files that the clip names.
+        skin: the character that the report's `rig.skin` names, where it is at hand.
 
     Raises:
         InputError: the files do not belong together.
@@ -98,7 +100,7 @@ def redraw(
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params, again)[0]
     told = _told(report)
-    rigs = find_rigs(clip, told.rig)
+    rigs = find_rigs(clip, told.rig, skin=skin)
     whole = joined(rigs)
     belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
     if loop is not None:

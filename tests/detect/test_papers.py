@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from skinmaker import skin_of
 from walker import Walk, make
 from walker_plan import Gait
 
@@ -156,6 +157,24 @@ def test_all_points_are_static_where_the_figure_stands_still() -> None:
     walk, _ = walked("stand")
     still = walk.clip.frames(np.zeros(60, dtype=np.intp))
     assert lyard(tracks_of(still, find_rig(walk.clip)), LyardParams()).mask.all()
+
+
+def test_vertices_of_soles_find_a_walk_as_well_as_heel_and_toe_do() -> None:
+    walk, points = walked()
+    rig = find_rig(walk.clip, skin=skin_of(walk.clip))
+    vertices = tracks_of(walk.clip, rig, mesh=True)
+    assert all(foot.mesh is not None and len(foot.mesh) > 2 for foot in vertices.feet)
+    found = lyard(vertices, LyardParams())
+    assert feet_f1(found, walk) >= feet_f1(lyard(points, LyardParams()), walk) - 0.03
+    assert np.mean(found.mask.sum(axis=1) == 1) > 0.95
+
+
+def test_pairs_of_vertices_are_compared_alike_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    walk, _ = walked()
+    tracks = tracks_of(walk.clip, find_rig(walk.clip, skin=skin_of(walk.clip)), mesh=True)
+    whole = lyard(tracks, LyardParams()).mask
+    monkeypatch.setattr("footfix.detect.lyard._MOST_PAIRS", 1)
+    assert np.array_equal(lyard(tracks, LyardParams()).mask, whole)
 
 
 @pytest.mark.parametrize("name", ["walk", "run"])
