@@ -203,8 +203,15 @@ def shifted(sample: Sample, phase: float) -> Sample:
         sample,
         places=shift_phases(sample.places, phase),
         turns=rotation.multiply(middle, rotation.from_rotation_vector(moved)),
-        contacts=sample.contacts - phase,
+        contacts=_within(sample.contacts - phase),
     )
+
+
+def _within(spans: Floats) -> Floats:
+    """(E, 2) phases of contacts, those of a foot from a quarter before the cycle's start on."""
+    pairs = spans.reshape(-1, 2, 2)  # heel and toe of each leg
+    first = np.nanmin(np.where(np.isfinite(pairs[..., 0]), pairs[..., 0], np.inf), axis=1)
+    return np.asarray((pairs - np.floor(first + 0.25)[:, None, None]).reshape(-1, 2))
 
 
 def shift_phases(values: Floats, phase: float) -> Floats:
