@@ -8,7 +8,7 @@ which walk and run are the first.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,7 @@ _ALIGNED = 0.08  # of a cycle, by which one may be shifted to have its motion wh
 _ROUNDS = 3
 _STYLE = 1.0  # files' worth of no style at all, to which the style of few files is drawn
 _BENT = 1.5  # fastest over slowest, from which on the map may be of second order
+CONTACT_RANGE, CONTACT_SPEEDS = 1.6, 9  # how far beyond the range of speeds contacts are told, and at how many
 _ENOUGH = 0.98  # of the variance, that the components hold
 
 
@@ -80,9 +81,14 @@ class Ramp:
     high: float
     degree: int
 
+    def within(self, speed: Floats) -> Floats:
+        """(...) -1 to 1 over the range."""
+        middle, half = 0.5 * (self.low + self.high), max(0.5 * (self.high - self.low), 1e-9)
+        return (np.asarray(speed, dtype=np.float64) - middle) / half
+
     def __call__(self, speed: Floats) -> Floats:
         """(..., 1 + degree) features of speeds (...)."""
-        u = (np.asarray(speed, dtype=np.float64) - 0.5 * (self.low + self.high)) / max(0.5 * (self.high - self.low), 1e-9)
+        u = self.within(speed)
         inside = np.clip(u, -1.0, 1.0)
         terms = [np.ones_like(u), u, inside * inside + 2.0 * inside * (u - inside)]
         return np.stack(terms[: self.degree + 1], axis=-1)
@@ -100,8 +106,8 @@ class GaitSpace:
         map: (P, K) coefficients for each feature of the speed, then for each style.
         styles: their names.
         frequency: (2 + S,) of log frequency over log speed: at speed 1, slope, and what each style adds.
-        contacts: (E, 2, 2) when each effector is set down, and for how long it stays: at the middle of the ramp, and
-            change per unit of it [share of the cycle].
+        contacts: (M, E, 2) at which phase each effector is set down, and for how long it stays [share of the cycle], at
+            M speeds over `CONTACT_RANGE` times the range; 0 where it never is.
         variance: (K,) share of the variance that each component holds.
         cycles: how many it was made of.
     """
@@ -143,10 +149,16 @@ class GaitSpace:
 
     def contact_phases(self, speed: Floats) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays; 0 where it never is."""
-        u = np.clip(self.ramp(speed)[:, 1] if self.ramp.degree else np.zeros(len(speed)), -1.5, 1.5)
-        found = self.contacts[None, :, :, 0] + u[:, None, None] * self.contacts[None, :, :, 1]
-        found[..., 1] = np.clip(found[..., 1], 0.0, 0.9)
-        return np.asarray(found)
+        m = len(self.contacts)
+        at = np.clip((self.ramp.within(speed) / CONTACT_RANGE + 1.0) * 0.5 * (m - 1), 0.0, m - 1.0)
+        k = np.minimum(at.astype(np.intp), m - 2)
+        w = (at - k)[:, None, None]
+        return np.asarray((1.0 - w) * self.contacts[k] + w * self.contacts[k + 1])
+
+    def contact_speeds(self) -> Floats:
+        """(M,) speeds at which contacts are known."""
+        u = np.linspace(-CONTACT_RANGE, CONTACT_RANGE, CONTACT_SPEEDS)
+        return np.maximum(0.5 * (self.ramp.low + self.ramp.high) + 0.5 * u * (self.ramp.high - self.ramp.low), 1e-3)
 
 
 def aligned(samples: Sequence[Sample], code: Code) -> list[Sample]:
@@ -259,31 +271,26 @@ def _frequency(samples: Sequence[Sample], style: Floats, share: Floats) -> Float
 
 
 def _contacts(samples: Sequence[Sample], ramp: Ramp, share: Floats) -> Floats:
-    """(E, 2, 2) start and duration of each effector's contact, by the speed."""
-    speed = np.array([each.speed for each in samples])
-    u = replace(ramp, degree=1)(speed)[:, 1] if ramp.degree else np.zeros(len(speed))
+    """(M, E, 2) start and duration of each effector's contact in the samples, as straight lines over the speed."""
+    u = ramp.within(np.array([each.speed for each in samples]))
     spans = np.stack([each.contacts for each in samples])  # (n, E, 2)
-    out = np.zeros((spans.shape[1], 2, 2))
+    at = np.clip(np.linspace(-CONTACT_RANGE, CONTACT_RANGE, CONTACT_SPEEDS), -1.2, 1.2)
+    wanted = np.stack([np.ones(len(at)), at], axis=1)
+    out = np.zeros((len(at), spans.shape[1], 2))
     for e in range(spans.shape[1]):
         there = np.isfinite(spans[:, e, 0])
         if not there.any():
             continue
         line = np.stack([np.ones(len(u)), u], axis=1)
-        start = _line(line[there], spans[there, e, 0], share[there])
-        lasts = _line(line, np.where(there, spans[:, e, 1] - spans[:, e, 0], 0.0), share)
-        out[e] = [start, lasts]
+        out[:, e, 0] = wanted @ _line(line[there], spans[there, e, 0], share[there])
+        lasts = wanted @ _line(line, np.where(there, spans[:, e, 1] - spans[:, e, 0], 0.0), share)
+        out[:, e, 1] = np.clip(lasts, 0.0, 0.9)
     return out
 
 
 def _line(features: Floats, values: Floats, share: Floats) -> Floats:
     weighted = features * share[:, None]
     return np.linalg.solve(features.T @ weighted + np.diag([1e-9, 0.02 * share.sum()]), weighted.T @ values)
-
-
-def at_phases(rows: Floats, phases: Floats) -> Floats:
-    """(T, N) weights of the samples of a cycle that make its values at phases (T,): trigonometric interpolation."""
-    n = rows.shape[-2] if rows.ndim > 1 else len(rows)
-    return kernel(phases, n)
 
 
 def kernel(phases: Floats, n: int) -> Floats:

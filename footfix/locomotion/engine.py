@@ -12,22 +12,22 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from footfix.enforce.papers.ease import gamma
-from footfix.locomotion.leg_pose import LegPose, bent_to, leg_pose
+from footfix.locomotion.leg_pose import LegPoses
 from footfix.locomotion.model import CycleModel, place_of_root
 from footfix.locomotion.plan import Course, Line, Plan, Point, make_course
 from footfix.locomotion.stance import (
-    QUANTITIES,
     SIGMA,
+    FootPlan,
     Span,
     Stance,
-    contact_mask,
-    displacement,
-    foot_goal,
+    foot_plan,
+    goals,
+    led_off,
     placed,
     sample_times,
-    share_of_toe,
     with_ends,
 )
+from footfix.locomotion.timeline import within
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 
@@ -77,9 +77,9 @@ class Residual:
     value: Floats
 
     def at(self, times: Floats) -> Floats:
-        """(T, ...) what is left of it."""
+        """(T, size) what is left of it."""
         u = (times - self.since) / (self.until - self.since)
-        return np.asarray(np.multiply.outer(gamma(u) * (times >= self.since), self.value))
+        return np.asarray((gamma(u) * (times >= self.since))[:, None] * self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +88,13 @@ class Foreseen:
 
     Args:
         course: phase, place and heading.
-        stances: of each leg, in order of time.
-        residuals: of each leg, quantity -> what fades.
+        feet: what each foot is going to do.
+        residuals: of each foot, quantity -> what fades.
     """
 
     course: Course
-    stances: tuple[tuple[Stance, ...], ...]
-    residuals: tuple[Mapping[str, Sequence[Residual]], ...] = field(default=())
+    feet: tuple[FootPlan, ...]
+    residuals: tuple[Mapping[str, Residual], ...] = field(default=())
 
 
 def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
@@ -107,10 +107,20 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
         start: where the course is known.
         until: [s].
     """
-    back = 1.6 / float(model.frequency(plan.at(np.array([start.time])))[0])
-    course = make_course(plan, line, start, until, start.time - back, model.frequency)
-    found = [_placed(model, course, each) for each in timetable(model, course)]
-    return Foreseen(course, tuple(found), tuple({} for _ in found))
+    course = make_course(plan, line, start, until, start.time - _back(model, plan, start.time), model.frequency)
+    stances = [each for own in timetable(model, course) for each in own]
+    feet = _feet(model, _placed(model, course, stances, [False] * len(stances)))
+    return Foreseen(course, feet, tuple({} for _ in feet))
+
+
+def _back(model: CycleModel, plan: Plan, time: float) -> float:
+    """[s] of the past that is needed: a foot that stands has been set down in it."""
+    return 1.6 / float(model.frequency(plan.at(np.array([time])))[0])
+
+
+def _feet(model: CycleModel, stances: Sequence[Stance]) -> tuple[FootPlan, ...]:
+    legs = range(len(model.rig.legs))
+    return tuple(foot_plan(sorted((s for s in stances if s.leg == k), key=lambda s: s.count)) for k in legs)
 
 
 def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Foreseen:
@@ -120,19 +130,23 @@ def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: flo
     them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
     """
     start = old.course.point(now)
-    back = 1.6 / float(model.frequency(plan.at(np.array([now])))[0])
-    course = make_course(plan, old.course.line, start, until, now - back, model.frequency)
-    found = []
-    for number, stances in enumerate(timetable(model, course)):
-        before = {each.count: each for each in old.stances[number]}
-        kept = [_kept(before[s.count], s, now) if s.count in before else s for s in stances]
-        place_again = [s.count in before and before[s.count].start <= now + _COMMITTED for s in stances]
-        missing = [s for s in old.stances[number] if s.start <= now and s.count not in {k.count for k in kept}
-                   and s.end > now - 2.0 * SIGMA]  # fmt: skip
-        new = _placed(model, course, kept, place_again)
-        found.append(tuple(sorted((*missing, *new), key=lambda s: s.count)))
-    new_one = Foreseen(course, tuple(found), tuple({} for _ in found))
-    return replace(new_one, residuals=tuple(_residuals(model, old, new_one, k, now) for k in range(len(found))))
+    course = make_course(plan, old.course.line, start, until, now - _back(model, plan, now), model.frequency)
+    stances, stays = list[Stance](), list[bool]()
+    for foot, coming in zip(old.feet, timetable(model, course), strict=True):
+        before = {each.count: each for each in foot.stances if each.start <= now + _COMMITTED}
+        stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
+        stays += [each.count in before for each in coming]
+    new = _feet(model, _placed(model, course, stances, stays))
+    new = tuple(_with_past(foot, was, now) for foot, was in zip(new, old.feet, strict=True))
+    found = Foreseen(course, new, tuple({} for _ in new))
+    return replace(found, residuals=_residuals(model, old, found, now))
+
+
+def _with_past(foot: FootPlan, was: FootPlan, now: float) -> FootPlan:
+    """A foot's plan with the last stances before those that are foreseen, which it may still come from."""
+    known = {each.count for each in foot.stances}
+    past = [s for s in was.stances if s.count not in known and s.start <= now and s.end > now - 2.0 * SIGMA]
+    return foot_plan(sorted((*past, *foot.stances), key=lambda s: s.count)) if past else foot
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
@@ -145,8 +159,6 @@ def _kept(old: Stance, new: Stance, now: float) -> Stance:
             return (was[0], max(min(was[1], now + _BRIEFEST), was[0] + 1e-3)) if was[1] > now else was
         return (was[0], max(becomes[1], now + 1e-3))
 
-    if old.start > now + _COMMITTED:
-        return new
     return replace(old, heel=span(old.heel, new.heel), toe=span(old.toe, new.toe))
 
 
@@ -174,27 +186,19 @@ def timetable(model: CycleModel, course: Course) -> list[list[Stance]]:
     return found
 
 
-def _placed(
-    model: CycleModel, course: Course, stances: Sequence[Stance], again: Sequence[bool] | None = None
-) -> tuple[Stance, ...]:
-    """Stances of one foot with their places; those that have one keep it."""
+def _placed(model: CycleModel, course: Course, stances: Sequence[Stance], stays: Sequence[bool]) -> list[Stance]:
+    """Stances with their places; those that stay keep theirs."""
     if not stances:
-        return ()
+        return []
     times = [sample_times(each) for each in stances]
-    pose = free_legs(model, course, np.concatenate(times), [stances[0].leg])[0]
+    every = np.concatenate(times)
+    place, turns = free_postures(model, course, every)
+    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
     found, at = [], 0
-    for k, (stance, own) in enumerate(zip(stances, times, strict=True)):
-        part = _part(pose, slice(at, at + len(own)))
-        keeps = again is not None and again[k]
-        found.append((with_ends if keeps else placed)(stance, part, model))
+    for stance, own, keeps in zip(stances, times, stays, strict=True):
+        found.append((with_ends if keeps else placed)(stance, poses.some(slice(at, at + len(own))), model))
         at += len(own)
-    return tuple(found)
-
-
-def _part(pose: LegPose, which: slice) -> LegPose:
-    places = {joint: each[which] for joint, each in pose.places.items()}
-    turns = {joint: each[which] for joint, each in pose.turns.items()}
-    return LegPose(pose.number, places, turns, pose.heel[which], pose.toe[which])
+    return found
 
 
 def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Floats, Floats]:
@@ -206,62 +210,46 @@ def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Flo
     return place_of_root(rows, place, heading, model.rig.leg_length), turns
 
 
-def free_legs(model: CycleModel, course: Course, times: Floats, legs: Sequence[int]) -> list[LegPose]:
-    """The legs as the cycles have them."""
-    place, turns = free_postures(model, course, times)
-    return [leg_pose(model, number, place, turns[:, model.rig.root], turns) for number in legs]
+def _off(foreseen: Foreseen, pose: LegPoses, times: Floats) -> dict[str, Floats]:
+    """What leads the feet off the cycle: quantity -> (T, L, size)."""
+    each_foot = []
+    for foot, residuals in zip(foreseen.feet, foreseen.residuals, strict=True):
+        off = led_off(foot, times, pose)
+        for name, left in residuals.items():
+            off[name] = off[name] + left.at(times)
+        each_foot.append(off)
+    return {name: np.stack([off[name] for off in each_foot], axis=1) for name in each_foot[0]}
 
 
-def _off(
-    model: CycleModel, foreseen: Foreseen, pose: LegPose, times: Floats
-) -> tuple[dict[str, Floats], Floats]:
-    """What leads a foot off the cycle: quantity -> (T, 3), and (T,) by which of its ends."""
-    stances, residuals = foreseen.stances[pose.number], foreseen.residuals[pose.number]
-    off = {name: displacement(name, stances, times, pose, model) for name in QUANTITIES}
-    share = share_of_toe(stances, times)
-    for name, left in residuals.items():
-        for each in left:
-            if name == "share":
-                share = share + each.at(times)
-            else:
-                off[name] = off[name] + each.at(times)
-    return off, share
-
-
-def _residuals(model: CycleModel, old: Foreseen, new: Foreseen, number: int, now: float) -> dict[str, list[Residual]]:
-    """What led a foot off the cycle at a time, and does not any more."""
+def _residuals(model: CycleModel, old: Foreseen, new: Foreseen, now: float) -> tuple[Mapping[str, Residual], ...]:
+    """What led the feet off the cycle at a time, and does not any more."""
     at = np.array([now])
-    (pose,) = free_legs(model, new.course, at, [number])
-    was, now_is = (_off(model, each, pose, at) for each in (old, new))
-    found = {}
-    for name in QUANTITIES:
-        gap = was[0][name][0] - now_is[0][name][0]
-        if np.any(np.abs(gap) > 1e-9):
-            found[name] = [Residual(now, _until(new.stances[number], name, now), gap)]
-    gap = was[1][0] - now_is[1][0]
-    if abs(gap) > 1e-9:
-        found["share"] = [Residual(now, _until(new.stances[number], "heel", now), np.asarray(gap))]
-    return found
+    place, turns = free_postures(model, new.course, at)
+    pose = model.legs.poses(place, turns[:, model.rig.root], turns)
+    was, becomes = (_off(each, pose, at) for each in (old, new))
+    found = []
+    for k, foot in enumerate(new.feet):
+        own = {}
+        for name in was:
+            gap = was[name][0, k] - becomes[name][0, k]
+            if np.any(np.abs(gap) > 1e-9):
+                own[name] = Residual(now, _until(foot, name, now), gap)
+        found.append(own)
+    return tuple(found)
 
 
-def _until(stances: Sequence[Stance], quantity: str, now: float) -> float:
-    starts = [span[0] for each in stances if (span := each.span(quantity)) is not None and span[0] > now]
-    return now + min(max(min(starts, default=np.inf) - now, _SOON), _RESIDUAL)
+def _until(foot: FootPlan, quantity: str, now: float) -> float:
+    """[s] when what is left over of a quantity has to be gone: when it is held next."""
+    spans = foot.spans(quantity if quantity in foot.lines else "heel")
+    coming = min((start for start, _ in spans if start > now), default=np.inf)
+    return now + min(max(coming - now, _SOON), _RESIDUAL)
 
 
 def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
     """The postures at some times (T,) [s], feet held."""
     place, turns = free_postures(model, foreseen.course, times)
-    rig = model.rig
-    masks: dict[int, Bools] = {}
-    for number in range(len(rig.legs)):
-        pose = leg_pose(model, number, place, turns[:, rig.root], turns)
-        off, share = _off(model, foreseen, pose, times)
-        ankle, foot, toes = foot_goal(model, pose, off, share)
-        for joint, turn in bent_to(model, pose, pose.places[rig.legs[number].hip], ankle, foot, toes).items():
-            turns[:, joint] = turn
-        for e, sole in enumerate(rig.soles):
-            if sole.leg == number:
-                masks[e] = contact_mask(foreseen.stances[number], sole.part, times)
-    contacts = np.stack([masks[e] for e in range(len(rig.soles))], axis=1)
-    return Postures(times, place, rotation.normalize(turns), contacts, tuple(sole.name for sole in rig.soles))
+    rig, legs = model.rig, model.legs
+    pose = legs.poses(place, turns[:, rig.root], turns)
+    turns[:, legs.turned] = legs.bent(pose, model.knees, *goals(pose, _off(foreseen, pose, times)))
+    contacts = [within(foreseen.feet[sole.leg].spans(sole.part), times) for sole in rig.soles]
+    return Postures(times, place, turns, np.stack(contacts, axis=1), tuple(sole.name for sole in rig.soles))

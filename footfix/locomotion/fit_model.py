@@ -7,16 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.locomotion.eigencycles import Code, GaitSpace, SpaceParams, aligned, fit_space, make_code
+from footfix.locomotion.eigencycles import GaitSpace, SpaceParams, aligned, fit_space, make_code
 from footfix.locomotion.leave_out import LeftOut, degree_for, leave_out
-from footfix.locomotion.leg_pose import leg_pose
+from footfix.locomotion.leg_pose import LegPoses
 from footfix.locomotion.model import CycleModel, Origin
 from footfix.locomotion.plan import Plan
 from footfix.locomotion.samples import Sample
-from footfix.motion import rotation
-from footfix.motion.clip import Floats, Skeleton
+from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.vectors import unit
 from footfix.rig.rig import Rig
+
+_FINE = 128  # samples of a contact
+_WIDER = 0.02  # of a cycle, by which the enclosing time is wider than captured contacts
+_DELTA = 0.4  # G eq. 8
+_LEVEL = 0.015  # [leg lengths] that is no height
+_NEAR = 0.035  # [leg lengths] from where an effector rests
 
 
 def make_model(
@@ -47,6 +52,7 @@ def make_model(
         skeleton, rig, code, spaces, np.zeros(len(rig.soles)), np.tile([1.0, 0.0, 0.0], (len(rig.legs), 1)),
         tuple(origins),
     )  # fmt: skip
+    bare = replace(bare, spaces=tuple(_detected(bare, space) for space in bare.spaces))
     return replace(bare, levels=_levels(bare), knees=_knees(bare)), error
 
 
@@ -68,33 +74,35 @@ def reaches(skeleton: Skeleton, leg_length: float) -> Floats:
     return np.asarray(np.maximum(far, 1e-3 * leg_length) / leg_length)
 
 
-def usual(space: GaitSpace, model: CycleModel, count: int) -> Plan:
-    """The plan (count,) of the middle of a gait's speeds."""
-    speed = 0.5 * (space.ramp.low + space.ramp.high) * model.froude
+def _gait_plan(space: GaitSpace, model: CycleModel, speed: float, count: int) -> Plan:
+    """A gait at one speed v / sqrt(g l)."""
     share = float(space.gait == "run")
-    return Plan(np.arange(count), *(np.full(count, each) for each in (speed, share, 0.0)), np.zeros((count, len(space.styles))))
+    rows = (np.full(count, each) for each in (speed * model.froude, share, 0.0))
+    return Plan(np.arange(count, dtype=np.float64), *rows, np.zeros((count, len(space.styles))))
 
 
-def _cycle_legs(model: CycleModel, space: GaitSpace, phases: Floats) -> list[object]:
-    rows = model.rows(phases, usual(space, model, len(phases)))
+def _cycle_legs(model: CycleModel, space: GaitSpace, speed: float, phases: Floats) -> LegPoses:
+    """The legs of a cycle that travels along z at an even speed, at phases (T,)."""
+    plan = _gait_plan(space, model, speed, len(phases))
+    rows = model.rows(phases, plan)
     turns = model.turns(rows)
     place = model.rig.leg_length * rows[:, :3]
-    return [leg_pose(model, k, place, turns[:, model.rig.root], turns) for k in range(len(model.rig.legs))]
+    place[:, 2] += plan.speed * phases / model.frequency(plan)
+    return model.legs.poses(place, turns[:, model.rig.root], turns)
 
 
 def _levels(model: CycleModel) -> Floats:
     """(E,) [leg lengths] the height of each effector in the middle of its contact, mean of the gaits."""
-    found = []
-    for space in model.spaces:
-        spans = space.contact_phases(np.array([0.5 * (space.ramp.low + space.ramp.high)]))[0]
-        heights = np.full(len(spans), np.nan)
+    found = np.full((len(model.spaces), len(model.rig.soles)), np.nan)
+    for g, space in enumerate(model.spaces):
+        speed = 0.5 * (space.ramp.low + space.ramp.high)
+        spans = space.contact_phases(np.array([speed]))[0]
+        pose = _cycle_legs(model, space, speed, spans[:, 0] + 0.5 * spans[:, 1])
         for e, sole in enumerate(model.rig.soles):
             if spans[e, 1] > 0.02:
-                (pose,) = [_cycle_legs(model, space, spans[e, :1] + 0.5 * spans[e, 1:])[sole.leg]]
-                heights[e] = (pose.heel if sole.part == "heel" else pose.toe)[0, 1]  # type: ignore[attr-defined]
-        found.append(heights)
-    levels = np.nanmean(np.stack(found), axis=0) if found else np.zeros(len(model.rig.soles))
-    return np.asarray(np.nan_to_num(levels)) / model.rig.leg_length
+                found[g, e] = (pose.heel if sole.part == "heel" else pose.toe)[e, sole.leg, 1]
+    known = np.isfinite(found)
+    return np.where(known, found, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1) / model.rig.leg_length
 
 
 def _knees(model: CycleModel) -> Floats:
@@ -102,12 +110,49 @@ def _knees(model: CycleModel) -> Floats:
     axes = np.zeros((len(model.rig.legs), 3))
     phases = np.linspace(0.0, 1.0, 32, endpoint=False)
     for space in model.spaces:
-        for k, pose in enumerate(_cycle_legs(model, space, phases)):
-            leg = model.rig.legs[k]
-            thigh, shank = (pose.places[b] - pose.places[a] for a, b in ((leg.hip, leg.knee), (leg.knee, leg.ankle)))  # type: ignore[attr-defined]
-            normal = np.cross(thigh, shank)
-            axes[k] += rotation.rotate(rotation.inverse(pose.turns[leg.hip]), normal).sum(axis=0)  # type: ignore[attr-defined]
+        pose = _cycle_legs(model, space, 0.5 * (space.ramp.low + space.ramp.high), phases)
+        normal = np.cross(pose.knee - pose.hip, pose.ankle - pose.knee)
+        axes += np.einsum("tlji,tlj->li", pose.thigh, normal)
     return np.asarray(unit(axes))
 
 
-__all__ = ["Code", "make_model"]
+def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
+    """Contacts detected on the cycles themselves (G sec. 4.2), within the time in which captured ones were.
+
+    An effector is planted where it is lower than eps_p, of the least height and that at the ends of the time
+    (eq. 8), walking inwards from both ends; and near to where it rests, since in a cycle that is a mean of many the foot
+    leaves the floor at no moment.
+    """
+    out = np.array(space.contacts)
+    fine = np.linspace(0.0, 1.0, _FINE)
+    for m, speed in enumerate(space.contact_speeds()):
+        for e, sole in enumerate(model.rig.soles):
+            start, lasts = out[m, e]
+            if lasts < 0.03:
+                out[m, e, 1] = 0.0
+                continue
+            phases = start - _WIDER + (lasts + 2.0 * _WIDER) * fine
+            pose = _cycle_legs(model, space, float(speed), phases)
+            track = (pose.heel if sole.part == "heel" else pose.toe)[:, sole.leg] / model.rig.leg_length
+            own = _contact_of(track, (phases >= start) & (phases <= start + lasts))
+            out[m, e] = [phases[own[0]], phases[own[-1]] - phases[own[0]]] if len(own) else [start, 0.0]
+    return replace(space, contacts=out)
+
+
+def _contact_of(track: Floats, usual: Bools) -> Ints:
+    """The samples of a track (T, 3) [leg lengths] in which an effector is planted."""
+    middle = np.flatnonzero(usual)
+    middle = middle[len(middle) // 4 : -(len(middle) // 4) or None]
+    rest = np.median(track[middle], axis=0)
+    least = float(track[middle, 1].min())
+    eps_p = least + max(_DELTA * (0.5 * (track[0, 1] + track[-1, 1]) - least), _LEVEL)
+    far = np.hypot(track[:, 0] - rest[0], track[:, 2] - rest[2])
+    down = (track[:, 1] <= eps_p) & (far <= _NEAR)
+    if not down[middle].any():
+        return middle[:0]
+    low, high = middle[down[middle]][[0, -1]]
+    while low > 0 and down[low - 1]:
+        low -= 1
+    while high + 1 < len(down) and down[high + 1]:
+        high += 1
+    return np.arange(low, high + 1)

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from footfix.locomotion.eigencycles import Code, GaitSpace, kernel
+from footfix.locomotion.leg_pose import Legs
 from footfix.locomotion.plan import Plan
 from footfix.locomotion.samples import GRAVITY
 from footfix.motion import rotation
@@ -75,6 +76,11 @@ class CycleModel:
         return float(np.sqrt(GRAVITY * self.rig.leg_length))
 
     @cached_property
+    def legs(self) -> Legs:
+        """What moves its legs."""
+        return Legs(self.skeleton, self.rig)
+
+    @cached_property
     def leg_columns(self) -> tuple[Ints, ...]:
         """For each leg the columns of a row that its joints fill."""
         found = []
@@ -112,29 +118,38 @@ class CycleModel:
         """
         share = self.shares(asked.run)
         speed = asked.speed / self.froude
-        used = [g for g in range(len(self.spaces)) if np.any(share[:, g] > 0.0)]
-        blended = np.any((share > 0.0).sum(axis=1) > 1)
-        spans = self._contacts_of_gaits(asked) if blended else None
-        total = np.zeros((len(phases), 3 + 3 * len(self.skeleton)))
-        for g in used:
-            space = self.spaces[g]
-            features = space.features(speed, asked.style)
-            row = _at(space.directions, kernel(phases, space.mean.shape[0]), features)
-            if spans is not None:
-                for number, columns in enumerate(self.leg_columns):
-                    own, mixed = (self.stance(each, number) for each in (spans[:, g], np.einsum("tg,tgek->tek", share, spans)))
-                    led = warped(phases, mixed, own)
-                    row[:, columns] = _at(space.directions[:, :, columns], kernel(led, space.mean.shape[0]), features)
-            total += share[:, g : g + 1] * row
-        return total
+        used = np.flatnonzero(share.max(axis=0) > 0.0)
+        if len(used) == 1:
+            return self._of_gait(int(used[0]), phases, speed, asked.style, None)
+        spans = self._contacts_of_gaits(asked)
+        own = self._stances(spans)  # (T, G, L, 2)
+        mixed = self._stances(np.einsum("tg,tgek->tek", share, spans)[:, None])
+        led = warped(phases[:, None, None], mixed, own)
+        parts = [self._of_gait(int(g), phases, speed, asked.style, led[:, g]) for g in used]
+        return np.asarray(sum(share[:, g, None] * part for g, part in zip(used, parts, strict=True)))
 
-    def stance(self, spans: Floats, leg: int) -> Floats:
-        """(T, 2) when a foot is set down and for how long it stands, of contacts (T, E, 2) of its soles."""
-        own = [k for k, sole in enumerate(self.rig.soles) if sole.leg == leg]
-        there = spans[:, own, 1] > 1e-3
-        start = np.where(there, spans[:, own, 0], np.inf).min(axis=1)
-        end = np.where(there, spans[:, own].sum(axis=2), -np.inf).max(axis=1)
-        return np.stack([start, np.clip(end - start, 0.05, 0.95)], axis=1)
+    def _of_gait(self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None) -> Floats:
+        """(T, D) poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
+        space = self.spaces[gait]
+        features, samples = space.features(speed, style), space.mean.shape[0]
+        row = _at(space.directions, kernel(phases, samples), features)
+        for number, columns in enumerate(self.leg_columns if led is not None else ()):
+            assert led is not None
+            row[:, columns] = _at(self._leg_directions[gait][number], kernel(led[:, number], samples), features)
+        return row
+
+    @cached_property
+    def _leg_directions(self) -> list[list[Floats]]:
+        return [[np.ascontiguousarray(s.directions[:, :, own]) for own in self.leg_columns] for s in self.spaces]
+
+    def _stances(self, spans: Floats) -> Floats:
+        """(..., L, 2) when feet are set down and for how long they stand, of contacts (..., E, 2) of heels and toes."""
+        pairs = spans.reshape(*spans.shape[:-2], -1, 2, 2)
+        start, lasts = pairs[..., 0], pairs[..., 1]
+        there = lasts > 1e-3
+        first = np.where(there, start, 2.0).min(axis=-1)
+        last = np.where(there, start + lasts, -2.0).max(axis=-1)
+        return np.stack([first, np.clip(last - first, 0.05, 0.95)], axis=-1)
 
     def turns(self, rows: Floats) -> Floats:
         """(T, J, 4) rotations of rows (T, D)."""
@@ -150,22 +165,22 @@ def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:
 
 
 def warped(phases: Floats, here: Floats, there: Floats) -> Floats:
-    """(T,) phases of one gait at which a foot is as far in its stance, or swing, as at phases (T,) of another.
+    """Phases (...) of one gait at which a foot is as far in its stance, or swing, as at phases (...) of another.
 
     Args:
-        phases: (T,).
-        here, there: (T, 2) when the foot is set down, and for how long it stands.
+        phases: (...).
+        here, there: (..., 2) when the foot is set down, and for how long it stands.
     """
-    u = np.mod(phases - here[:, 0], 1.0)
-    d, e = here[:, 1], there[:, 1]
-    rise = [e / d, (1.0 - e) / (1.0 - d)]
-    slope = 2.0 * rise[0] * rise[1] / (rise[0] + rise[1])  # of a monotone cubic at both of its knots
+    u = np.mod(phases - here[..., 0], 1.0)
+    d, e = here[..., 1], there[..., 1]
+    first, second = e / d, (1.0 - e) / (1.0 - d)
+    slope = 2.0 * first * second / (first + second)  # of a monotone cubic at both of its knots
     stance = u < d
     size = np.where(stance, d, 1.0 - d)
     s = np.where(stance, u, u - d) / size
     low, high = np.where(stance, 0.0, e), np.where(stance, e, 1.0)
     led = low + (high - low) * s * s * (3.0 - 2.0 * s) + slope * size * s * (1.0 - s) * (1.0 - 2.0 * s)
-    return np.asarray(there[:, 0] + led)
+    return np.asarray(there[..., 0] + led)
 
 
 def place_of_root(rows: Floats, place: Floats, heading: Floats, leg_length: float) -> Floats:

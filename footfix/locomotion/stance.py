@@ -6,22 +6,24 @@ locomotion, The Visual Computer 22 (2006), sections 4 and 5.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.enforce.papers.ease import gamma
-from footfix.locomotion.leg_pose import LegPose, heel_offset
+from footfix.locomotion.leg_pose import LegPoses, between, reach, turned_by, vector_between
 from footfix.locomotion.model import CycleModel
-from footfix.motion import rotation
-from footfix.motion.clip import Bools, Floats
-from footfix.motion.vectors import unit
+from footfix.locomotion.timeline import Timeline, make_timeline, through
+from footfix.motion.clip import Floats, Ints
+from footfix.motion.vectors import norm, unit
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _INSIDE = 7  # samples of a contact, of which it is told where the foot is to stand
+_PEEL = 0.08  # [s] after the heel has left the floor, in which the foot becomes free to turn about its toe
+_SIZES = {"heel": 3, "toe": 3, "foot": 3, "toes": 1}  # numbers of what is held: two places, a turn, a heading
 
 Span = tuple[float, float]  # [s]
+Off = Mapping[str, Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +35,8 @@ class Stance:
         count: of the cycles since the engine began.
         heel, toe: [s] when they are planted; None where they never are.
         heel_place, toe_place: (3,) [m] where.
-        foot, toes: (4,) the frames of ankle and toe joint while heel and toe are both planted, and while the toe is.
-        ends: how far off the cycle each of these is when it begins and when it ends: quantity -> (2, 3).
+        foot, toes: (3, 3) the frames of ankle and toe joint while both are planted.
+        ends: how far off the cycle each quantity is when it begins to be held, and ends: quantity -> (2, size).
     """
 
     leg: int
@@ -43,9 +45,9 @@ class Stance:
     toe: Span | None
     heel_place: Floats = field(default_factory=lambda: np.zeros(3))
     toe_place: Floats = field(default_factory=lambda: np.zeros(3))
-    foot: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, 1.0]))
-    toes: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, 1.0]))
-    ends: dict[str, Floats] = field(default_factory=dict)
+    foot: Floats = field(default_factory=lambda: np.eye(3))
+    toes: Floats = field(default_factory=lambda: np.eye(3))
+    ends: Off = field(default_factory=dict)
 
     @property
     def flat(self) -> Span | None:
@@ -66,50 +68,43 @@ class Stance:
         return max(span[1] for span in (self.heel, self.toe) if span is not None)
 
     def span(self, quantity: str) -> Span | None:
-        """[s] while a quantity is held: "heel", "toe", "foot" (its turn) or "toes" (theirs)."""
+        """[s] while a quantity is held: "heel", "toe", "foot" (its turn) or "toes" (their heading)."""
         return {"heel": self.heel, "toe": self.toe, "foot": self.flat, "toes": self.toe}[quantity]
-
-
-QUANTITIES = ("heel", "toe", "foot", "toes")
 
 
 def sample_times(stance: Stance) -> Floats:
     """[s] the times of a stance at which the cycle is looked at: inside of what tells its place, then the spans' ends."""
     inside = stance.flat or stance.toe or stance.heel
     assert inside is not None
-    ends = [each for name in QUANTITIES for each in (stance.span(name) or (stance.start, stance.end))]
+    ends = [each for name in _SIZES for each in (stance.span(name) or inside)]
     return np.concatenate([np.linspace(*inside, _INSIDE), ends])
 
 
-def placed(stance: Stance, pose: LegPose, model: CycleModel) -> Stance:
+def placed(stance: Stance, pose: LegPoses, model: CycleModel) -> Stance:
     """A stance with its place: where the cycle has the foot, in the mean of the time that both ends are planted.
 
     Args:
         stance: when.
-        pose: the leg as the cycle has it at `sample_times`.
+        pose: the legs as the cycle has them at `sample_times`.
         model: the figure.
     """
-    leg, few = model.rig.legs[stance.leg], slice(0, _INSIDE)
-    level = {sole.part: model.levels[e] * model.rig.leg_length
-             for e, sole in enumerate(model.rig.soles) if sole.leg == stance.leg}  # fmt: skip
-    middle = _INSIDE // 2
-    foot, toe, heel = pose.turns[leg.ankle][middle], pose.toe[few].mean(axis=0), pose.heel[few].mean(axis=0)
-    toes = pose.turns[leg.toe][middle] if leg.toe is not None else foot
+    rig, k, middle = model.rig, stance.leg, _INSIDE // 2
+    level = {s.part: float(model.levels[e]) * rig.leg_length for e, s in enumerate(rig.soles) if s.leg == k}
+    foot, toes = pose.foot[middle, k], pose.toes[middle, k]
+    toe, heel = pose.toe[:_INSIDE, k].mean(axis=0), pose.heel[:_INSIDE, k].mean(axis=0)
     toe[1], heel[1] = level["toe"], level["heel"]
     if stance.flat is not None:
-        along = pose.toe[middle] - pose.heel[middle]
+        along = pose.toe[middle, k] - pose.heel[middle, k]
         level_off = _levelled(along, level["toe"] - level["heel"])
-        turn = rotation.between(along, level_off)
-        foot, toes = rotation.multiply(turn, foot), rotation.multiply(turn, toes)
+        foot = between(along, level_off) @ foot
         heel = toe - level_off
-    found = replace(stance, heel_place=heel, toe_place=toe, foot=foot, toes=toes)
-    return with_ends(found, pose, model)
+    return with_ends(replace(stance, heel_place=heel, toe_place=toe, foot=foot, toes=toes), pose, model)
 
 
-def with_ends(stance: Stance, pose: LegPose, model: CycleModel) -> Stance:
+def with_ends(stance: Stance, pose: LegPoses, model: CycleModel) -> Stance:
     """A stance that stays where it is, with how far off the cycle it is at the ends of its spans."""
-    rows = np.arange(_INSIDE, _INSIDE + 2 * len(QUANTITIES)).reshape(-1, 2)
-    ends = {name: _off(stance, name, pose, model)[own] for name, own in zip(QUANTITIES, rows, strict=True)}
+    rows = np.arange(_INSIDE, _INSIDE + 2 * len(_SIZES)).reshape(-1, 2)
+    ends = {name: _held(name, [stance], np.zeros(2, np.intp), pose, own) for name, own in zip(_SIZES, rows, strict=True)}
     return replace(stance, ends=ends)
 
 
@@ -119,109 +114,116 @@ def _levelled(along: Floats, rise: float) -> Floats:
     return flat * unit(along * [1.0, 0.0, 1.0]) + [0.0, rise, 0.0]
 
 
-def _off(stance: Stance, quantity: str, pose: LegPose, model: CycleModel) -> Floats:
-    """(T, 3) [m] or [rad] from what the cycle has to what a stance holds."""
-    leg = model.rig.legs[stance.leg]
+def _held(quantity: str, stances: Sequence[Stance], holder: Ints, pose: LegPoses, rows: Ints) -> Floats:
+    """(n, size) [m] or [rad] from what the cycle has at some rows of a pose to what stances hold."""
+    leg = stances[0].leg
     if quantity == "heel":
-        return np.asarray(stance.heel_place - pose.heel)
+        return np.array([stances[k].heel_place for k in holder]) - pose.heel[rows, leg]
     if quantity == "toe":
-        return np.asarray(stance.toe_place - pose.toe)
-    held, joint = (stance.foot, leg.ankle) if quantity == "foot" else (stance.toes, leg.toe if leg.toe is not None else leg.ankle)
-    return rotation.to_rotation_vector(rotation.multiply(held, rotation.inverse(pose.turns[joint])))
+        return np.array([stances[k].toe_place for k in holder]) - pose.toe[rows, leg]
+    name = "foot" if quantity == "foot" else "toes"
+    off = vector_between(getattr(pose, name)[rows, leg], np.array([getattr(stances[k], name) for k in holder]))
+    return off if quantity == "foot" else off[:, 1:2]
 
 
-def displacement(quantity: str, stances: Sequence[Stance], times: Floats, pose: LegPose, model: CycleModel) -> Floats:
-    """(T, 3) [m] or [rad] how far a quantity is led off the cycle: to what holds it, and from there to the next (G eq. 9).
+@dataclass(frozen=True, eq=False)
+class FootPlan:
+    """What one foot is going to do.
 
     Args:
-        quantity: which one.
-        stances: of one foot, in order of time.
-        times: (T,) [s].
-        pose: the leg as the cycle has it.
-        model: the figure.
+        stances: in order of time.
+        lines: quantity -> how it is led off the cycle.
+        share: by which of its ends the foot is led: 0 by the heel, 1 by the toe; while both are planted they say the same.
+        free: 1 while the foot may turn about its toe, 0 while its heel is planted.
     """
-    out = np.zeros((len(times), 3))
-    own = [(each.span(quantity), each) for each in stances if each.span(quantity) is not None]
-    before: tuple[float, Floats] | None = None
-    for span, stance in own:
-        assert span is not None
-        start, end = span
-        first, last = stance.ends[quantity]
-        inside = (times >= start) & (times <= end)
-        if np.any(inside):
-            out[inside] = _off(stance, quantity, pose, model)[inside]
-        if before is not None and start - before[0] < 2.0 * SIGMA:
-            between = (times > before[0]) & (times < start)
-            fall = gamma((times[between] - before[0]) / max(start - before[0], 1e-9))[:, None]
-            out[between] = fall * before[1] + (1.0 - fall) * first
-        else:
-            if before is not None:
-                _fall(out, times, before)
-            ahead = (times >= start - SIGMA) & (times < start)
-            out[ahead] = (1.0 - gamma((times[ahead] - start + SIGMA) / SIGMA))[:, None] * first
-        before = (end, last)
-    if before is not None:
-        _fall(out, times, before)
-    return out
+
+    stances: tuple[Stance, ...]
+    lines: Mapping[str, Timeline]
+    share: Timeline
+    free: Timeline
+
+    def spans(self, quantity: str) -> list[Span]:
+        """[s] when a quantity is held."""
+        return [span for each in self.stances if (span := each.span(quantity)) is not None]
 
 
-def _fall(out: Floats, times: Floats, before: tuple[float, Floats]) -> None:
-    after = (times > before[0]) & (times < before[0] + SIGMA)
-    out[after] = gamma((times[after] - before[0]) / SIGMA)[:, None] * before[1]
-
-
-def share_of_toe(stances: Sequence[Stance], times: Floats) -> Floats:
-    """(T,) by which of its ends a foot is led: 0 by the heel, 1 by the toe; while both are planted they say the same."""
-    knots: list[tuple[float, float]] = []
+def foot_plan(stances: Sequence[Stance]) -> FootPlan:
+    """The plan of one foot, of its stances in order of time."""
+    lines = {}
+    for name, size in _SIZES.items():
+        own = [(k, each) for k, each in enumerate(stances) if each.span(name) is not None]
+        spans = [span for _, each in own if (span := each.span(name)) is not None]
+        ends = [each.ends[name] for _, each in own]
+        lines[name] = make_timeline(spans, ends, [k for k, _ in own], SIGMA, size)
+    share, free = list[tuple[float, float]](), list[tuple[float, float]]()
     for each in stances:
-        if each.heel is None:
-            knots += [(each.start, 1.0), (each.end, 1.0)]
-        elif each.toe is None:
-            knots += [(each.start, 0.0), (each.end, 0.0)]
-        else:
-            first, last = float(each.toe[0] < each.heel[0]), float(each.toe[1] >= each.heel[1])
-            low, high = each.flat or (each.heel[1], each.toe[0])
-            knots += [(each.start, first), (low, first), (high, last), (each.end, last)]
-    if not knots:
-        return np.zeros(len(times))
-    at, value = np.array(knots).T
-    k = np.clip(np.searchsorted(at, times, side="right") - 1, 0, len(at) - 1)
-    after = np.minimum(k + 1, len(at) - 1)
-    u = (times - at[k]) / np.maximum(at[after] - at[k], 1e-9)
-    fall = gamma(u)
-    return np.asarray(fall * value[k] + (1.0 - fall) * value[after])
+        if each.heel is None or each.toe is None:
+            by = float(each.heel is None)
+            share += [(each.start, by), (each.end, by)]
+            free += [(each.start, by), (each.end, by)]
+            continue
+        first, last = float(each.toe[0] < each.heel[0]), float(each.toe[1] >= each.heel[1])
+        low, high = each.flat or (each.heel[1], max(each.toe[0], each.heel[1] + 1e-3))
+        share += [(each.start, first), (low, first), (high, last), (each.end, last)]
+        free += [(each.heel[0], 0.0), (each.heel[1], 0.0)]
+        if each.end > each.heel[1]:
+            peel = min(_PEEL, each.end - each.heel[1])
+            free += [(each.heel[1] + peel, 1.0), (max(each.end, each.heel[1] + peel), 1.0)]
+    return FootPlan(tuple(stances), lines, through(share), through(free))
 
 
-def foot_goal(
-    model: CycleModel, pose: LegPose, off: dict[str, Floats], share: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Where a foot is to be: (T, 3) [m] its ankle, (T, 4) the frames of ankle and toe joint in the world.
+def led_off(plan: FootPlan, times: Floats, pose: LegPoses) -> dict[str, Floats]:
+    """How a foot is led off the cycle: quantity -> (T, size), and "share" and "free" (T, 1).
 
     Args:
-        model: the figure.
-        pose: the leg as the cycle has it.
-        off: quantity -> (T, 3), from `displacement`.
-        share: (T,) from `share_of_toe`.
+        plan: of the foot.
+        times: (T,) [s].
+        pose: the legs as the cycle has them.
     """
-    leg = model.rig.legs[pose.number]
-    turn = rotation.from_rotation_vector(off["foot"])
-    part = share[:, None]
+    off = {}
+    for name, line in plan.lines.items():
+        value, holder = line.at(times)
+        rows = np.flatnonzero(holder >= 0)
+        if len(rows):
+            value[rows] = _held(name, plan.stances, holder[rows], pose, rows)
+        off[name] = value
+    off["share"], off["free"] = plan.share.at(times)[0], plan.free.at(times)[0]
+    return off
+
+
+def goals(pose: LegPoses, off: Mapping[str, Floats]) -> tuple[Floats, Floats, Floats]:
+    """Where feet are to be: (T, L, 3) [m] the ankles, (T, L, 3, 3) the frames of ankles and toe joints.
+
+    Args:
+        pose: the legs as the cycle has them.
+        off: quantity -> (T, L, size), of all legs, from `led_off`.
+    """
+    turn, part = turned_by(off["foot"]), off["share"]
     pivot = pose.heel + part * (pose.toe - pose.heel)
     goal = pivot + (1.0 - part) * off["heel"] + part * off["toe"]
-    ankle = goal + rotation.rotate(turn, pose.places[leg.ankle] - pivot)
-    foot = rotation.multiply(turn, pose.turns[leg.ankle])
-    toes = pose.turns[leg.toe if leg.toe is not None else leg.ankle]
-    return ankle, foot, rotation.multiply(rotation.from_rotation_vector(off["toes"]), toes)
+    ankle = goal + (turn @ (pose.ankle - pivot)[..., None])[..., 0]
+    foot = turn @ pose.foot
+    toe = goal + (turn @ (pose.toe - pivot)[..., None])[..., 0]
+    ankle, peel = _peeled(pose, ankle, toe, off["free"][..., 0])
+    heading = turned_by(off["toes"] * np.array([0.0, 1.0, 0.0]))
+    return ankle, peel @ foot, heading @ pose.toes
 
 
-def contact_mask(stances: Sequence[Stance], part: str, times: Floats) -> Bools:
-    """(T,) whether heel or toe is planted."""
-    mask = np.zeros(len(times), dtype=np.bool_)
-    for each in stances:
-        span = each.span(part)
-        if span is not None:
-            mask |= (times >= span[0]) & (times <= span[1])
-    return mask
+def _peeled(pose: LegPoses, ankle: Floats, toe: Floats, free: Floats) -> tuple[Floats, Floats]:
+    """Turn feet about their toes where a leg would be stretched farther than in the cycle: the heel comes up instead.
 
-
-__all__ = ["Callable", "Stance", "contact_mask", "displacement", "foot_goal", "heel_offset", "placed", "sample_times"]
+    Returns:
+        (T, L, 3) [m] the ankles, and (T, L, 3, 3) the turns.
+    """
+    limit, was, now = reach(pose), norm(pose.ankle - pose.hip), norm(ankle - pose.hip)
+    room = np.maximum(limit - was, 1e-6)
+    beyond = np.maximum(now - was, 0.0)
+    wanted = now - free * (beyond - room * (1.0 - np.exp(-beyond / room)))
+    # in the triangle of hip, toe and ankle the angle at the toe tells how far the ankle is from the hip
+    arm, line = ankle - toe, pose.hip - toe
+    r, d = norm(arm), norm(line)
+    lever = np.maximum(2.0 * r * d, 1e-9)
+    old, new = (np.arccos(np.clip((r * r + d * d - x * x) / lever, -1.0, 1.0)) for x in (now, wanted))
+    axis = unit(np.cross(arm, line))
+    turn = turned_by(axis * (old - new)[..., None])
+    return toe + (turn @ arm[..., None])[..., 0], turn

@@ -1,0 +1,91 @@
+"""Values led over time from one held stretch to the next, by the cubic step Gamma (G eq. 9, 10)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.papers.ease import gamma
+from footfix.motion.clip import Bools, Floats, Ints, frozen
+
+_LEAST = 1e-6  # [s] of a stretch
+
+
+@dataclass(frozen=True, eq=False)
+class Timeline:
+    """Stretches of time, end to end; over each a value goes from one to another, or something else holds it.
+
+    Args:
+        starts: (S,) [s], ascending; the first stretch reaches back for ever.
+        lengths: (S,) [s].
+        first, last: (S, K) values at its ends.
+        holder: (S,) what holds it, -1 where nothing does.
+    """
+
+    starts: Floats
+    lengths: Floats
+    first: Floats
+    last: Floats
+    holder: Ints
+
+    def __post_init__(self) -> None:
+        for name in ("starts", "lengths", "first", "last"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def at(self, times: Floats) -> tuple[Floats, Ints]:
+        """(T, K) values, and (T,) what holds them instead."""
+        k = np.maximum(np.searchsorted(self.starts, times, side="right") - 1, 0)
+        fall = gamma((times - self.starts[k]) / self.lengths[k])[:, None]
+        last = self.last[k]
+        return last + fall * (self.first[k] - last), self.holder[k]
+
+
+def make_timeline(
+    spans: Sequence[tuple[float, float]], ends: Sequence[Floats], holders: Sequence[int], sigma: float, size: int
+) -> Timeline:
+    """A value that is held in spans, eased in before each and out after it, and led over where they are close.
+
+    Args:
+        spans: [s] from when until when it is held, in order of time.
+        ends: for each (2, K) the value at its start and at its end.
+        holders: what holds it then.
+        sigma: [s] of an ease.
+        size: K.
+    """
+    zero = np.zeros(size)
+    rows: list[tuple[float, Floats, Floats, int]] = [(-np.inf, zero, zero, -1)]
+    for k, ((start, end), (first, last)) in enumerate(zip(spans, ends, strict=True)):
+        if k == 0 or start - spans[k - 1][1] >= 2.0 * sigma:
+            rows.append((start - sigma, zero, first, -1))
+        rows.append((start, first, last, holders[k]))
+        if k + 1 == len(spans) or spans[k + 1][0] - end >= 2.0 * sigma:
+            rows += [(end, last, zero, -1), (end + sigma, zero, zero, -1)]
+        else:
+            rows.append((end, last, ends[k + 1][0], -1))
+    starts = np.array([row[0] for row in rows])
+    starts[0] = min(starts[1:].min(initial=0.0), 0.0) - 1.0
+    lengths = np.append(np.maximum(np.diff(starts), _LEAST), 1.0)
+    return Timeline(
+        starts, lengths, np.array([row[1] for row in rows]), np.array([row[2] for row in rows]),
+        np.array([row[3] for row in rows]),
+    )  # fmt: skip
+
+
+def through(knots: Sequence[tuple[float, float]]) -> Timeline:
+    """A number that goes through some (time, value) in order of time."""
+    if not knots:
+        knots = [(0.0, 0.0)]
+    at, value = np.array(knots).T
+    after = np.append(value[1:], value[-1])
+    lengths = np.append(np.maximum(np.diff(at), _LEAST), 1.0)
+    return Timeline(at, lengths, value[:, None], after[:, None], np.full(len(at), -1))
+
+
+def within(spans: Sequence[tuple[float, float]], times: Floats) -> Bools:
+    """(T,) whether times lie in one of some spans [s]."""
+    if not spans:
+        return np.zeros(len(times), dtype=np.bool_)
+    low, high = np.array(spans).T
+    return np.asarray(((times[:, None] >= low) & (times[:, None] <= high)).any(axis=1))
