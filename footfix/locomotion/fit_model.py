@@ -20,8 +20,8 @@ from footfix.rig.rig import Rig
 _FINE = 128  # samples of a contact
 _WIDER = 0.02  # of a cycle, by which the enclosing time is wider than captured contacts
 _DELTA = 0.4  # G eq. 8
-_LEVEL = 0.015  # [leg lengths] that is no height
-_NEAR = 0.035  # [leg lengths] from where an effector rests
+_LEVEL = (0.012, 0.02)  # [leg lengths] that eps_p is higher than the least height, at least and at most
+_NEAR = 0.02  # [leg lengths] from where an effector rests
 
 
 def make_model(
@@ -120,8 +120,8 @@ def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
     """Contacts detected on the cycles themselves (G sec. 4.2), within the time in which captured ones were.
 
     An effector is planted where it is lower than eps_p, of the least height and that at the ends of the time
-    (eq. 8), walking inwards from both ends; and near to where it rests, since in a cycle that is a mean of many the foot
-    leaves the floor at no moment.
+    (eq. 8), walking inwards from both ends; and near to where it rests, since in a cycle that is a mean of many no foot
+    leaves the floor in one moment.
     """
     out = np.array(space.contacts)
     fine = np.linspace(0.0, 1.0, _FINE)
@@ -145,9 +145,9 @@ def _contact_of(track: Floats, usual: Bools) -> Ints:
     middle = middle[len(middle) // 4 : -(len(middle) // 4) or None]
     rest = np.median(track[middle], axis=0)
     least = float(track[middle, 1].min())
-    eps_p = least + max(_DELTA * (0.5 * (track[0, 1] + track[-1, 1]) - least), _LEVEL)
+    eps_p = least + np.clip(_DELTA * (0.5 * (track[0, 1] + track[-1, 1]) - least), *_LEVEL)
     far = np.hypot(track[:, 0] - rest[0], track[:, 2] - rest[2])
-    down = (track[:, 1] <= eps_p) & (far <= _NEAR)
+    down = (track[:, 1] <= eps_p) & (far <= _NEAR) & usual
     if not down[middle].any():
         return middle[:0]
     low, high = middle[down[middle]][[0, -1]]

@@ -19,7 +19,11 @@ from footfix.motion.vectors import norm, unit
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _INSIDE = 7  # samples of a contact, of which it is told where the foot is to stand
+_REACHED = 5  # samples of a heel's contact, at which the leg has to be long enough
 _PEEL = 0.08  # [s] after the heel has left the floor, in which the foot becomes free to turn about its toe
+_STRETCHED = 0.9985  # of a leg's reach, at which a heel is placed at the farthest
+_FARTHEST = 0.05  # [leg lengths] by which a place is drawn nearer at most
+_DELTA = 0.004  # [s] over which slopes are told
 _SIZES = {"heel": 3, "toe": 3, "foot": 3, "toes": 1}  # numbers of what is held: two places, a turn, a heading
 
 Span = tuple[float, float]  # [s]
@@ -36,7 +40,8 @@ class Stance:
         heel, toe: [s] when they are planted; None where they never are.
         heel_place, toe_place: (3,) [m] where.
         foot, toes: (3, 3) the frames of ankle and toe joint while both are planted.
-        ends: how far off the cycle each quantity is when it begins to be held, and ends: quantity -> (2, size).
+        ends, slopes: how far off the cycle each quantity is when it begins to be held, and when it ends, and how that
+            changes then [1/s]: quantity -> (2, size).
     """
 
     leg: int
@@ -48,6 +53,7 @@ class Stance:
     foot: Floats = field(default_factory=lambda: np.eye(3))
     toes: Floats = field(default_factory=lambda: np.eye(3))
     ends: Off = field(default_factory=dict)
+    slopes: Off = field(default_factory=dict)
 
     @property
     def flat(self) -> Span | None:
@@ -76,8 +82,12 @@ def sample_times(stance: Stance) -> Floats:
     """[s] the times of a stance at which the cycle is looked at: inside of what tells its place, then the spans' ends."""
     inside = stance.flat or stance.toe or stance.heel
     assert inside is not None
-    ends = [each for name in _SIZES for each in (stance.span(name) or inside)]
-    return np.concatenate([np.linspace(*inside, _INSIDE), ends])
+    ends = np.array([stance.span(name) or inside for name in _SIZES])  # (4, 2)
+    heel = stance.heel or inside
+    return np.concatenate([
+        np.linspace(*inside, _INSIDE), ends.ravel(), (ends + np.array([_DELTA, -_DELTA])).ravel(),
+        np.linspace(*heel, _REACHED),
+    ])  # fmt: skip
 
 
 def placed(stance: Stance, pose: LegPoses, model: CycleModel) -> Stance:
@@ -98,14 +108,32 @@ def placed(stance: Stance, pose: LegPoses, model: CycleModel) -> Stance:
         level_off = _levelled(along, level["toe"] - level["heel"])
         foot = between(along, level_off) @ foot
         heel = toe - level_off
-    return with_ends(replace(stance, heel_place=heel, toe_place=toe, foot=foot, toes=toes), pose, model)
+    nearer = _nearer(pose.some(slice(-_REACHED, None)), k, heel) if stance.heel else 0.0
+    found = replace(stance, heel_place=heel + nearer, toe_place=toe + nearer, foot=foot, toes=toes)
+    return with_ends(found, pose, model)
+
+
+def _nearer(pose: LegPoses, k: int, heel: Floats) -> Floats:
+    """(3,) [m] by which a heel's place must be nearer over the floor, for the leg to reach it throughout its contact."""
+    hip, ankle = pose.hip[:, k], pose.ankle[:, k] - pose.heel[:, k] + heel
+    limit = _STRETCHED * reach(pose)[:, k]
+    line = ankle - hip
+    flat = np.hypot(line[:, 0], line[:, 2])
+    room = np.sqrt(np.maximum(limit**2 - line[:, 1] ** 2, 0.0))
+    worst = int(np.argmax(flat - room))
+    short = min(max(flat[worst] - room[worst], 0.0), _FARTHEST * limit[worst])
+    return np.asarray(-short * unit(line[worst] * [1.0, 0.0, 1.0]))
 
 
 def with_ends(stance: Stance, pose: LegPoses, model: CycleModel) -> Stance:
     """A stance that stays where it is, with how far off the cycle it is at the ends of its spans."""
-    rows = np.arange(_INSIDE, _INSIDE + 2 * len(_SIZES)).reshape(-1, 2)
-    ends = {name: _held(name, [stance], np.zeros(2, np.intp), pose, own) for name, own in zip(_SIZES, rows, strict=True)}
-    return replace(stance, ends=ends)
+    n = 2 * len(_SIZES)
+    rows = np.arange(_INSIDE, _INSIDE + n).reshape(-1, 2)
+    one = np.zeros(2, np.intp)
+    ends = {name: _held(name, [stance], one, pose, own) for name, own in zip(_SIZES, rows, strict=True)}
+    beside = {name: _held(name, [stance], one, pose, own + n) for name, own in zip(_SIZES, rows, strict=True)}
+    way = np.array([[1.0], [-1.0]]) / _DELTA
+    return replace(stance, ends=ends, slopes={name: way * (beside[name] - ends[name]) for name in _SIZES})
 
 
 def _levelled(along: Floats, rise: float) -> Floats:
@@ -154,7 +182,8 @@ def foot_plan(stances: Sequence[Stance]) -> FootPlan:
         own = [(k, each) for k, each in enumerate(stances) if each.span(name) is not None]
         spans = [span for _, each in own if (span := each.span(name)) is not None]
         ends = [each.ends[name] for _, each in own]
-        lines[name] = make_timeline(spans, ends, [k for k, _ in own], SIGMA, size)
+        slopes = [each.slopes[name] for _, each in own]
+        lines[name] = make_timeline(spans, ends, slopes, [k for k, _ in own], SIGMA, size)
     share, free = list[tuple[float, float]](), list[tuple[float, float]]()
     for each in stances:
         if each.heel is None or each.toe is None:
