@@ -107,15 +107,16 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
         start: where the course is known.
         until: [s].
     """
-    course = make_course(plan, line, start, until, start.time - _back(model, plan, start.time), model.frequency)
-    stances = [each for own in timetable(model, course) for each in own]
+    course = _course(model, plan, line, start, until)
+    stances = [each for own in timetable(model, course, until) for each in own]
     feet = _feet(model, _placed(model, course, stances, [False] * len(stances)))
     return Foreseen(course, feet, tuple({} for _ in feet))
 
 
-def _back(model: CycleModel, plan: Plan, time: float) -> float:
-    """[s] of the past that is needed: a foot that stands has been set down in it."""
-    return 1.6 / float(model.frequency(plan.at(np.array([time])))[0])
+def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
+    """The course, with the past in which feet that stand were set down, and the time in which they are lifted again."""
+    slow = 1.0 / model.frequency(plan.at(np.array([start.time, until])))
+    return make_course(plan, line, start, until + float(slow[1]), start.time - 1.3 * float(slow[0]), model.frequency)
 
 
 def _feet(model: CycleModel, stances: Sequence[Stance]) -> tuple[FootPlan, ...]:
@@ -129,10 +130,9 @@ def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: flo
     What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
     them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
     """
-    start = old.course.point(now)
-    course = make_course(plan, old.course.line, start, until, now - _back(model, plan, now), model.frequency)
+    course = _course(model, plan, old.course.line, old.course.point(now), until)
     stances, stays = list[Stance](), list[bool]()
-    for foot, coming in zip(old.feet, timetable(model, course), strict=True):
+    for foot, coming in zip(old.feet, timetable(model, course, until), strict=True):
         before = {each.count: each for each in foot.stances if each.start <= now + _COMMITTED}
         stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
         stays += [each.count in before for each in coming]
@@ -162,27 +162,30 @@ def _kept(old: Stance, new: Stance, now: float) -> Stance:
     return replace(old, heel=span(old.heel, new.heel), toe=span(old.toe, new.toe))
 
 
-def timetable(model: CycleModel, course: Course) -> list[list[Stance]]:
-    """When each foot is going to stand, by the phases at which it does in the cycles on the way; without places."""
+def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stance]]:
+    """When each foot is going to stand, by the phases at which it does in the cycles on the way; without places.
+
+    Of those that begin after `until` [s] each foot has one, to be led to.
+    """
     asked = course.plan.at(course.grid)
     spans = model.contact_phases(asked)
     set_down = course.phase[:, None] - spans[:, :, 0]
     lifted = set_down - spans[:, :, 1]
     low, high = int(np.floor(set_down[0].min())), int(np.ceil(set_down[-1].max()))
     counts = np.arange(low, high + 1)
-    effectors = model.rig.soles
     times: dict[tuple[int, str], list[Span | None]] = {}
-    for e, sole in enumerate(effectors):
-        begin, end = (np.interp(counts, curve[:, e], course.grid, left=np.nan, right=np.nan) for curve in (set_down, lifted))
-        last = course.grid[-1] + 0.3 / max(float(model.frequency(course.plan.at(course.grid[-1:]))[0]), 0.1)
-        end = np.where(np.isnan(end) & ~np.isnan(begin), last, end)
+    for e, sole in enumerate(model.rig.soles):
+        begin, end = (np.interp(counts, c[:, e], course.grid, left=np.nan, right=np.nan) for c in (set_down, lifted))
+        end = np.where(np.isnan(end), course.grid[-1], end)
         times[sole.leg, sole.part] = [
             (float(a), float(b)) if np.isfinite(a) and b - a >= _BRIEFEST else None for a, b in zip(begin, end, strict=True)
         ]
     found = []
     for leg in range(len(model.rig.legs)):
         pairs = zip(counts, times[leg, "heel"], times[leg, "toe"], strict=True)
-        found.append([Stance(leg, int(k), heel, toe) for k, heel, toe in pairs if heel is not None or toe is not None])
+        own = [Stance(leg, int(k), heel, toe) for k, heel, toe in pairs if heel is not None or toe is not None]
+        later = [k for k, each in enumerate(own) if each.start > until]
+        found.append(own[: later[0] + 1] if later else own)
     return found
 
 

@@ -12,7 +12,7 @@ from footfix.locomotion.leave_out import LeftOut, degree_for, leave_out
 from footfix.locomotion.leg_pose import LegPoses
 from footfix.locomotion.model import CycleModel, Origin
 from footfix.locomotion.plan import Plan
-from footfix.locomotion.samples import Sample
+from footfix.locomotion.samples import GRAVITY, Sample
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.vectors import unit
 from footfix.rig.rig import Rig
@@ -21,6 +21,7 @@ _FINE = 128  # samples of a contact
 _WIDER = 0.02  # of a cycle, by which the enclosing time is wider than captured contacts
 _DELTA = 0.4  # G eq. 8
 _LEVEL = (0.012, 0.02)  # [leg lengths] that eps_p is higher than the least height, at least and at most
+_QUICK = 0.7  # [leg lengths/s] what moves faster is on its way
 _NEAR = 0.02  # [leg lengths] from where an effector rests
 
 
@@ -120,11 +121,11 @@ def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
     """Contacts detected on the cycles themselves (G sec. 4.2), within the time in which captured ones were.
 
     An effector is planted where it is lower than eps_p, of the least height and that at the ends of the time
-    (eq. 8), walking inwards from both ends; and near to where it rests, since in a cycle that is a mean of many no foot
+    (eq. 8), walking inwards from both ends; and slow, and near to where it rests, since in a cycle that is a mean of many no foot
     leaves the floor in one moment.
     """
     out = np.array(space.contacts)
-    fine = np.linspace(0.0, 1.0, _FINE)
+    fine, plain = np.linspace(0.0, 1.0, _FINE), np.zeros((1, len(space.styles)))
     for m, speed in enumerate(space.contact_speeds()):
         for e, sole in enumerate(model.rig.soles):
             start, lasts = out[m, e]
@@ -134,20 +135,22 @@ def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
             phases = start - _WIDER + (lasts + 2.0 * _WIDER) * fine
             pose = _cycle_legs(model, space, float(speed), phases)
             track = (pose.heel if sole.part == "heel" else pose.toe)[:, sole.leg] / model.rig.leg_length
-            own = _contact_of(track, (phases >= start) & (phases <= start + lasts))
+            seconds = np.sqrt(model.rig.leg_length / GRAVITY) * float(space.frequencies(np.array([speed]), plain)[0]) ** -1
+            quick = np.linalg.norm(np.gradient(track, phases * seconds, axis=0), axis=1)
+            own = _contact_of(track, quick, (phases >= start) & (phases <= start + lasts))
             out[m, e] = [phases[own[0]], phases[own[-1]] - phases[own[0]]] if len(own) else [start, 0.0]
     return replace(space, contacts=out)
 
 
-def _contact_of(track: Floats, usual: Bools) -> Ints:
-    """The samples of a track (T, 3) [leg lengths] in which an effector is planted."""
+def _contact_of(track: Floats, quick: Floats, usual: Bools) -> Ints:
+    """The samples of a track (T, 3) [leg lengths] in which an effector is planted, by its speed (T,) too."""
     middle = np.flatnonzero(usual)
     middle = middle[len(middle) // 4 : -(len(middle) // 4) or None]
     rest = np.median(track[middle], axis=0)
     least = float(track[middle, 1].min())
     eps_p = least + np.clip(_DELTA * (0.5 * (track[0, 1] + track[-1, 1]) - least), *_LEVEL)
     far = np.hypot(track[:, 0] - rest[0], track[:, 2] - rest[2])
-    down = (track[:, 1] <= eps_p) & (far <= _NEAR) & usual
+    down = (track[:, 1] <= eps_p) & (far <= _NEAR) & (quick <= _QUICK) & usual
     if not down[middle].any():
         return middle[:0]
     low, high = middle[down[middle]][[0, -1]]

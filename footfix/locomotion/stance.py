@@ -20,7 +20,7 @@ from footfix.motion.vectors import norm, unit
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _INSIDE = 7  # samples of a contact, of which it is told where the foot is to stand
 _REACHED = 5  # samples of a heel's contact, at which the leg has to be long enough
-_PEEL = 0.08  # [s] after the heel has left the floor, in which the foot becomes free to turn about its toe
+_PEEL = 0.08  # [s] after the heel has left the floor, and before the foot is set down, in which it becomes free to turn
 _STRETCHED = 0.9985  # of a leg's reach, at which a heel is placed at the farthest
 _FARTHEST = 0.05  # [leg lengths] by which a place is drawn nearer at most
 _DELTA = 0.004  # [s] over which slopes are told
@@ -186,6 +186,8 @@ def foot_plan(stances: Sequence[Stance]) -> FootPlan:
         lines[name] = make_timeline(spans, ends, slopes, [k for k, _ in own], SIGMA, size)
     share, free = list[tuple[float, float]](), list[tuple[float, float]]()
     for each in stances:
+        if free and free[-1][1] == 1.0 and each.start - _PEEL > free[-1][0]:
+            free.append((each.start - _PEEL, 1.0))
         if each.heel is None or each.toe is None:
             by = float(each.heel is None)
             share += [(each.start, by), (each.end, by)]

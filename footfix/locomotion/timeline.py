@@ -13,7 +13,7 @@ from footfix.motion.clip import Bools, Floats, Ints, frozen
 
 _LEAST = 1e-6  # [s] of a stretch
 _BEND = 0.1  # [s] within which a value that is let go, or taken up, changes its slope,
-_ASIDE = 0.08  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
+_ASIDE = 0.02  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
 
 
 @dataclass(frozen=True, eq=False)
