@@ -36,7 +36,7 @@ _COMMITTED = 0.12  # [s] before a foot is set down, from when on its place does 
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
 _AHEAD = 1.4  # [s] that are foreseen at least
 _RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
-_SOON = 0.05  # [s]
+_SOON = 0.01  # [s] in which it is gone at the soonest
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,22 +131,16 @@ def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: flo
     them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
     """
     course = _course(model, plan, old.course.line, old.course.point(now), until)
-    stances, stays = list[Stance](), list[bool]()
+    over, stances, stays = list[Stance](), list[Stance](), list[bool]()
     for foot, coming in zip(old.feet, timetable(model, course, until), strict=True):
+        over += [each for each in foot.stances if now - 2.0 * SIGMA < each.end <= now]
         before = {each.count: each for each in foot.stances if each.start <= now + _COMMITTED}
+        coming = [s for s in coming if (before[s.count] if s.count in before else s).end > now]
         stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
         stays += [each.count in before for each in coming]
-    new = _feet(model, _placed(model, course, stances, stays))
-    new = tuple(_with_past(foot, was, now) for foot, was in zip(new, old.feet, strict=True))
+    new = _feet(model, [*over, *_placed(model, course, stances, stays)])
     found = Foreseen(course, new, tuple({} for _ in new))
     return replace(found, residuals=_residuals(model, old, found, now))
-
-
-def _with_past(foot: FootPlan, was: FootPlan, now: float) -> FootPlan:
-    """A foot's plan with the last stances before those that are foreseen, which it may still come from."""
-    known = {each.count for each in foot.stances}
-    past = [s for s in was.stances if s.count not in known and s.start <= now and s.end > now - 2.0 * SIGMA]
-    return foot_plan(sorted((*past, *foot.stances), key=lambda s: s.count)) if past else foot
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
@@ -154,7 +148,7 @@ def _kept(old: Stance, new: Stance, now: float) -> Stance:
 
     def span(was: Span | None, becomes: Span | None) -> Span | None:
         if was is None or was[0] > now:
-            return becomes
+            return becomes if becomes is None else (max(becomes[0], now), max(becomes[1], now + 1e-3))
         if was[1] <= now or becomes is None:
             return (was[0], max(min(was[1], now + _BRIEFEST), was[0] + 1e-3)) if was[1] > now else was
         return (was[0], max(becomes[1], now + 1e-3))
