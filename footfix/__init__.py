@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         presets,
         save,
     )
+    from footfix.api.follows import follow
     from footfix.api.labels import load_contacts, save_contacts
     from footfix.api.loops import loop
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
     from footfix.formats.document import Document
     from footfix.job import Outputs
+    from footfix.locomotion.follow import Follow
     from footfix.locomotion.loop import Loop
     from footfix.measure.arrays import PhysDiff, jitter, physdiff, skating_ratio, slides, weighted_skate
     from footfix.measure.clip import Measures
@@ -61,6 +63,7 @@ _NAMES = {
     "footfix.api.clips": (
         "apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure presets save"
     ),
+    "footfix.api.follows": "follow",
     "footfix.api.labels": "load_contacts save_contacts",
     "footfix.api.loops": "loop",
     "footfix.api.positions": "HUMANML3D_NAMES HUMANML3D_PARENTS CleanedPositions clean_positions",
@@ -70,6 +73,7 @@ _NAMES = {
     "footfix.errors": "ArgumentError FootfixError InputError NoLegsError OutputError UsageError",
     "footfix.formats.document": "Document",
     "footfix.job": "Outputs",
+    "footfix.locomotion.follow": "Follow",
     "footfix.locomotion.loop": "Loop",
     "footfix.measure.arrays": "PhysDiff jitter physdiff skating_ratio slides weighted_skate",
     "footfix.measure.clip": "Measures",
@@ -95,6 +99,7 @@ __all__ = [
     "Correction",
     "Document",
     "Effector",
+    "Follow",
     "FootfixError",
     "Footplant",
     "InputError",
@@ -123,6 +128,7 @@ __all__ = [
     "detect",
     "find_rig",
     "find_rigs",
+    "follow",
     "global_positions",
     "jitter",
     "load",

@@ -23,7 +23,7 @@ FLOORS = [
     {"pipeline", "config", "listing"},
     {"report"},
     {"job"},
-    {"inspection", "looping"},
+    {"inspection", "looping", "following"},
     {"batch", "api"},
     {"cli", "__main__", "__init__"},
 ]

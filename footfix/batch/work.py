@@ -38,35 +38,35 @@ def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
 
 def clean_one(task: Task) -> FileResult:
     """Cleans one clip and writes its outputs, the report last: where that is, all of it is."""
-    return _guarded(task, _clean)
+    return guarded(task, _clean)
 
 
 def loop_one(task: Task) -> FileResult:
     """Cuts a loop out of one clip and writes its outputs, the report last."""
-    return _guarded(task, _loop)
+    return guarded(task, _loop)
 
 
 def detect_one(task: Task) -> FileResult:
     """Finds the contacts of one clip, and writes them or hands them back; `extra["kind"]` is the format."""
-    return _guarded(task, _detect)
+    return guarded(task, _detect)
 
 
 def inspect_one(task: Task) -> FileResult:
     """Looks into one file."""
-    return _guarded(task, _inspect)
+    return guarded(task, _inspect)
 
 
 def repair_one(task: Task) -> FileResult:
     """Writes what a strict reader wants of one file."""
-    return _guarded(task, _repair)
+    return guarded(task, _repair)
 
 
 def check_one(task: Task) -> FileResult:
     """Measures one clip and holds it against `extra["gates"]`."""
-    return _guarded(task, _check)
+    return guarded(task, _check)
 
 
-def _guarded(task: Task, work: Any) -> FileResult:
+def guarded(task: Task, work: Any) -> FileResult:
     """The result of some work and the time it took, whatever happens: one clip's failure is never that of others."""
     begun = time.perf_counter()
     return replace(_ended(task, work), seconds=time.perf_counter() - begun)
@@ -143,7 +143,13 @@ def _made(task: Task, make: Callable[..., Outputs], what: str = "") -> FileResul
         return done
     output = None if job.target is None else job.target.name
     outputs = make(data, job.source, task.settings, labels=task.labels, output=output)
-    report = {**outputs.report, "fingerprint": key, "output_sha256": hashlib.sha256(outputs.motion).hexdigest()}
+    return write_outputs(task, outputs, {**outputs.report, "fingerprint": key})
+
+
+def write_outputs(task: Task, outputs: Outputs, report: Mapping[str, Any]) -> FileResult:
+    """Writes the outputs of a clip, with the hash of its motion in the report."""
+    job = task.job
+    report = {**report, "output_sha256": hashlib.sha256(outputs.motion).hexdigest()}
     files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
     _write(task, files)
     return FileResult(

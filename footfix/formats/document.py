@@ -116,6 +116,28 @@ def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Doc
     return selected
 
 
+def write_motion(document: Document, frames: Ints, clip: Clip, *, limits: Limits = _LIMITS) -> tuple[bytes, Clip]:
+    """Write a BVH file of a new motion of a document's skeleton; that of a BVH file keeps its header.
+
+    Args:
+        document: the file.
+        frames: (F,) which of its frames are most like those of the clip.
+        clip: F frames [m], y up.
+        limits: beyond these it can't be read again.
+
+    Returns:
+        The file, and the motion that reading it finds [m].
+    """
+    own = getattr(_format(document.name), "with_motion", None)
+    unit_m, up = (document.unit_m, document.up) if own else (0.01, "y")
+    if own:
+        written: bytes = own(document, frames, clip)
+    else:
+        written = import_module(MOTION[_DEFAULT]).compose(clip, unit_m=unit_m)
+    again = open_document(written, name=_DEFAULT, limits=limits)
+    return written, again.placed(unit_m=unit_m, up=up).clip
+
+
 def glance(head: bytes, *, name: str = "", limits: Limits = _LIMITS) -> None:
     """Look at the first bytes of a large file, so that gigabytes of something else need not be read.
 

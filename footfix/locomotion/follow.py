@@ -1,0 +1,430 @@
+"""Captured walks along a path, one handed over to the next: root, feet, lean, and plants held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.correction import Correction, apply
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.run import EnforceParams
+from footfix.errors import UsageError
+from footfix.locomotion.balance import (
+    Segment,
+    centres,
+    corrected_lean,
+    end_effectors,
+    lean_for,
+    neck_of,
+    segments,
+    zero_moment_point,
+)
+from footfix.locomotion.blend import (
+    Keys,
+    Pace,
+    Timeline,
+    Transition,
+    align,
+    blend_length,
+    check_order,
+    frame_at,
+    make_timeline,
+    time_at,
+)
+from footfix.locomotion.follow_params import FollowParams
+from footfix.locomotion.holding import held_on
+from footfix.locomotion.path import Path, make_path
+from footfix.locomotion.placing import (
+    Goal,
+    Lean,
+    Posed,
+    bend_legs,
+    contacts_of,
+    goal_of,
+    hips_of,
+    lay_body,
+    pose,
+    reaches,
+)
+from footfix.locomotion.steps import envelope, ground_at, lower_swing, reach_lack, unturned
+from footfix.locomotion.stride import Way, averaged, pace_of, smoothed, way_on
+from footfix.locomotion.walk import Walk, check_alike, on_one_floor, pelvis_of
+from footfix.motion import rotation
+from footfix.motion.clip import Bools, Clip, Floats, Ints
+from footfix.motion.contacts import Contacts
+from footfix.notes import Note
+from footfix.rig.rig import Rig
+
+_MOST = 1_000_000  # frames
+_LINE = Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)  # along z
+_LEAD = 1.6  # strides before the start, and after the end, that are laid and cut off
+
+
+@dataclass(frozen=True)
+class At:
+    """Where on the way a walk begins.
+
+    Args:
+        seconds: [s] after the start, or
+        metres: [m] on the path; one of them.
+    """
+
+    seconds: float | None = None
+    metres: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Walked:
+    """How a path was walked, frame by frame.
+
+    Args:
+        arc: (F,) [m] arc length on the path.
+        root: (F, 2) [m] x and z of the root, in the mean over a stride.
+        off: (F,) [m] how far that is from the path, to the left.
+        speed: (F,) [m/s] along the path.
+        scale: (F,) how long strides are, of captured ones.
+        lean: (F,) [rad] to the left.
+        aside: (F,) [m] how far feet step beside the path, to the left.
+        balance: (F,) [m] how far the zero-moment point is from where the straight walk has it, to the left, in the
+            mean over a stride; zeros where nothing leans.
+        lowered: (F,) [m] by which the body is lowered for its legs to reach.
+    """
+
+    arc: Floats
+    root: Floats
+    off: Floats
+    speed: Floats
+    scale: Floats
+    lean: Floats
+    aside: Floats
+    balance: Floats
+    lowered: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Follow:
+    """Walks along a path.
+
+    Args:
+        clip: F frames, the figure's own skeleton.
+        laid: the same before legs were bent and plants held.
+        straight: the walks as they would go straight on, F frames on the spot.
+        rig: legs, soles and floor.
+        contacts: of `clip`.
+        path: that was walked.
+        walked: how.
+        transitions: from walk to walk.
+        walks: the loops that were laid.
+        frames: (F,) which frame of the first captured clip each is written like.
+        plants, correction, notes: what holding did.
+    """
+
+    clip: Clip
+    laid: Clip
+    straight: Clip
+    rig: Rig
+    contacts: Contacts
+    path: Path
+    walked: Walked
+    transitions: tuple[Transition, ...]
+    walks: tuple[Walk, ...]
+    frames: Ints
+    plants: tuple[Footplant, ...]
+    correction: Correction
+    notes: tuple[Note, ...]
+
+
+def follow_path(
+    points: Floats, walks: Sequence[Walk], ats: Sequence[At], params: FollowParams, holding: EnforceParams, *,
+    relative: bool = False,
+) -> Follow:  # fmt: skip
+    """Lead walks along a path.
+
+    Args:
+        points: (N, 2) [m] x and z of the path.
+        walks: one after the other.
+        ats: where each of them begins; the first at the start.
+        params: how.
+        holding: how footplants are enforced.
+        relative: whether points are seen from where the first walk is, to its left and ahead.
+
+    Raises:
+        ArgumentError: the points are no path.
+        UsageError: walks begin where they can't.
+        InputError: the walks have different skeletons.
+    """
+    check_alike(walks)
+    walks = on_one_floor(walks)
+    first = walks[0]
+    path = _path(points, walks, params, relative)
+    paces = [pace_of(walk, params) for walk in walks]
+    keys = align(walks) if len(walks) > 1 else (_one_key(first),)
+    stride = float(np.mean([w.length * p.stride / w.strides for w, p in zip(walks, paces, strict=True)]))
+    way = way_on(path, stride, first.rig.leg_length, _until(path, params, walks, paces), params)
+    wanted, notes = _transitions(walks, keys, paces, ats, way, params)
+    timeline, more = _timeline(path, way, walks, keys, paces, wanted, params)
+    made = _laid(path, way, walks, timeline, params)
+    return _finished(made, path, walks, timeline, holding, (*path.notes, *notes, *more))
+
+
+def _one_key(walk: Walk) -> Keys:
+    return Keys(np.zeros(1), np.zeros(1), walk.strides, walk.frames)
+
+
+def _path(points: Floats, walks: Sequence[Walk], params: FollowParams, relative: bool) -> Path:
+    """The path in the world, no kink of it sharper than a stance can turn."""
+    if relative:
+        x, z, heading = walks[0].start
+        c, s = np.cos(heading), np.sin(heading)
+        left, ahead = np.asarray(points, dtype=np.float64).T
+        points = np.stack([x + left * c + ahead * s, z - left * s + ahead * c], axis=1)
+    stance = max(_stance_way(walk) for walk in walks)
+    sharpest = np.radians(params.stance_turn) / max(params.shortest * stance, 0.05)
+    size = walks[0].rig.leg_length
+    if params.stride:  # strides are the shorter, the sharper it is
+        shorter = [np.radians(params.stance_turn) / (s * stance) for s in np.linspace(params.shortest, 1.0, 101)]
+        fits = [k for k, s in zip(shorter, np.linspace(params.shortest, 1.0, 101), strict=True)
+                if s >= 1.0 - params.shrink * size * k]  # fmt: skip
+        sharpest = max(fits, default=sharpest)
+    else:
+        sharpest = np.radians(params.stance_turn) / stance
+    return make_path(points, sharpest=float(sharpest), kink=np.radians(params.kink))
+
+
+def _stance_way(walk: Walk) -> float:
+    """[m] that a walk goes while a foot stands, in the mean."""
+    own = [e for e, sole in enumerate(walk.rig.soles) if sole.leg == 0]
+    share = float(walk.contacts.mask()[:-1, own].any(axis=1).mean())
+    return share * walk.length / walk.strides
+
+
+def _until(path: Path, params: FollowParams, walks: Sequence[Walk], paces: Sequence[Pace]) -> float:
+    """[m] how far at most walks get."""
+    if params.seconds is None:
+        return path.length
+    fastest = max(w.speed * p.stride / p.time for w, p in zip(walks, paces, strict=True))
+    return max(path.length, params.seconds * fastest) if path.closed else path.length
+
+
+def _transitions(
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way,
+    params: FollowParams,
+) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
+    """When each walk is handed over to the next, and for how long."""
+    rig, skeleton = walks[0].rig, walks[0].clip.skeleton
+    ends = end_effectors(skeleton, rig)
+    found: list[Transition] = []
+    starts = [0.0]
+    notes = []
+    for k in range(1, len(walks)):
+        at = ats[k]
+        start = at.seconds
+        if start is None:
+            start = time_at(way.gone(at.metres or 0.0), walks, keys, paces, found)
+        starts.append(start)
+        check_order(starts, [walk.name for walk in walks])
+        if found and start < found[-1].end:
+            found[-1] = replace(found[-1], end=start, clamped=True)
+            text = f"{walks[k].name} begins while {walks[k - 1].name} is still handed over to: that blend is shorter"
+            notes.append(Note("blend-cut", text))
+        frame, gone = frame_at(start, walks, keys, paces, found)
+        pair = walks[k - 1], walks[k]
+        seconds = np.mean([w.stride_seconds * p.time for w, p in zip(pair, paces[k - 1 : k + 1], strict=True)])
+        moment = float(keys[k - 1].time(np.array([frame]))[0])
+        joint, asked, least = blend_length(*pair, (keys[k - 1], keys[k]), moment, ends)
+        low, high = max(params.shortest_blend, least), params.longest_blend * float(seconds)
+        length = float(np.clip(asked, low, max(low, high)))
+        found.append(Transition(
+            k - 1, k, start, start + length, float(way.place(np.array([gone]))[0]), skeleton.names[joint], asked,
+            length != asked,
+        ))  # fmt: skip
+    return tuple(found), tuple(notes)
+
+
+def _timeline(
+    path: Path, way: Way, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace],
+    wanted: Sequence[Transition], params: FollowParams,
+) -> tuple[Timeline, tuple[Note, ...]]:  # fmt: skip
+    """Which moment each frame shows, until the path ends or the time is over."""
+    dt = walks[0].clip.frame_time
+    whole = time_at(way.gone(path.length), walks, keys, paces, wanted)
+    notes: tuple[Note, ...] = ()
+    seconds = whole if params.seconds is None else params.seconds
+    if seconds > whole and not path.closed:
+        notes += (Note("path-ends", f"the path ends after {whole:.2f} s, before the {seconds:g} s asked for"),)
+        seconds = whole
+    for change in wanted:
+        if change.start >= seconds:
+            raise UsageError(
+                f"{walks[change.after].name} is to begin after {change.start:.2f} s, but the walk ends after "
+                f"{seconds:.2f} s, {path.length:.2f} m on"
+            )
+    frames = round(seconds / dt) + 1
+    if not 2 <= frames <= _MOST:
+        raise UsageError(f"{seconds:.2f} s are {frames} frames; 2 to {_MOST} can be made")
+    lead = int(np.ceil(_LEAD * max(w.stride_seconds * p.time for w, p in zip(walks, paces, strict=True)) / dt)) + 2
+    timeline = make_timeline(walks, keys, paces, wanted, frames, lead, dt)
+    if params.seconds is None and not path.straight:  # the last frame is at the end of the path
+        end = timeline.gone[lead + frames - 1]
+        timeline = replace(timeline, gone=timeline.gone * (way.gone(path.length) / end))
+    return timeline, notes
+
+
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """Walks laid along a path, with what is cut off at both ends."""
+
+    posed: Posed
+    laid: Clip
+    clip: Clip
+    arc: Floats
+    speed: Floats
+    scale: Floats
+    lean: Lean
+    aside: Floats
+    balance: Floats
+    stride: Floats
+
+
+def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams) -> _Made:
+    """Lay body and feet along a path, and lean."""
+    posed = pose(walks, timeline)
+    arc = way.place(timeline.gone)
+    dt, first = timeline.frame_time, walks[0]
+    leads = timeline.leads()
+    stride = np.array([walk.stride_seconds for walk in walks])[leads] / dt  # (F,) [frames]
+    usual = float(np.median(stride))
+    straight = np.gradient(timeline.gone)
+    speed = np.gradient(arc) / dt
+    scale = np.where(straight > 0.0, np.gradient(arc) / np.maximum(straight, 1e-12), 1.0)
+    scale = np.ones_like(scale) if path.straight else scale
+    curvature = path.curvature(arc)
+    height = smoothed(np.array([walk.height for walk in walks])[leads], round(usual)) if len(walks) > 1 else np.full(
+        len(arc), first.height
+    )  # fmt: skip
+    angle = lean_for(speed, curvature, usual) if params.lean else np.zeros(len(arc))
+    neck = neck_of(first.clip.skeleton, first.rig) if params.head else None
+
+    def lay(angle: Floats) -> tuple[Clip, Clip, Floats, Floats]:
+        aside = -height * np.sin(angle) * (params.on_path == "root")
+        return (*_figure(posed, path, arc, aside, Lean(angle, neck, params.head), scale, curvature), aside)
+
+    laid, clip, lowered, aside = lay(angle)
+    off = np.zeros(len(arc))
+    if np.any(angle):
+        body = segments(first.clip.skeleton, first.rig)
+        on = _straight(posed, timeline.gone)
+        upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside)
+        off = _balance(clip, first.rig, body, path, arc, aside) - upright
+        high = float((centres(first.clip, body)[..., 1] - first.rig.floor).mean(axis=1) @ [each.mass for each in body])
+        angle = corrected_lean(angle, off, high, usual)
+        laid, clip, lowered, aside = lay(angle)
+        off = averaged(_balance(clip, first.rig, body, path, arc, aside) - upright, usual)
+    return _Made(posed, laid, clip, arc, speed, scale, Lean(angle, neck, params.head, lowered), aside, off, stride)
+
+
+def _straight(posed: Posed, gone: Floats) -> Clip:
+    """The walks straight on along z."""
+    still = np.zeros(len(gone))
+    return lay_body(posed, ground_at(_LINE, gone, still), Lean(still))
+
+
+def _balance(clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: Floats, aside: Floats) -> Floats:
+    """(F,) [m] how far the zero-moment point is to the left of where feet step along a path."""
+    point = zero_moment_point(clip, rig, body)
+    heading = path.heading(arc)
+    ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
+    on = arc + np.einsum("fk,fk->f", point - path.place(arc), ahead)
+    heading = path.heading(on)
+    left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
+    return np.asarray(np.einsum("fk,fk->f", point - path.place(on), left) - aside)
+
+
+def _figure(
+    posed: Posed, path: Path, arc: Floats, aside: Floats, lean: Lean, scale: Floats, curvature: Floats
+) -> tuple[Clip, Clip, Floats]:  # fmt: skip
+    """The body on a path, the same with its feet where they step, and by how much it is lowered for that."""
+    rig, dt = posed.rig, posed.clip.frame_time
+    ground = ground_at(path, arc, aside)
+    laid = lay_body(posed, ground, lean)
+    count = np.arange(len(arc))
+    goals: list[Goal] = []
+    for number, foot in enumerate(posed.feet):
+        moment = foot.steps.moment
+        toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
+        heel = rotation.rotate(foot.turn, foot.heel)
+        there = ground_at(path, np.interp(moment, count, arc), np.interp(moment, count, aside))
+        yaw, shift = unturned(
+            foot.turn, heel, posed.planted[:, toes], foot.steps, np.interp(moment, count, curvature), dt
+        )
+        height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
+        goals.append(goal_of(foot, there, yaw, shift, height))
+    far = reaches(laid, rig)
+    lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], far)
+    lowered = envelope(lack, _window(posed))
+    if np.any(lowered):
+        laid = lay_body(posed, ground, replace(lean, lower=lowered))
+    return laid, bend_legs(laid, rig, goals, [float(each.max()) for each in far]), lowered
+
+
+def _window(posed: Posed) -> int:
+    """[frames] from a stance of a foot to its next, about."""
+    steps = [b[0] - a[0] for foot in posed.feet
+             for a, b in zip(foot.steps.stances[:-1], foot.steps.stances[1:], strict=True)]  # fmt: skip
+    return int(np.median(steps)) if steps else round(1.0 / posed.clip.frame_time)
+
+
+def _finished(
+    made: _Made, path: Path, walks: Sequence[Walk], timeline: Timeline, holding: EnforceParams, notes: tuple[Note, ...]
+) -> Follow:  # fmt: skip
+    """Cut the ends off, and hold what still slides."""
+    lead = timeline.first
+    some = slice(lead, len(timeline) - lead)
+    clip, laid = made.clip.frames(some), made.laid.frames(some)
+    contacts = contacts_of(made.posed, some)
+    changed: Bools = np.asarray(_changes(made, timeline))
+    found = held_on(clip, made.posed.rig, contacts, holding, needed=bool(changed[some].any()))
+    clip = apply(clip, found.correction)
+    walked = _walked(made, path, clip, some)
+    frames = _like(walks[0], timeline, some)
+    return Follow(
+        clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
+        tuple(walks), frames, found.plants, found.correction, (*notes, *found.notes),
+    )  # fmt: skip
+
+
+def _changes(made: _Made, timeline: Timeline) -> Bools:
+    """(F,) where anything is otherwise than in a straight walk."""
+    blended = np.concatenate([(z.weight[z.frames] > 0.0) & (z.weight[z.frames] < 1.0) & (z.at[0] is not z.at[1])
+                              for z in timeline.zones])  # fmt: skip
+    return np.asarray(blended | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
+
+
+def _any_turn(made: _Made) -> bool:
+    return made.clip is not made.laid
+
+
+def _walked(made: _Made, path: Path, clip: Clip, some: slice) -> Walked:
+    root = pelvis_of(clip, made.posed.rig)[:, [0, 2]]
+    stride = float(np.median(made.stride[some]))
+    arc = made.arc[some]
+    whole = pelvis_of(made.laid, made.posed.rig)[:, [0, 2]].copy()
+    whole[some] = root
+    heading = path.heading(made.arc)
+    left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
+    off = averaged(np.einsum("fk,fk->f", whole - path.place(made.arc), left), stride)
+    mean = np.stack([averaged(each, stride) for each in whole.T], axis=1)
+    lowered = made.lean.lower if made.lean.lower is not None else np.zeros(len(made.arc))
+    return Walked(
+        arc, mean[some], off[some], averaged(made.speed, stride)[some], made.scale[some], made.lean.angle[some],
+        made.aside[some], made.balance[some], lowered[some],
+    )  # fmt: skip
+
+
+def _like(walk: Walk, timeline: Timeline, some: slice) -> Ints:
+    """(F,) frames of the first captured clip that show the pose nearest to each."""
+    first = timeline.zones[0].at[0][some]
+    frames = walk.loop.frames
+    return np.asarray(frames[np.rint(first).astype(np.intp) % min(walk.frames, len(frames))])
