@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         save,
     )
     from footfix.api.follows import follow
+    from footfix.api.engines import Ahead, Engine, Frame, fit_cycles, load_model, save_model
     from footfix.api.labels import load_contacts, save_contacts
     from footfix.api.loops import loop
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
@@ -64,6 +65,7 @@ _NAMES = {
         "apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure presets save"
     ),
     "footfix.api.follows": "follow",
+    "footfix.api.engines": "Ahead Engine Frame fit_cycles load_model save_model",
     "footfix.api.labels": "load_contacts save_contacts",
     "footfix.api.loops": "loop",
     "footfix.api.positions": "HUMANML3D_NAMES HUMANML3D_PARENTS CleanedPositions clean_positions",
@@ -91,6 +93,7 @@ _HOME = {name: module for module, names in _NAMES.items() for name in names.spli
 __all__ = [
     "HUMANML3D_NAMES",
     "HUMANML3D_PARENTS",
+    "Ahead",
     "ArgumentError",
     "CleanedPositions",
     "Clip",
@@ -99,9 +102,11 @@ __all__ = [
     "Correction",
     "Document",
     "Effector",
+    "Engine",
     "Follow",
     "FootfixError",
     "Footplant",
+    "Frame",
     "InputError",
     "Leg",
     "Loop",
@@ -128,11 +133,13 @@ __all__ = [
     "detect",
     "find_rig",
     "find_rigs",
+    "fit_cycles",
     "follow",
     "global_positions",
     "jitter",
     "load",
     "load_contacts",
+    "load_model",
     "loop",
     "make_page",
     "make_report",
@@ -142,6 +149,7 @@ __all__ = [
     "presets",
     "save",
     "save_contacts",
+    "save_model",
     "skating_ratio",
     "slides",
     "summarize",
