@@ -192,7 +192,7 @@ class Engine:
         out = {}
         for sole in self.rig.soles:
             own = []
-            for stance in self._foreseen.feet[sole.leg].stances:
+            for stance in self._foreseen.feet.stances[sole.leg]:
                 span = stance.span(sole.part)
                 if span is not None and span[1] > self.time and span[0] <= self.time + seconds:
                     x, y, z = (stance.heel_place if sole.part == "heel" else stance.toe_place).tolist()

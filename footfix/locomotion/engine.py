@@ -6,28 +6,17 @@ locomotion, The Visual Computer 22 (2006), sections 3 to 6.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from footfix.enforce.papers.ease import gamma
+from footfix.locomotion.feet import SIGMA, Feet, goals, lowered, make_feet
 from footfix.locomotion.leg_pose import LegPoses
 from footfix.locomotion.model import CycleModel, place_of_root
 from footfix.locomotion.plan import Course, Line, Plan, Point, make_course
-from footfix.locomotion.stance import (
-    SIGMA,
-    FootPlan,
-    Span,
-    Stance,
-    foot_plan,
-    goals,
-    led_off,
-    placed,
-    sample_times,
-    with_ends,
-)
-from footfix.locomotion.timeline import within
+from footfix.locomotion.stance import HELD, Span, Stance, sample_times, settled
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 
@@ -70,16 +59,22 @@ class Postures:
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """What of a displacement a changed plan left over, and until when it fades (G eq. 11)."""
+    """What led the feet off the cycle when a plan changed, and does not any more: it fades (G eq. 11).
+
+    Args:
+        since: [s].
+        until: (L, Q) [s] when it is gone.
+        value: (L, Q, 3) what was left over.
+    """
 
     since: float
-    until: float
+    until: Floats
     value: Floats
 
     def at(self, times: Floats) -> Floats:
-        """(T, size) what is left of it."""
-        u = (times - self.since) / (self.until - self.since)
-        return np.asarray((gamma(u) * (times >= self.since))[:, None] * self.value)
+        """(T, L, Q, 3) what is left of it."""
+        u = (times[:, None, None] - self.since) / (self.until - self.since)
+        return np.asarray(gamma(u)[..., None] * self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +83,18 @@ class Foreseen:
 
     Args:
         course: phase, place and heading.
-        feet: what each foot is going to do.
-        residuals: of each foot, quantity -> what fades.
+        feet: what the feet are going to do.
+        residual: what is left of another plan.
     """
 
     course: Course
-    feet: tuple[FootPlan, ...]
-    residuals: tuple[Mapping[str, Residual], ...] = field(default=())
+    feet: Feet
+    residual: Residual | None = None
+
+    def led_off(self, times: Floats, pose: LegPoses) -> Floats:
+        """(T, L, Q, 3) how the feet are led off the cycle, whose legs are posed so at times (T,) [s]."""
+        off = self.feet.led_off(times, pose)
+        return off if self.residual is None else off + self.residual.at(times)
 
 
 def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
@@ -109,8 +109,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     """
     course = _course(model, plan, line, start, until)
     stances = [each for own in timetable(model, course, until) for each in own]
-    feet = _feet(model, _placed(model, course, stances, [False] * len(stances)))
-    return Foreseen(course, feet, tuple({} for _ in feet))
+    return Foreseen(course, _feet(model, _placed(model, course, stances, [False] * len(stances))))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
@@ -119,9 +118,9 @@ def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     return make_course(plan, line, start, until + float(slow[1]), start.time - 1.3 * float(slow[0]), model.frequency)
 
 
-def _feet(model: CycleModel, stances: Sequence[Stance]) -> tuple[FootPlan, ...]:
+def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
     legs = range(len(model.rig.legs))
-    return tuple(foot_plan(sorted((s for s in stances if s.leg == k), key=lambda s: s.count)) for k in legs)
+    return make_feet([sorted((s for s in stances if s.leg == k), key=lambda s: s.count) for k in legs])
 
 
 def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Foreseen:
@@ -132,15 +131,14 @@ def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: flo
     """
     course = _course(model, plan, old.course.line, old.course.point(now), until)
     over, stances, stays = list[Stance](), list[Stance](), list[bool]()
-    for foot, coming in zip(old.feet, timetable(model, course, until), strict=True):
-        over += [each for each in foot.stances if now - 2.0 * SIGMA < each.end <= now]
-        before = {each.count: each for each in foot.stances if each.start <= now + _COMMITTED}
+    for known, coming in zip(old.feet.stances, timetable(model, course, until), strict=True):
+        over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
+        before = {each.count: each for each in known if each.start <= now + _COMMITTED}
         coming = [s for s in coming if (before[s.count] if s.count in before else s).end > now]
         stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
         stays += [each.count in before for each in coming]
-    new = _feet(model, [*over, *_placed(model, course, stances, stays)])
-    found = Foreseen(course, new, tuple({} for _ in new))
-    return replace(found, residuals=_residuals(model, old, found, now))
+    feet = _feet(model, [*over, *_placed(model, course, stances, stays)])
+    return Foreseen(course, feet, _residual(model, old, Foreseen(course, feet), now))
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
@@ -187,15 +185,8 @@ def _placed(model: CycleModel, course: Course, stances: Sequence[Stance], stays:
     """Stances with their places; those that stay keep theirs."""
     if not stances:
         return []
-    times = [sample_times(each) for each in stances]
-    every = np.concatenate(times)
-    place, turns = free_postures(model, course, every)
-    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
-    found, at = [], 0
-    for stance, own, keeps in zip(stances, times, stays, strict=True):
-        found.append((with_ends if keeps else placed)(stance, poses.some(slice(at, at + len(own))), model))
-        at += len(own)
-    return found
+    place, turns = free_postures(model, course, sample_times(stances).ravel())
+    return settled(stances, stays, model.legs.poses(place, turns[:, model.rig.root], turns), model)
 
 
 def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Floats, Floats]:
@@ -207,39 +198,18 @@ def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Flo
     return place_of_root(rows, place, heading, model.rig.leg_length), turns
 
 
-def _off(foreseen: Foreseen, pose: LegPoses, times: Floats) -> dict[str, Floats]:
-    """What leads the feet off the cycle: quantity -> (T, L, size)."""
-    each_foot = []
-    for foot, residuals in zip(foreseen.feet, foreseen.residuals, strict=True):
-        off = led_off(foot, times, pose)
-        for name, left in residuals.items():
-            off[name] = off[name] + left.at(times)
-        each_foot.append(off)
-    return {name: np.stack([off[name] for off in each_foot], axis=1) for name in each_foot[0]}
-
-
-def _residuals(model: CycleModel, old: Foreseen, new: Foreseen, now: float) -> tuple[Mapping[str, Residual], ...]:
+def _residual(model: CycleModel, old: Foreseen, new: Foreseen, now: float) -> Residual:
     """What led the feet off the cycle at a time, and does not any more."""
     at = np.array([now])
     place, turns = free_postures(model, new.course, at)
     pose = model.legs.poses(place, turns[:, model.rig.root], turns)
-    was, becomes = (_off(each, pose, at) for each in (old, new))
-    found = []
-    for k, foot in enumerate(new.feet):
-        own = {}
-        for name in was:
-            gap = was[name][0, k] - becomes[name][0, k]
-            if np.any(np.abs(gap) > 1e-9):
-                own[name] = Residual(now, _until(foot, name, now), gap)
-        found.append(own)
-    return tuple(found)
-
-
-def _until(foot: FootPlan, quantity: str, now: float) -> float:
-    """[s] when what is left over of a quantity has to be gone: when it is held next."""
-    spans = foot.spans(quantity if quantity in foot.lines else "heel")
-    coming = min((start for start, _ in spans if start > now), default=np.inf)
-    return now + min(max(coming - now, _SOON), _RESIDUAL)
+    gap = (old.led_off(at, pose) - new.led_off(at, pose))[0]
+    until = np.full(gap.shape[:2], now + _RESIDUAL)
+    for leg in range(len(gap)):
+        for q, name in enumerate((*HELD, "heel", "heel")):
+            coming = min((start for start, _ in new.feet.spans(leg, name) if start > now), default=np.inf)
+            until[leg, q] = now + min(max(coming - now, _SOON), _RESIDUAL)
+    return Residual(now, until, gap)
 
 
 def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
@@ -247,6 +217,11 @@ def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
     place, turns = free_postures(model, foreseen.course, times)
     rig, legs = model.rig, model.legs
     pose = legs.poses(place, turns[:, rig.root], turns)
-    turns[:, legs.turned] = legs.bent(pose, model.knees, *goals(pose, _off(foreseen, pose, times)))
-    contacts = [within(foreseen.feet[sole.leg].spans(sole.part), times) for sole in rig.soles]
+    off = foreseen.led_off(times, pose)
+    ankle, foot, toes = goals(pose, off)
+    down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
+    place[:, 1] -= down
+    ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
+    turns[:, legs.turned] = legs.bent(pose, model.knees, ankle, foot, toes)
+    contacts = [foreseen.feet.planted(sole.leg, sole.part, times) for sole in rig.soles]
     return Postures(times, place, turns, np.stack(contacts, axis=1), tuple(sole.name for sole in rig.soles))

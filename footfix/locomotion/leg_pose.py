@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Skeleton
-from footfix.motion.vectors import dot, norm, unit
+from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
 _LONGEST = 0.9998  # share of a leg's length to which it is stretched at most
@@ -142,7 +142,7 @@ class Legs:
         along = unit(thigh)
         axis = unit(axis - dot(axis, along)[..., None] * along)
         in_plane = shank - dot(shank, axis)[..., None] * axis
-        flexion = np.arctan2(dot(np.cross(thigh, in_plane), axis), dot(thigh, in_plane))
+        flexion = np.arctan2(dot(cross(thigh, in_plane), axis), dot(thigh, in_plane))
         line = ankle - pose.hip
         bones = dot(thigh, thigh) + dot(shank, shank)
         far = np.minimum(norm(line), reach(pose))
@@ -196,7 +196,7 @@ def _crosswise(v: Floats) -> Floats:
 def between(a: Floats, b: Floats) -> Floats:
     """(..., 3, 3) the smallest turns that take directions (..., 3) to others."""
     a, b = unit(a), unit(b)
-    k = _crosswise(np.cross(a, b))
+    k = _crosswise(cross(a, b))
     return np.asarray(np.eye(3) + k + (k @ k) / np.maximum(1.0 + dot(a, b), 1e-9)[..., None, None])
 
 
