@@ -53,6 +53,7 @@ def encode_model(model: CycleModel) -> bytes:
         "reach": model.code.reach,
         "levels": model.levels,
         "knees": model.knees,
+        "between": model.between,
     }
     for each in model.spaces:
         arrays |= {f"{each.gait}_{name}": getattr(each, name) for name in _SPACE}
@@ -114,5 +115,6 @@ def _model(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> CycleModel:
     return CycleModel(
         skeleton, Rig(rig["root"], rig["pelvis"], legs, soles, rig["leg_length_m"], 0.0),
         Code(arrays["middle"], arrays["reach"]), tuple(spaces), arrays["levels"], arrays["knees"],
+        arrays["between"],
         tuple(Origin(*row) for row in head["files"]),
     )  # fmt: skip

@@ -12,11 +12,13 @@ from footfix.locomotion.leave_out import LeftOut, degree_for, leave_out
 from footfix.locomotion.leg_pose import LegPoses
 from footfix.locomotion.model import CycleModel, Origin
 from footfix.locomotion.plan import Plan
-from footfix.locomotion.samples import GRAVITY, Sample
+from footfix.locomotion.samples import Sample
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.vectors import unit
 from footfix.rig.rig import Rig
 
+_MIXED = 9  # speeds at which contacts between walk and run are told
+_BRIEFEST = 0.03  # of a cycle: a contact that is shorter is none
 _FINE = 128  # samples of a contact
 _WIDER = 0.02  # of a cycle, by which the enclosing time is wider than captured contacts
 _DELTA = 0.4  # G eq. 8
@@ -51,9 +53,10 @@ def make_model(
     error = leave_out(gaits, spaces, code, params, skeleton, rig.root, rig.leg_length)
     bare = CycleModel(
         skeleton, rig, code, spaces, np.zeros(len(rig.soles)), np.tile([1.0, 0.0, 0.0], (len(rig.legs), 1)),
-        tuple(origins),
+        np.zeros((_MIXED, len(rig.soles), 2)), tuple(origins),
     )  # fmt: skip
     bare = replace(bare, spaces=tuple(_detected(bare, space) for space in bare.spaces))
+    bare = replace(bare, between=_between(bare))
     return replace(bare, levels=_levels(bare), knees=_knees(bare)), error
 
 
@@ -75,16 +78,19 @@ def reaches(skeleton: Skeleton, leg_length: float) -> Floats:
     return np.asarray(np.maximum(far, 1e-3 * leg_length) / leg_length)
 
 
-def _gait_plan(space: GaitSpace, model: CycleModel, speed: float, count: int) -> Plan:
-    """A gait at one speed v / sqrt(g l)."""
-    share = float(space.gait == "run")
-    rows = (np.full(count, each) for each in (speed * model.froude, share, 0.0))
-    return Plan(np.arange(count, dtype=np.float64), *rows, np.zeros((count, len(space.styles))))
+def _asked(model: CycleModel, speed: float, run: float, count: int) -> Plan:
+    """One speed v / sqrt(g l), (count,) times."""
+    rows = (np.full(count, each) for each in (speed * model.froude, run, 0.0))
+    return Plan(np.arange(count, dtype=np.float64), *rows, np.zeros((count, len(model.styles))))
 
 
-def _cycle_legs(model: CycleModel, space: GaitSpace, speed: float, phases: Floats) -> LegPoses:
+def _share(space: GaitSpace) -> float:
+    return float(space.gait == "run")
+
+
+def _cycle_legs(model: CycleModel, speed: float, run: float, phases: Floats) -> LegPoses:
     """The legs of a cycle that travels along z at an even speed, at phases (T,)."""
-    plan = _gait_plan(space, model, speed, len(phases))
+    plan = _asked(model, speed, run, len(phases))
     rows = model.rows(phases, plan)
     turns = model.turns(rows)
     place = model.rig.leg_length * rows[:, :3]
@@ -98,7 +104,7 @@ def _levels(model: CycleModel) -> Floats:
     for g, space in enumerate(model.spaces):
         speed = 0.5 * (space.ramp.low + space.ramp.high)
         spans = space.contact_phases(np.array([speed]))[0]
-        pose = _cycle_legs(model, space, speed, spans[:, 0] + 0.5 * spans[:, 1])
+        pose = _cycle_legs(model, speed, _share(space), spans[:, 0] + 0.5 * spans[:, 1])
         for e, sole in enumerate(model.rig.soles):
             if spans[e, 1] > 0.02:
                 found[g, e] = (pose.heel if sole.part == "heel" else pose.toe)[e, sole.leg, 1]
@@ -111,7 +117,7 @@ def _knees(model: CycleModel) -> Floats:
     axes = np.zeros((len(model.rig.legs), 3))
     phases = np.linspace(0.0, 1.0, 32, endpoint=False)
     for space in model.spaces:
-        pose = _cycle_legs(model, space, 0.5 * (space.ramp.low + space.ramp.high), phases)
+        pose = _cycle_legs(model, 0.5 * (space.ramp.low + space.ramp.high), _share(space), phases)
         normal = np.cross(pose.knee - pose.hip, pose.ankle - pose.knee)
         axes += np.einsum("tlji,tlj->li", pose.thigh, normal)
     return np.asarray(unit(axes))
@@ -124,22 +130,37 @@ def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
     (eq. 8), walking inwards from both ends; and slow, and near to where it rests, since in a cycle that is a mean of many no foot
     leaves the floor in one moment.
     """
-    out = np.array(space.contacts)
-    fine, plain = np.linspace(0.0, 1.0, _FINE), np.zeros((1, len(space.styles)))
-    for m, speed in enumerate(space.contact_speeds()):
-        for e, sole in enumerate(model.rig.soles):
-            start, lasts = out[m, e]
-            if lasts < 0.03:
-                out[m, e, 1] = 0.0
-                continue
-            phases = start - _WIDER + (lasts + 2.0 * _WIDER) * fine
-            pose = _cycle_legs(model, space, float(speed), phases)
-            track = (pose.heel if sole.part == "heel" else pose.toe)[:, sole.leg] / model.rig.leg_length
-            seconds = np.sqrt(model.rig.leg_length / GRAVITY) * float(space.frequencies(np.array([speed]), plain)[0]) ** -1
-            quick = np.linalg.norm(np.gradient(track, phases * seconds, axis=0), axis=1)
-            own = _contact_of(track, quick, (phases >= start) & (phases <= start + lasts))
-            out[m, e] = [phases[own[0]], phases[own[-1]] - phases[own[0]]] if len(own) else [start, 0.0]
-    return replace(space, contacts=out)
+    speeds = zip(space.contact_speeds().tolist(), space.contacts, strict=True)
+    return replace(space, contacts=np.stack([_on_cycle(model, v, _share(space), spans) for v, spans in speeds]))
+
+
+def _between(model: CycleModel) -> Floats:
+    """(M, E, 2) what `CycleModel.between` is."""
+    if len(model.spaces) == 1:
+        return np.array(model.between)
+    speeds = np.maximum(model.between_speeds(), 0.02)
+    usual = model.contact_phases(_asked(model, 1.0, 0.5, len(speeds)).of_speeds(speeds * model.froude))
+    found = [_on_cycle(model, float(v), 0.5, spans) for v, spans in zip(speeds, usual, strict=True)]
+    return np.asarray(np.stack(found) - usual)
+
+
+def _on_cycle(model: CycleModel, speed: float, run: float, spans: Floats) -> Floats:
+    """(E, 2) when each effector is set down in a cycle, and for how long it stays, within such spans (E, 2)."""
+    out = np.array(spans)
+    fine = np.linspace(0.0, 1.0, _FINE)
+    seconds = 1.0 / float(model.frequency(_asked(model, speed, run, 1))[0])
+    for e, sole in enumerate(model.rig.soles):
+        start, lasts = spans[e]
+        if lasts < _BRIEFEST:
+            out[e, 1] = 0.0
+            continue
+        phases = start - _WIDER + (lasts + 2.0 * _WIDER) * fine
+        pose = _cycle_legs(model, speed, run, phases)
+        track = (pose.heel if sole.part == "heel" else pose.toe)[:, sole.leg] / model.rig.leg_length
+        quick = np.linalg.norm(np.gradient(track, phases * seconds, axis=0), axis=1)
+        own = _contact_of(track, quick, (phases >= start) & (phases <= start + lasts))
+        out[e] = [phases[own[0]], phases[own[-1]] - phases[own[0]]] if len(own) else [start, 0.0]
+    return out
 
 
 def _contact_of(track: Floats, quick: Floats, usual: Bools) -> Ints:

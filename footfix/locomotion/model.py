@@ -17,6 +17,9 @@ from footfix.motion.clip import Floats, Ints, Skeleton, frozen
 from footfix.rig.rig import Rig
 
 
+FASTEST = 1.2
+
+
 @dataclass(frozen=True)
 class Origin:
     """A file that a model was made of.
@@ -45,6 +48,8 @@ class CycleModel:
         spaces: of its gaits, "walk" before "run".
         levels: (E,) [leg lengths] height at which a planted heel's sole point and toe joint stay.
         knees: (L, 3) axis about which each knee flexes, in the frame of the thigh.
+        between: (M, E, 2) by how much contacts half-way between walk and run begin later, and last longer, than the mean
+            of both [share of the cycle], at M speeds up to `FASTEST` times the fastest run.
         origins: the files.
     """
 
@@ -54,10 +59,11 @@ class CycleModel:
     spaces: tuple[GaitSpace, ...]
     levels: Floats
     knees: Floats
+    between: Floats
     origins: tuple[Origin, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("levels", "knees"):
+        for name in ("levels", "knees", "between"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
@@ -104,7 +110,21 @@ class CycleModel:
 
     def contact_phases(self, asked: Plan) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
-        return np.asarray(np.einsum("tg,tgek->tek", self.shares(asked.run), self._contacts_of_gaits(asked)))
+        share = self.shares(asked.run)
+        spans = np.asarray(np.einsum("tg,tgek->tek", share, self._contacts_of_gaits(asked)))
+        mixed = 4.0 * share[:, 0] * share[:, -1] if share.shape[1] > 1 else np.zeros(len(spans))
+        if not np.any(mixed):
+            return spans
+        m = len(self.between)
+        at = np.clip(asked.speed / self.froude / self.between_speeds()[-1], 0.0, 1.0) * (m - 1)
+        k = np.minimum(at.astype(np.intp), m - 2)
+        w = (at - k)[:, None, None]
+        spans += mixed[:, None, None] * ((1.0 - w) * self.between[k] + w * self.between[k + 1])
+        return spans
+
+    def between_speeds(self) -> Floats:
+        """(M,) speeds v / sqrt(g l) at which `between` is known."""
+        return np.linspace(0.0, FASTEST * self.spaces[-1].ramp.high, len(self.between))
 
     def _contacts_of_gaits(self, asked: Plan) -> Floats:
         speed = asked.speed / self.froude

@@ -56,6 +56,10 @@ class Plan:
         style = [np.interp(times, self.times, each) for each in self.style.T]
         return Plan(times, *rows, np.stack(style, axis=1) if style else np.zeros((len(times), 0)))
 
+    def of_speeds(self, speed: Floats) -> Plan:
+        """The same with other speeds (K,) [m/s]."""
+        return replace(self, speed=speed)
+
     def changed(self, now: float, over: float, target: Plan) -> Plan:
         """The plan as it was up to a time, from which on its parameters go to others within `over` [s].
 
