@@ -36,8 +36,8 @@ if TYPE_CHECKING:
         presets,
         save,
     )
-    from footfix.api.follows import follow
     from footfix.api.engines import Ahead, Engine, Frame, fit_cycles, load_model, save_model
+    from footfix.api.follows import follow
     from footfix.api.labels import load_contacts, save_contacts
     from footfix.api.loops import loop
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions

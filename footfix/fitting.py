@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from footfix.errors import InputError
 from footfix.enforce.run import ground_of
+from footfix.errors import InputError
 from footfix.job import about, find_contacts, read
 from footfix.locomotion.eigencycles import SpaceParams
 from footfix.locomotion.fit_model import make_model

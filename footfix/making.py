@@ -19,7 +19,6 @@ from footfix.formats.document import open_document
 from footfix.formats.plans import PlanRow
 from footfix.job import Outputs, contacts_json
 from footfix.locomotion.engine import Foreseen, Postures, foresee, free_postures, postures
-from footfix.locomotion.leave_out import LeftOut
 from footfix.locomotion.model import CycleModel
 from footfix.locomotion.plan import Line, Plan, Point
 from footfix.motion.clip import Clip, Floats
@@ -54,9 +53,10 @@ class Made:
 
 
 def plan_of(rows: Sequence[PlanRow], model: CycleModel) -> Plan:
-    """The plan that rows tell; what none of them tells is usual: the middle speed of the model's first gait, straight on.
+    """Make the plan that rows tell.
 
-    Whether it is run follows the speed where no row says.
+    What none of them tells is usual: the middle speed of the model's first gait, straight on. Whether it is run follows
+    the speed where no row says.
 
     Raises:
         UsageError: a style is none of the model's.
@@ -121,8 +121,9 @@ def make_file(
     made = make(model, plan, seconds=seconds, fps=fps, line=line)
     written = compose(made.clip, unit_m=_UNIT)
     again = open_document(written, name="made.bvh", limits=settings.limits).placed(unit_m=_UNIT, up="y").clip
-    clip = replace_time(again, made.clip.frame_time)
+    clip = Clip(again.skeleton, again.positions, again.rotations, made.clip.frame_time)
     plants = _plants(made, model)
+    source = {**source, "frames": len(clip), "frame_time": clip.frame_time}
     legs = model.legs.turned
     turned = np.stack([made.clip.turn(joint) for joint in legs], axis=1)
     still = np.zeros((len(clip), 3))
@@ -146,16 +147,11 @@ def make_file(
             "in_contact": report_format.rounded(float(made.contacts.mask().any(axis=1).sum()) * clip.frame_time),
         },
     }
-    of = {**source, "sha256": hashlib.sha256(written).hexdigest(), "frames": len(clip), "frame_time": clip.frame_time}
+    of = {**source, "sha256": hashlib.sha256(written).hexdigest()}
     of["file"] = PurePath(output).name if output else source["file"]
     contacts_file = contacts_json(made.contacts, of, report["rig"], settings)
     pages, offenders = draw(made.free, clip, model.rig, report, contacts_file, settings.report, None, still)
     return Outputs("cleaned", written, contacts_file, report, pages, offenders)
-
-
-def replace_time(clip: Clip, frame_time: float) -> Clip:
-    """The clip with the frame time that it was made with, which a file may round."""
-    return Clip(clip.skeleton, clip.positions, clip.rotations, frame_time)
 
 
 def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
@@ -196,5 +192,3 @@ def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -
         "styles": list(model.styles),
     }  # fmt: skip
 
-
-__all__ = ["LeftOut", "Made", "cycles_entry", "make", "make_file", "plan_of"]

@@ -160,17 +160,20 @@ class Engine:
             self._foresee(seconds + _LEAST)
         times = np.linspace(self.time, self.time + seconds, frames)
         found = postures(self.model, self._foreseen, times)
-        return Ahead(times, self._places(found), frozen(found.turns), found.contacts, found.names, self._plants(seconds))
+        return Ahead(
+            times, self._places(found), frozen(found.turns), found.contacts, found.names, self._plants(seconds)
+        )  # fmt: skip
 
     def clip(self, frames: Sequence[Frame], frame_time: float) -> Clip:
         """Frames that were stepped through as a clip."""
-        positions, rotations = (np.stack([getattr(each, name) for each in frames]) for name in ("positions", "rotations"))
-        return Clip(self.skeleton, positions, rotations, frame_time)
+        positions = np.stack([each.positions for each in frames])
+        return Clip(self.skeleton, positions, np.stack([each.rotations for each in frames]), frame_time)
 
     def _row(
         self, speed: float | None, run: float | None, turn: float | None, style: str | Mapping[str, float] | None
     ) -> Plan:
-        for name, value, low, high in (("speed", speed, 0.0, 100.0), ("run", run, 0.0, 1.0), ("turn", turn, -720.0, 720.0)):
+        bounds = (("speed", speed, 0.0, 100.0), ("run", run, 0.0, 1.0), ("turn", turn, -720.0, 720.0))
+        for name, value, low, high in bounds:
             if value is not None and not low <= value <= high:
                 raise ArgumentError(f"{name} must be {low:g} to {high:g}, not {value!r}")
         weights = ({style: 1.0} if style else {}) if isinstance(style, str) else style

@@ -180,7 +180,7 @@ def _made(
             seconds = line.length / max(float(plan.speed[0]), 0.05)
     if seconds is None:
         seconds = float(np.max(plan.times)) if len(rows) > 1 else 10.0
-    source = {"file": Path(model_file).name, "sha256": hashlib.sha256(data).hexdigest(), "frames": 0, "frame_time": 1.0 / fps}
+    source = {"file": Path(model_file).name, "sha256": hashlib.sha256(data).hexdigest()}
     return make_file(model, plan, settings, seconds=seconds, fps=fps, source=source, line=line, output=output)
 
 

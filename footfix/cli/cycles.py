@@ -26,8 +26,8 @@ def cycles() -> None:
               help="The file of the model.")  # fmt: skip
 @click.option("--style", "styles", multiple=True, metavar="NAME=GLOB", help="Files that match have this style, such as "
               "tired='*tired*'. May be repeated. By default a file's style is the folder it lies in.")  # fmt: skip
-@click.option("--components", type=click.IntRange(1, 200), metavar="N", help="The most principal components that a gait "
-              "keeps; 20 by default.")  # fmt: skip
+@click.option("--components", type=click.IntRange(1, 200), metavar="N",
+              help="The most principal components that a gait keeps; 20 by default.")  # fmt: skip
 @click.option("--force", is_flag=True, help="Overwrite a model that is there.")
 @many
 @shared
@@ -61,7 +61,7 @@ def fit(
 
     try:
         fitted, failed = run_fit(
-            found, output, lambda path: config.settings(path), styles=globs, components=components, force=force,
+            found, output, config.settings, styles=globs, components=components, force=force,
             told=told,
         )  # fmt: skip
     finally:
@@ -100,7 +100,8 @@ def _fitted(fitted: Fitted, output: Path, verbose: bool) -> str:
     if error.cycles:
         lines.append(
             f"  a file left out: {1000.0 * error.predicted:.1f} mm mean joint error (nearest real cycle "
-            f"{1000.0 * error.nearest:.1f}, mean cycle {1000.0 * error.mean:.1f}), frequency {100.0 * error.frequency:.1f} %"
+            f"{1000.0 * error.nearest:.1f}, mean cycle {1000.0 * error.mean:.1f}), frequency "
+            f"{100.0 * error.frequency:.1f} %"
         )
     shown = list(fitted.skipped.items())
     lines += [f"  {printable(name)}: {printable(why)}" for name, why in (shown if verbose else shown[:3])]
@@ -118,8 +119,8 @@ def _fitted(fitted: Fitted, output: Path, verbose: bool) -> str:
 @click.option("--speed", type=click.FloatRange(0.0, 100.0), metavar="M/S", help="Metres a second.")
 @click.option("--plan", type=click.Path(exists=True, dir_okay=False), metavar="PLAN.yaml",
               help="Speed, run, turn and style at some times; linear in between.")  # fmt: skip
-@click.option("--run", "run_", type=click.FloatRange(0.0, 1.0), metavar="0..1", help="0 to walk, 1 to run, or between; by "
-              "default what people do at that speed.")  # fmt: skip
+@click.option("--run", "run_", type=click.FloatRange(0.0, 1.0), metavar="0..1",
+              help="0 to walk, 1 to run, or between; by default what people do at that speed.")  # fmt: skip
 @click.option("--turn", type=click.FloatRange(-720.0, 720.0), metavar="DEG/S", help="Degrees a second to the left.")
 @click.option("--style", metavar="NAME", help="One of the model's styles.")
 @click.option("--path", metavar="PATH", help="Go along a path: a CSV or SVG file, or line:10, circle:2, sine:1x6.")

@@ -10,9 +10,8 @@ from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
-
 _AROUND = 0.5  # [s] before and after a moment, in which a foot that stands then is not lower
-_HALF = 0.52  # of a cycle: where feet stand for less than half there is a flight; a foot just over the floor counts, too
+_HALF = 0.52  # of a cycle: where feet stand for less than half there is a flight; one just over the floor counts, too
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -95,8 +95,8 @@ def _model(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> CycleModel:
         arrays["translates"], arrays["rotates"],
     )  # fmt: skip
     rig = head["rig"]
-    legs = tuple(Leg(*row[:6], chain=tuple(row[6])) for row in rig["legs"])
-    soles = tuple(SolePoint(*row[:4], offset=tuple(row[4])) for row in rig["soles"])
+    legs = tuple(Leg(a, b, c, d, e, f, tuple(chain)) for a, b, c, d, e, f, chain in rig["legs"])
+    soles = tuple(SolePoint(a, b, c, d, tuple(offset)) for a, b, c, d, offset in rig["soles"])
     joints = [j for leg in legs for j in (leg.hip, leg.knee, leg.ankle, leg.toe) if j is not None]
     if not legs or not 0.0 < rig["leg_length_m"] < np.inf or not all(0 <= j < len(skeleton) for j in joints):
         raise InputError("its legs are no joints of its skeleton")

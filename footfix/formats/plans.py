@@ -67,7 +67,8 @@ def _row(row: Any, number: int, name: str) -> PlanRow:
         if value is None:
             continue
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
-            raise InputError(f"row {number} of the plan: {key} must be a number {low:g} to {high:g}, not {value!r}", file=name)
+            text = f"row {number} of the plan: {key} must be a number {low:g} to {high:g}, not {value!r}"
+            raise InputError(text, file=name)
         values[key] = float(value)
     style = row.get("style")
     if isinstance(style, str):

@@ -162,7 +162,7 @@ class GaitSpace:
 
 
 def aligned(samples: Sequence[Sample], code: Code) -> list[Sample]:
-    """Cycles shifted in phase, by less than their frames tell strikes apart, to be alike; phase 0 stays the mean strike.
+    """Shift cycles in phase, by less than their frames tell strikes apart, to be alike; phase 0 stays the mean strike.
 
     A strike is known to a frame, which at 30 fps is 3 % of a cycle.
     """
@@ -240,7 +240,8 @@ def _principal(rows: Floats, most: int) -> tuple[Floats, Floats]:
     share = values / max(values.sum(), 1e-300)
     keep = min(most, int(np.searchsorted(np.cumsum(share), _ENOUGH)) + 1, int(np.sum(share > 1e-9)) or 1)
     basis = vectors[:, :keep].T @ rows
-    return basis / np.maximum(np.linalg.norm(basis, axis=1, keepdims=True), 1e-300), share[:keep]
+    length = np.maximum(np.linalg.norm(basis, axis=1, keepdims=True), 1e-300)
+    return np.asarray(basis / length), share[:keep]
 
 
 def _ridge(features: Floats, values: Floats, share: Floats, styles: int) -> Floats:
@@ -249,22 +250,22 @@ def _ridge(features: Floats, values: Floats, share: Floats, styles: int) -> Floa
     draw[len(draw) - styles :] = _STYLE if styles else 0.0
     draw[1 : len(draw) - styles] = 1e-3
     weighted = features * share[:, None]
-    return np.linalg.solve(features.T @ weighted + np.diag(draw) + 1e-9 * np.eye(len(draw)), weighted.T @ values)
+    square = features.T @ weighted + np.diag(draw) + 1e-9 * np.eye(len(draw))
+    return np.asarray(np.linalg.solve(square, weighted.T @ values), dtype=np.float64)
 
 
 def _frequency(samples: Sequence[Sample], style: Floats, share: Floats) -> Floats:
     """(2 + S,) the straight line of log frequency over log speed, and what styles add."""
     speed = np.log([each.speed for each in samples])
     features = np.concatenate([np.ones((len(speed), 1)), speed[:, None], style], axis=1)
-    draw = np.concatenate([[0.0, 0.05], np.full(style.shape[1], _STYLE)])  # a slope of speeds that hardly differ is none
+    draw = np.concatenate([[0.0, 0.05], np.full(style.shape[1], _STYLE)])  # the slope of like speeds is the usual one
     middle = np.average(speed, weights=share)
     features[:, 1] -= middle
     weighted = features * share[:, None]
     values = np.log([each.frequency for each in samples])
     usual = 0.42  # what walkers of all sizes have
-    solved = np.linalg.solve(
-        features.T @ weighted + np.diag(draw) + 1e-12 * np.eye(len(draw)), weighted.T @ (values - usual * features[:, 1])
-    )
+    square = features.T @ weighted + np.diag(draw) + 1e-12 * np.eye(len(draw))
+    solved = np.asarray(np.linalg.solve(square, weighted.T @ (values - usual * features[:, 1])), dtype=np.float64)
     solved[1] += usual
     solved[0] -= solved[1] * middle
     return solved
@@ -290,7 +291,8 @@ def _contacts(samples: Sequence[Sample], ramp: Ramp, share: Floats) -> Floats:
 
 def _line(features: Floats, values: Floats, share: Floats) -> Floats:
     weighted = features * share[:, None]
-    return np.linalg.solve(features.T @ weighted + np.diag([1e-9, 0.02 * share.sum()]), weighted.T @ values)
+    square = features.T @ weighted + np.diag([1e-9, 0.02 * float(share.sum())])
+    return np.asarray(np.linalg.solve(square, weighted.T @ values), dtype=np.float64)
 
 
 def kernel(phases: Floats, n: int) -> Floats:

@@ -134,7 +134,7 @@ def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: flo
     for known, coming in zip(old.feet.stances, timetable(model, course, until), strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
         before = {each.count: each for each in known if each.start <= now + _COMMITTED}
-        coming = [s for s in coming if (before[s.count] if s.count in before else s).end > now]
+        coming = [s for s in coming if before.get(s.count, s).end > now]
         stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
         stays += [each.count in before for each in coming]
     feet = _feet(model, [*over, *_placed(model, course, stances, stays)])
@@ -170,7 +170,8 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
         begin, end = (np.interp(counts, c[:, e], course.grid, left=np.nan, right=np.nan) for c in (set_down, lifted))
         end = np.where(np.isnan(end), course.grid[-1], end)
         times[sole.leg, sole.part] = [
-            (float(a), float(b)) if np.isfinite(a) and b - a >= _BRIEFEST else None for a, b in zip(begin, end, strict=True)
+            (float(a), float(b)) if np.isfinite(a) and b - a >= _BRIEFEST else None
+            for a, b in zip(begin, end, strict=True)
         ]
     found = []
     for leg in range(len(model.rig.legs)):

@@ -31,8 +31,8 @@ class Feet:
 
     Args:
         stances: of each foot, in order of time.
-        lines: how the feet are led off the cycle: for each foot the four of `HELD`; by which of its ends it is led, 0 by
-            the heel, 1 by the toe (while both are planted they say the same); and how free it is to turn about its
+        lines: how the feet are led off the cycle: for each foot the four of `HELD`; by which of its ends it is led, 0
+            by the heel, 1 by the toe (while both are planted they say the same); and how free it is to turn about its
             toe, 0 while its heel is planted.
     """
 
@@ -131,7 +131,7 @@ def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def lowered(pose: LegPoses, ankle: Floats, free: Floats, size: float) -> Floats:
-    """(T,) [m] by which the figure has to come down for its planted feet to be reached; next to nothing, most of the time.
+    """Tell by how much (T,) [m] the figure has to come down for its legs to reach planted feet: hardly ever anything.
 
     Args:
         pose: the legs as the cycle has them.

@@ -80,8 +80,8 @@ def reaches(skeleton: Skeleton, leg_length: float) -> Floats:
 
 def _asked(model: CycleModel, speed: float, run: float, count: int) -> Plan:
     """One speed v / sqrt(g l), (count,) times."""
-    rows = (np.full(count, each) for each in (speed * model.froude, run, 0.0))
-    return Plan(np.arange(count, dtype=np.float64), *rows, np.zeros((count, len(model.styles))))
+    v, r, w = (np.full(count, each) for each in (speed * model.froude, run, 0.0))
+    return Plan(np.arange(count, dtype=np.float64), v, r, w, np.zeros((count, len(model.styles))))
 
 
 def _share(space: GaitSpace) -> float:
@@ -109,7 +109,8 @@ def _levels(model: CycleModel) -> Floats:
             if spans[e, 1] > 0.02:
                 found[g, e] = (pose.heel if sole.part == "heel" else pose.toe)[e, sole.leg, 1]
     known = np.isfinite(found)
-    return np.where(known, found, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1) / model.rig.leg_length
+    mean = np.where(known, found, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    return np.asarray(mean / model.rig.leg_length, dtype=np.float64)
 
 
 def _knees(model: CycleModel) -> Floats:
@@ -126,9 +127,9 @@ def _knees(model: CycleModel) -> Floats:
 def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
     """Contacts detected on the cycles themselves (G sec. 4.2), within the time in which captured ones were.
 
-    An effector is planted where it is lower than eps_p, of the least height and that at the ends of the time
-    (eq. 8), walking inwards from both ends; and slow, and near to where it rests, since in a cycle that is a mean of many no foot
-    leaves the floor in one moment.
+    An effector is planted where it is lower than eps_p, of the least height and that at the ends of the time (eq. 8),
+    walking inwards from both ends; and slow, and near to where it rests, since in a cycle that is a mean of many no
+    foot leaves the floor in one moment.
     """
     speeds = zip(space.contact_speeds().tolist(), space.contacts, strict=True)
     return replace(space, contacts=np.stack([_on_cycle(model, v, _share(space), spans) for v, spans in speeds]))

@@ -21,7 +21,7 @@ class LeftOut:
         predicted: [m] of the cycle made for their speed and style.
         nearest: [m] of the real cycle of another file that is nearest in speed, of the same gait and style.
         mean: [m] of the mean cycle of the gait.
-        frequency: median error of the frequency, as a share of it.
+        frequency: mean error of the frequency, as a share of it.
         cycles: how many were told.
     """
 
@@ -38,10 +38,9 @@ def joint_places(rows: Floats, code: Code, skeleton: Skeleton, root: int, leg_le
     flat = rows.reshape(count * phases, -1)
     turns = code.turns(flat)
     above = skeleton.ancestors(root)
-    at = [
-        leg_length * flat[:, :3] if joint == root else np.broadcast_to(skeleton.offsets[joint] * (joint not in above), (len(flat), 3))
-        for joint in range(len(skeleton))
-    ]  # fmt: skip
+    offsets = skeleton.offsets * (~np.isin(np.arange(len(skeleton)), above))[:, None]
+    at = [np.broadcast_to(offset, (len(flat), 3)) for offset in offsets]
+    at[root] = leg_length * flat[:, :3]
     still = np.broadcast_to(np.array([0.0, 0.0, 0.0, 1.0]), (len(flat), 4))
     turn = [still if joint in above[1:] else turns[:, joint] for joint in range(len(skeleton))]
     seen = places(Clip.from_tracks(skeleton, at, turn, 1.0))
@@ -66,7 +65,7 @@ def degree_for(samples: Sequence[Sample], code: Code, styles: Sequence[str], par
 def predictions(
     samples: Sequence[Sample], code: Code, styles: Sequence[str], params: SpaceParams, degree: int
 ) -> tuple[Floats, Floats, Floats]:
-    """The cycles (n, N, D) that spaces without their files make of their speeds and styles, (n,) frequencies, and means."""
+    """Tell cycles (n, N, D) by spaces without their files, and (n,) their frequencies; and the mean cycles of these."""
     told, means = np.zeros((2, len(samples), samples[0].places.shape[0], 3 * (len(code.reach) + 1)))
     frequencies = np.zeros(len(samples))
     for source in sorted({each.source for each in samples}):
@@ -110,7 +109,8 @@ def leave_out(
     if not errors:
         return LeftOut(np.nan, np.nan, np.nan, np.nan, 0)
     every = np.concatenate(errors)
-    return LeftOut(*every.mean(axis=0).tolist(), float(np.mean(np.concatenate(off))), len(every))
+    predicted, nearest, mean = every.mean(axis=0).tolist()
+    return LeftOut(predicted, nearest, mean, float(np.mean(np.concatenate(off))), len(every))
 
 
 def _nearest(k: int, samples: Sequence[Sample]) -> int:

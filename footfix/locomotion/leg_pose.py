@@ -26,8 +26,8 @@ class LegPoses:
     Args:
         hip, knee, ankle, heel, toe: (T, L, 3) [m] joints, the sole point of the heel, and the toe joint (or the ball of
             the sole where there is none).
-        above_hip, thigh, above_knee, shank, above_ankle, foot, above_toe, toes: (T, L, 3, 3) frames of the hip joint, the
-            knee, the ankle and the toe joint, and of what each hangs from.
+        above_hip, thigh, above_knee, shank, above_ankle, foot, above_toe, toes: (T, L, 3, 3) frames of the hip joint,
+            the knee, the ankle and the toe joint, and of what each hangs from.
     """
 
     hip: Floats
@@ -123,10 +123,10 @@ class Legs:
         )  # fmt: skip
 
     def bent(self, pose: LegPoses, knees: Floats, ankle: Floats, foot: Floats, toes: Floats) -> Floats:
-        """Turn hips, knees and ankles so that the ankles are at a place, by the law of cosines; bones keep their lengths.
+        """Turn hips, knees and ankles so that the ankles are at a place, by the law of cosines.
 
-        A knee flexes about its axis; the leg then swings about the hip by the smallest turn. What hangs between keeps
-        its pose.
+        A knee flexes about its axis; the leg then swings about the hip by the smallest turn. Bones keep their lengths,
+        and what hangs between keeps its pose.
 
         Args:
             pose: the legs as the cycle has them.
@@ -203,7 +203,8 @@ def between(a: Floats, b: Floats) -> Floats:
 def vector_between(a: Floats, b: Floats) -> Floats:
     """(..., 3) [rad] rotation vectors of the turns from frames (..., 3, 3) to others, small ones above all."""
     m = b @ _back(a)
-    axis = 0.5 * np.stack([m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]], axis=-1)
+    odd = m - _back(m)
+    axis = 0.5 * np.stack([odd[..., 2, 1], odd[..., 0, 2], odd[..., 1, 0]], axis=-1)
     sine = np.linalg.norm(axis, axis=-1)
     angle = np.arctan2(sine, 0.5 * (np.trace(m, axis1=-2, axis2=-1) - 1.0))
     return np.asarray(axis * np.where(sine < 1e-9, 1.0, angle / np.maximum(sine, 1e-12))[..., None])

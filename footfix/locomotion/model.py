@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,7 +14,6 @@ from footfix.locomotion.samples import GRAVITY
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints, Skeleton, frozen
 from footfix.rig.rig import Rig
-
 
 FASTEST = 1.2
 
@@ -48,8 +46,8 @@ class CycleModel:
         spaces: of its gaits, "walk" before "run".
         levels: (E,) [leg lengths] height at which a planted heel's sole point and toe joint stay.
         knees: (L, 3) axis about which each knee flexes, in the frame of the thigh.
-        between: (M, E, 2) by how much contacts half-way between walk and run begin later, and last longer, than the mean
-            of both [share of the cycle], at M speeds up to `FASTEST` times the fastest run.
+        between: (M, E, 2) by how much contacts half-way between walk and run begin later, and last longer, than the
+            mean of both [share of the cycle], at M speeds up to `FASTEST` times the fastest run.
         origins: the files.
     """
 
@@ -106,7 +104,8 @@ class CycleModel:
         """(T,) [Hz] of the cycle; between gaits the logarithms are blended."""
         speed = asked.speed / self.froude
         logs = np.stack([np.log(space.frequencies(speed, asked.style)) for space in self.spaces], axis=1)
-        return np.asarray(np.exp(np.sum(self.shares(asked.run) * logs, axis=1)) * np.sqrt(GRAVITY / self.rig.leg_length))
+        rate = np.sqrt(GRAVITY / self.rig.leg_length)
+        return np.asarray(np.exp(np.sum(self.shares(asked.run) * logs, axis=1)) * rate)
 
     def contact_phases(self, asked: Plan) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
@@ -173,7 +172,7 @@ class CycleModel:
 
     def turns(self, rows: Floats) -> Floats:
         """(T, J, 4) rotations of rows (T, D)."""
-        return self.code.turns(rows)
+        return np.asarray(self.code.turns(rows))
 
 
 def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:
@@ -181,7 +180,7 @@ def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:
     row = features[:, :1] * (weights @ directions[0])
     for p in range(1, len(directions)):
         row += features[:, p : p + 1] * (weights @ directions[p])
-    return row
+    return np.asarray(row)
 
 
 def warped(phases: Floats, here: Floats, there: Floats) -> Floats:
@@ -207,8 +206,3 @@ def place_of_root(rows: Floats, place: Floats, heading: Floats, leg_length: floa
     """(T, 3) [m] the root in the world: the course's place, and what the cycle adds to it in its frame (G eq. 5, 6)."""
     swing = rotation.rotate(rotation.about_vertical(heading), leg_length * rows[:, :3])
     return np.asarray(swing + np.stack([place[:, 0], np.zeros(len(place)), place[:, 1]], axis=1))
-
-
-def weights_of(names: Sequence[str], style: str) -> Floats:
-    """(S,) 1 for a style, nothing for the plain one."""
-    return np.array([float(name == style) for name in names])

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from footfix.motion.clip import Floats, frozen
+from footfix.motion.clip import Floats, Ints, frozen
 
 _STEP = 1.0 / 60.0  # [s] of the grid on which the course is known; between its times it is integrated exactly
 _GAUSS = np.polynomial.legendre.leggauss(4)
@@ -52,9 +52,9 @@ class Plan:
 
     def at(self, times: Floats) -> Plan:
         """The parameters at other times (T,)."""
-        rows = [np.interp(times, self.times, each) for each in (self.speed, self.run, self.turn)]
+        speed, run, turn = (np.interp(times, self.times, each) for each in (self.speed, self.run, self.turn))
         style = [np.interp(times, self.times, each) for each in self.style.T]
-        return Plan(times, *rows, np.stack(style, axis=1) if style else np.zeros((len(times), 0)))
+        return Plan(times, speed, run, turn, np.stack(style, axis=1) if style else np.zeros((len(times), 0)))
 
     def of_speeds(self, speed: Floats) -> Plan:
         """The same with other speeds (K,) [m/s]."""
@@ -118,12 +118,12 @@ class Course:
     def phases(self, times: Floats) -> Floats:
         """(T,) [cycles] since the course began, at times (T,) [s]."""
         k, low = self._before(times)
-        return self.phase[k] + self._integral(low, times, self.frequency)
+        return np.asarray(self.phase[k] + self._integral(low, times, self.frequency))
 
     def lengths(self, times: Floats) -> Floats:
         """(T,) [m] gone."""
         k, low = self._before(times)
-        return self.length[k] + self._integral(low, times, lambda plan: plan.speed)
+        return np.asarray(self.length[k] + self._integral(low, times, lambda plan: plan.speed))
 
     def where(self, times: Floats) -> tuple[Floats, Floats]:
         """(T, 2) [m] x and z, and (T,) [rad] the heading."""
@@ -141,7 +141,7 @@ class Course:
         x, z = place[0]
         return Point(time, float(self.phases(at)[0]), float(self.lengths(at)[0]), float(heading[0]), float(x), float(z))
 
-    def _before(self, times: Floats) -> tuple[np.ndarray, Floats]:
+    def _before(self, times: Floats) -> tuple[Ints, Floats]:
         k = np.clip(np.searchsorted(self.grid, times, side="right") - 1, 0, len(self.grid) - 1)
         return k, self.grid[k]
 

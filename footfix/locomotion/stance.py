@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.locomotion.leg_pose import LegPoses, between, reach, vector_between
 from footfix.locomotion.model import CycleModel
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Floats, Ints
 from footfix.motion.vectors import norm, unit
 
 HELD = ("heel", "toe", "foot", "toes")  # what a stance holds: two places, a turn, a heading
@@ -40,8 +40,8 @@ class Stance:
         heel, toe: [s] when they are planted; None where they never are.
         heel_place, toe_place: (3,) [m] where.
         foot, toes: (3, 3) the frames of ankle and toe joint while both are planted.
-        ends, slopes: (4, 2, 3) how far off the cycle each of `HELD` is when it begins to be held and when it ends, [m] or
-            [rad], and how that changes then [1/s].
+        ends, slopes: (4, 2, 3) how far off the cycle each of `HELD` is when it begins to be held and when it ends, [m]
+            or [rad], and how that changes then [1/s].
     """
 
     leg: int
@@ -140,7 +140,7 @@ def off_cycle(quantity: str, held: Floats, free: Floats) -> Floats:
 
 
 def _places(
-    stances: Sequence[Stance], legs: Floats, heel: Floats, toe: Floats, foot: Floats, toes: Floats, model: CycleModel
+    stances: Sequence[Stance], legs: Ints, heel: Floats, toe: Floats, foot: Floats, toes: Floats, model: CycleModel
 ) -> list[Floats]:
     """Heels' and toes' places (n, 3) [m], and frames (n, 3, 3) of feet and toes, where the cycle has them."""
     rig, middle = model.rig, _INSIDE // 2
@@ -159,7 +159,7 @@ def _places(
 
 
 def _within_reach(
-    stances: Sequence[Stance], poses: LegPoses, rows: Floats, legs: Floats, heel_at: Floats, toe_at: Floats
+    stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats, toe_at: Floats
 ) -> tuple[Floats, Floats]:
     """Places (n, 3) [m] drawn nearer over the floor, where a leg would not reach its heel throughout the contact."""
     hip, ankle, heel = (getattr(poses, name)[rows, legs[:, None]] for name in ("hip", "ankle", "heel"))

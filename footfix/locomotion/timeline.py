@@ -74,8 +74,11 @@ def timelines(every: Sequence[Sequence[Row]]) -> Timelines:
     lengths[:-1] = np.maximum(starts[1:] - starts[:-1], _LEAST)
     lengths[begins[1:] - 1] = 1.0
     values = np.array([row[1:5] for row in rows])
-    columns = (frozen(values[:, c]) for c in range(4))
-    return Timelines(tuple(begins.tolist()), frozen(starts), frozen(lengths), *columns, np.array([row[5] for row in rows]))
+    first, last, leaving, coming = (frozen(values[:, c]) for c in range(4))
+    holder = np.array([row[5] for row in rows])
+    return Timelines(
+        tuple(begins.tolist()), frozen(starts), frozen(lengths), first, last, leaving, coming, holder
+    )  # fmt: skip
 
 
 def held_rows(

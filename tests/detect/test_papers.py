@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from walker import Walk, make
 from walker_plan import Gait
 
+from footfix.api.clips import load
 from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.cycles import CycleParams, find_cycles, zigzag
 from footfix.detect.lyard import LyardParams, lyard
@@ -19,7 +20,6 @@ from footfix.detect.threshold import ThresholdParams, threshold, vote
 from footfix.detect.tracks import Finding, Tracks, tracks_of
 from footfix.measure import agreement
 from footfix.motion.contacts import runs
-from footfix.api.clips import load
 from footfix.rig.find import find_rig
 
 

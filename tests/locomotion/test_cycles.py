@@ -53,8 +53,8 @@ def test_the_map_is_straight_outside_of_the_range_seen() -> None:
     for outside in (np.array([0.7, 0.8, 0.9]), np.array([0.3, 0.2, 0.1])):
         first, second, third = ramp(outside)
         assert np.allclose(third - second, second - first)
-    h = 1e-6
-    assert np.allclose((ramp(np.array(0.7 + h)) - ramp(np.array(0.7))), (ramp(np.array(0.7)) - ramp(np.array(0.7 - h))), atol=1e-9)
+    before, at, after = ramp(0.7 + 1e-6 * np.array([-1.0, 0.0, 1.0]))
+    assert np.allclose(after - at, at - before, atol=1e-9)
 
 
 def test_phases_are_led_to_where_the_foot_is_as_far() -> None:
@@ -105,7 +105,8 @@ def test_one_speed_is_too_few() -> None:
 
 
 def test_another_skeleton_is_left_aside() -> None:
-    odd = replace(files()[0], name="odd.bvh", skeleton=replace(files()[0].skeleton, names=tuple("abcdefghijklmnopqrstu")))
+    skeleton = replace(files()[0].skeleton, names=tuple("abcdefghijklmnopqrstu"))
+    odd = replace(files()[0], name="odd.bvh", skeleton=skeleton)
     found = fit_files([*files(), odd])
     assert "another skeleton" in found.skipped["odd.bvh"]
     assert found.model.skeleton.names == files()[0].skeleton.names
