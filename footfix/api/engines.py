@@ -72,12 +72,6 @@ class Ahead:
 class Engine:
     """Walks and runs, frame by frame, at any speed, and knows what comes next.
 
-    Examples:
-        >>> engine = Engine(model, speed=0.8)                                  # doctest: +SKIP
-        >>> engine.set(speed=1.9, run=1, over=3.0)                             # doctest: +SKIP
-        >>> frames = [engine.step(1 / 120) for _ in range(360)]                # doctest: +SKIP
-        >>> engine.ahead(0.5).plants["left_toe"]                               # doctest: +SKIP
-
     Args:
         model: of `fit_cycles` or `load_model`, or the file of one.
         speed: [m/s]; by default the middle of what the model's first gait was captured at.
