@@ -12,8 +12,9 @@ import numpy as np
 from legmaker import figure
 
 from footfix.enforce import problem as terms
-from footfix.enforce.leg import LEG, ROOT, K, LegTracks, posed
+from footfix.enforce.leg import LEG, ROOT, K, LegTracks
 from footfix.enforce.pins import Pins
+from footfix.enforce.posed import places_of
 from footfix.enforce.problem import CostParams, Problem, System, systems
 from footfix.motion.clip import Floats
 
@@ -61,7 +62,7 @@ def state(of: Problem, size: float = 0.05, seed: int = 0) -> Floats:
 def places(of: Problem, x: Floats) -> list[list[Floats]]:
     """For each leg its points, (3, F) [m] each."""
     return [
-        list(posed(leg, x[:ROOT], x[of.columns(k)], derive=False).places) for k, leg in enumerate(of.legs)
+        list(places_of(leg, x[:ROOT], x[of.columns(k)])) for k, leg in enumerate(of.legs)
     ]  # fmt: skip
 
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.footplant import Footplant, Outcome
-from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks, posed
-from footfix.enforce.pins import FEWEST, Floors, core
+from footfix.enforce.kept import core
+from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
+from footfix.enforce.pins import FEWEST, Floors
+from footfix.enforce.posed import places_of
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.rig.rig import Rig
@@ -33,7 +35,7 @@ class CorrectedLeg:
     @classmethod
     def of_state(cls, leg: LegTracks, root: Floats, x: Floats) -> CorrectedLeg:
         """Make the leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
-        places = posed(leg, root, x, derive=False).places
+        places = places_of(leg, root, x)
         return cls(leg.hip + root, places[ANKLE], places[HEEL], places[TOE])
 
     @classmethod

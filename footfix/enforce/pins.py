@@ -7,15 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
-from footfix.motion.clip import Bools, Floats, Ints
-from footfix.motion.contacts import PUT_TO_REST, Contacts, runs
-from footfix.motion.segments import segments
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import Contacts, runs
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
@@ -23,10 +21,6 @@ _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detecte
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
 FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
 _KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
-_RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
-_LASTS = 0.06  # [s] that it rests at a time
-_AROUND = 0.35  # [s] before and after a plant in which the figure is led to it
-_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,116 +205,6 @@ def stands(plants: Sequence[Footplant], frames: int, legs: int) -> Bools:
 
 def _point(plant: Footplant) -> int:
     return POINTS.index(plant.part)
-
-
-def kept(
-    plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, frame_time: float,
-    leg_length: float, *, heights: bool, params: PinParams,
-) -> tuple[bool, ...]:  # fmt: skip
-    """Tell for each plant whether it stands well enough as it is.
-
-    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in most of its
-    frames as only what a program has put to rest does, where `keep_rested` says so.
-
-    Args:
-        plants: of the clip.
-        legs: as captured.
-        ground: (F, 3) [m] displacement of the ground.
-        floors: from `floors`.
-        frame_time: [s].
-        leg_length: [m].
-        heights: whether heights count.
-        params: the tolerances.
-    """
-    found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
-    for e in {plant.effector for plant in plants}:
-        own = [plant for plant in plants if plant.effector == e]
-        point = _point(own[0])
-        track = legs[own[0].leg].place(point).T - ground
-        cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
-        still = _still(cores, track, level, leg_length, heights, params)
-        rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
-        for plant, keep in zip(own, (still | (rests & params.keep_rested)).tolist(), strict=True):
-            found[plant.id] |= keep
-    return tuple(found)
-
-
-def faults(
-    plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, keep: Sequence[bool],
-    frame_time: float, *, heights: bool, edge: float = PinParams.edge,
-) -> Floats:  # fmt: skip
-    """Measure how far what is to be mended strays.
-
-    Args:
-        plants: of the clip.
-        legs: as captured.
-        ground: (F, 3) [m] displacement of the ground.
-        floors: from `floors`.
-        keep: for each plant whether it stays as it is.
-        frame_time: [s].
-        heights: whether heights count.
-        edge: [s] at both ends of a contact that are left out.
-
-    Returns:
-        (F,) [m] the farthest that any plant nearby slides from its median place, or is from its floor; infinite where
-        one is to be held whatever it costs.
-    """
-    found = np.zeros(len(ground))
-    around = round(_AROUND / frame_time)
-    for plant in plants:
-        wanted = plant.force or plant.asked is not None
-        if keep[plant.id] and not wanted:
-            continue
-        a, b = core(plant, frame_time, edge)
-        track = legs[plant.leg].place(_point(plant))[:, a:b] - ground[a:b].T
-        slide = float(np.hypot(*(track - np.median(track, axis=1, keepdims=True))[[0, 2]]).max())
-        high = abs(float(np.median(track[1])) - floors.plants[plant.id]) if heights else 0.0
-        fault = np.inf if wanted else max(slide, high)
-        near = slice(max(plant.start - around, 0), plant.end + around)
-        found[near] = np.maximum(found[near], fault)
-    return found
-
-
-def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:
-    """The frames of a plant without the `edge` [s] at its ends in which the foot may still land or leave."""
-    trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - 3) // 2, 0))
-    return plant.start + trim, plant.end - trim
-
-
-def _still(
-    spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
-    params: PinParams,
-) -> Bools:  # fmt: skip
-    """(S,) whether a track (F, 3) [m] stays within the tolerance of one place, at its level [m], in each span."""
-    parts = segments(spans)
-    places = track[parts.frames]
-    middle = np.stack([parts.median(places[:, axis]) for axis in (0, 1, 2)], axis=1)
-    slide = parts.largest(np.hypot(*(places - middle[parts.owner])[:, [0, 2]].T))
-    near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
-    rests = slide <= _RESTED * leg_length
-    return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
-
-
-def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
-    """(S,) whether a track (F, 3) [m] rests in each span as only what a program has put to rest does."""
-    parts = segments(spans)
-    step = np.full(len(parts.frames), np.inf)
-    step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
-    step[parts.starts] = np.inf
-    rest = _lasting(step <= PUT_TO_REST * leg_length * frame_time, parts.owner, frame_time)
-    count = parts.mean(rest.astype(np.float64)) * parts.lengths
-    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1))
-
-
-def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
-    """(N,) a mask, True only where it is True long enough in one stretch not to be a frame that was written twice."""
-    out = np.zeros_like(mask)
-    least = max(3, round(_LASTS / frame_time))
-    for start, end in runs(mask):
-        cuts = [start, *(start + 1 + np.flatnonzero(np.diff(owner[start:end]))).tolist(), end]
-        for a, b in pairwise(cuts):
-            out[a:b] = b - a >= least
-    return out
 
 
 def pins(

@@ -22,8 +22,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.leg import LEG, ROOT, B, K, LegTracks, Q, W, posed
+from footfix.enforce.assembly import Pull, add_points
+from footfix.enforce.leg import LEG, ROOT, B, K, LegTracks, Q, W
 from footfix.enforce.pins import Pins
+from footfix.enforce.posed import places_of, posed
 from footfix.motion.clip import Bools, Floats, Ints
 
 # r: the standard deviations below are those of independent frames, so many a second
@@ -186,23 +188,6 @@ class System:
     cost: float
 
 
-@dataclass(frozen=True, eq=False)
-class Pull:
-    """What a point's terms ask of it, as derivatives by its place.
-
-    Args:
-        cost: of the point.
-        force: (3, F) [1/m] gradient.
-        stiff: (3, F) [1/m^2] second derivatives in each frame.
-        step: (3, F - 1) [1/m^2] and between each frame and the next, with the sign turned round.
-    """
-
-    cost: float
-    force: Floats
-    stiff: Floats
-    step: Floats
-
-
 def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> tuple[System, ...]:
     """Linearise the objective.
 
@@ -249,8 +234,8 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
         cost += _beyond(np.eye(3), x[:ROOT], slice(0, ROOT), *_root_bound(problem), problem, None)
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
-        at = posed(leg, x[:ROOT], own, derive=False)
-        pulls = (_pull(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True))
+        places = places_of(leg, x[:ROOT], own)
+        pulls = (_pull(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
         cost += sum(pull.cost for pull in pulls)
         cost += _bounds(problem, k, own, 0, None)
     return cost
@@ -268,25 +253,13 @@ def _leg(problem: Problem, k: int, x: Floats, eps: float, static: float, root: b
     rows = np.concatenate([np.arange(first, ROOT), np.arange(own.start, own.stop)])
     out = System(rows, *_empty(len(rows), problem.frames), np.zeros((3, 0, 0)), 0.0)
     cost = _bounds(problem, k, x[own], ROOT - first, out)
-    for place, jacobian, pin in zip(at.places, at.jacobians, problem.pins[k], strict=True):
-        pull = _pull(problem, pin, place, eps, static)
-        cost += pull.cost
-        _add(out, jacobian[:, first:], pull)
+    pulls = [_pull(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True)]
+    cost += sum(pull.cost for pull in pulls)
+    add_points(at, pulls, out.gradient, out.main, out.next, root=root)
     if root:
         return System(rows, out.gradient, out.main, out.next, out.near, cost)
     near, stays = _near(problem, x, rows)
     return System(rows, out.gradient + product(near, x[rows]), out.main, out.next, near, cost + stays)
-
-
-def _add(out: System, J: Floats, pull: Pull) -> None:
-    """Add a point's terms: its derivatives by place, carried to the unknowns by J (3, n, F)."""
-    if np.any(pull.stiff):
-        stiff = pull.stiff[:, None] * J
-        out.gradient[:] += np.einsum("cif,cf->if", J, pull.force)
-        for i in range(J.shape[1]):
-            out.main[i, : i + 1] += np.einsum("cf,cjf->jf", stiff[:, i], J[:, : i + 1])
-    if np.any(pull.step):
-        out.next[:] -= np.einsum("cif,cjf->ijf", pull.step[:, None] * J[..., 1:], J[..., :-1])
 
 
 def _pull(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> Pull:

@@ -14,12 +14,12 @@ from footfix.enforce.correction import Correction, apply
 from footfix.enforce.cycle import correction_back, cycle_note, plants_back
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
+from footfix.enforce.kept import faults, kept
 from footfix.enforce.leg import (
     LegCalibration,
     LegTracks,
     Noise,
     calibrate,
-    local_rotations,
     noise_of,
     raise_leg,
     tracks,
@@ -29,6 +29,7 @@ from footfix.enforce.papers.glardon import GlardonParams
 from footfix.enforce.papers.kim_neff import KimNeffParams
 from footfix.enforce.papers.lyard import LyardRootParams
 from footfix.enforce.pins import Floors, PinParams
+from footfix.enforce.posed import local_rotations
 from footfix.enforce.problem import CostParams, Problem
 from footfix.enforce.solve import solve
 from footfix.enforce.style import StyleParams, styled
@@ -199,7 +200,7 @@ def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Ta
         notes += (Note("height-moved", text),)
     floors = pinning.floors(plants, legs, rig, params.pins)
     plants = styled(plants, legs, rig, floors, params.style)
-    keep = pinning.kept(
+    keep = kept(
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
         heights=params.heights == "floor", params=params.pins,
     )  # fmt: skip
@@ -292,7 +293,7 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         own += [line, line, line, knee, foot, foot, foot, Noise(0.0, False)]
     noise, white = np.array([each.sigma for each in own]), np.array([each.white for each in own])
     moves = bool(clip.skeleton.translates[rig.root])
-    fault = pinning.faults(
+    fault = faults(
         task.plants, task.legs, task.ground, task.floors, task.keep, clip.frame_time, heights=heights,
         edge=params.pins.edge,
     )  # fmt: skip

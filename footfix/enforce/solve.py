@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.enforce.leg import ROOT, posed
+from footfix.enforce.leg import ROOT
 from footfix.enforce.pins import Pins
+from footfix.enforce.posed import places_of
 from footfix.enforce.problem import Problem, System, objective, systems
 from footfix.motion.clip import Bools, Floats, Ints
 
@@ -22,7 +23,7 @@ _FINE_FIRST = 40.0  # times `EPS` in the first of the finer rounds
 _STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
 _STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
 _HALVINGS = 3  # of a step that would raise the objective
-_BLOCK = 1024  # frames
+_BLOCK = 256  # frames
 _DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
@@ -129,7 +130,7 @@ def settled(problem: Problem, x: Floats) -> Problem:
     most = _STANDS * problem.leg_length * problem.frame_time
     pins = []
     for k, (leg, own) in enumerate(zip(problem.legs, problem.pins, strict=True)):
-        places = posed(leg, x[:ROOT], x[problem.columns(k)], derive=False).places
+        places = places_of(leg, x[:ROOT], x[problem.columns(k)])
         left = []
         for place, pin in zip(places, own, strict=True):
             slip = np.diff(place, axis=1) - pin.slip
@@ -156,26 +157,32 @@ def _solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> 
     from scipy.linalg import solveh_banded
 
     U, F = len(own), system.gradient.shape[1]
-    square = np.ix_(own, own)
-    whole = len(system.rows) == U
-    main, next_ = (system.main, system.next) if whole else (system.main[square], system.next[square])
-    near = system.near[:, own]
-    bands = np.zeros((F, U, 2 * U + 1))  # of the lower triangle, column by column
-    for start in range(0, F, _BLOCK):  # some frames at a time, so that they lie side by side, (f, column, row)
-        some = slice(start, start + _BLOCK)
-        by_frame, by_next = (np.ascontiguousarray(each[..., some].transpose(2, 1, 0)) for each in (main, next_))
-        for b in range(U):
-            bands[some, b, : U - b] = by_frame[:, b, b:]
-            bands[start : start + len(by_next), b, U - b : 2 * U - b] = by_next[:, b]
-    bands[..., 0] += near[0].T + damping
-    bands[..., U] += near[1].T
-    bands[..., 2 * U] += near[2].T
+    bands = _bands(system, own, damping)
     right = -system.gradient[own].T
     if fixed is not None:
         _hold(bands, right, fixed)
     ab = bands.reshape(F * U, 2 * U + 1).T
     solved = solveh_banded(ab, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
     return np.asarray(solved.reshape(F, U).T)
+
+
+def _bands(system: System, own: Ints, damping: Floats) -> Floats:
+    """(F, n, 2 n + 1) the lower triangle of the matrix of a system's free unknowns, column by column."""
+    U, F = len(own), system.gradient.shape[1]
+    square = np.ix_(own, own)
+    whole = len(system.rows) == U
+    main, next_ = (system.main, system.next) if whole else (system.main[square], system.next[square])
+    near = system.near[:, own]
+    bands = np.zeros((F, U, 2 * U + 1))
+    for start in range(0, F, _BLOCK):  # some frames at a time, so that what is transposed stays in the cache
+        some, before = slice(start, start + _BLOCK), slice(start, min(start + _BLOCK, F - 1))
+        for b in range(U):
+            bands[some, b, : U - b] = main[b:, b, some].T
+            bands[before, b, U - b : 2 * U - b] = next_[:, b, before].T
+    bands[..., 0] += near[0].T + damping
+    bands[..., U] += near[1].T
+    bands[..., 2 * U] += near[2].T
+    return bands
 
 
 def _hold(bands: Floats, right: Floats, fixed: Bools) -> None:

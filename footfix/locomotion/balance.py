@@ -129,7 +129,7 @@ def _between(pose: Pose, part: Segment) -> Floats:
 def acceleration(track: Floats, frame_time: float) -> Floats:
     """(..., F, 3) [m/s^2] of tracks (..., F, 3) [m], by K 7.2's 4th-order difference over half a second.
 
-    a = (-f(t - 2h) + 16 f(t - h) - 30 f(t) + 16 f(t + h) - f(t + 2h)) / 12 h^2. Beyond its ends a track goes straight on.
+    a = (-f(t - 2h) + 16 f(t - h) - 30 f(t) + 16 f(t + h) - f(t + 2h)) / 12 h^2; beyond its ends a track goes straight.
     """
     n = max(1, round(_SPAN / 4.0 / frame_time))
     reach = 2 * n
@@ -143,8 +143,8 @@ def acceleration(track: Floats, frame_time: float) -> Floats:
     return np.asarray((-f[0] + 16.0 * f[1] - 30.0 * f[2] + 16.0 * f[3] - f[4]) / (12.0 * (n * frame_time) ** 2))
 
 
-def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> Floats:
-    """(F, 2) [m] x and z of the zero-moment point on the floor.
+def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> tuple[Floats, Floats]:
+    """(F, 2) [m] x and z of the zero-moment point on the floor, and (F,) [m/s^2] how hard the body presses on it.
 
     x = sum m ((y'' + g) x - y x'') / sum m (y'' + g), with heights y over the floor; z alike.
     """
@@ -154,9 +154,8 @@ def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> Floats
     weight = mass * (second[..., 1] + GRAVITY)
     height = (place[..., 1] - rig.floor) * mass
     total = np.maximum(weight.sum(axis=0), 0.1 * GRAVITY)  # nothing presses on the floor in free flight
-    return np.stack(
-        [((weight * place[..., k]).sum(axis=0) - (height * second[..., k]).sum(axis=0)) / total for k in (0, 2)], axis=1
-    )
+    sides = ((weight * place[..., k]).sum(axis=0) - (height * second[..., k]).sum(axis=0) for k in (0, 2))
+    return np.stack([side / total for side in sides], axis=1), total
 
 
 def lean_for(speed: Floats, curvature: Floats, stride: float) -> Floats:
@@ -178,9 +177,9 @@ def corrected_lean(lean: Floats, off: Floats, height: float, stride: float) -> F
 
     Args:
         lean: (F,) [rad] to the left.
-        off: (F,) [m] how much farther to the left the zero-moment point is than in the straight walk.
+        off: (F,) [m] how much farther to the left the zero-moment point is than in the straight walk, in the mean.
         height: [m] of the body's centre: by so much a radian moves it.
         stride: [frames].
     """
-    step = -averaged(averaged(off, stride), 0.5 * stride) / height
+    step = -averaged(off, stride) / height
     return np.asarray(lean + np.clip(step, -_MOST, _MOST) * (lean != 0.0))

@@ -16,7 +16,7 @@ from footfix.motion.kinematics import places
 from footfix.motion.spline import Cubic, monotone
 
 _FINE = 16  # steps a frame, in which a blend's clock is told
-_STEEP = 0.4  # of a clip's 99th percentile of acceleration, that a blend may add
+_STEEP = 0.04  # of a clip's 99th percentile of acceleration, that a blend may add
 _BEND = 5.8  # of a quintic step in unit time: the most that it accelerates
 _PHASES = 32  # at which two walks are compared
 
@@ -239,6 +239,12 @@ class Timeline:
 
     def __len__(self) -> int:
         return len(self.gone)
+
+    def blended(self) -> Bools:
+        """(F,) whether two walks are blended in a frame."""
+        weights = [np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones]
+        weight = np.concatenate(weights)
+        return np.asarray((weight > 0.0) & (weight < 1.0))
 
     def leads(self) -> Ints:
         """(F,) index of the walk that leads in each frame."""

@@ -48,8 +48,9 @@ from footfix.locomotion.placing import (
     pose,
     reaches,
 )
-from footfix.locomotion.steps import envelope, ground_at, lower_swing, reach_lack, unturned
+from footfix.locomotion.steps import envelope, firmness, ground_at, lower_swing, reach_lack, unslid, unturned
 from footfix.locomotion.stride import Way, averaged, pace_of, smoothed, way_on
+from footfix.locomotion.travel import root_in_world
 from footfix.locomotion.walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -57,7 +58,7 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_MOST = 1_000_000  # frames
+_MOST = 300_000  # frames
 _LINE = Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)  # along z
 _LEAD = 1.6  # strides before the start, and after the end, that are laid and cut off
 
@@ -118,7 +119,9 @@ class Follow:
         transitions: from walk to walk.
         walks: the loops that were laid.
         frames: (F,) which frame of the first captured clip each is written like.
-        plants, correction, notes: what holding did.
+        plants: each contact, where it stands.
+        correction: what makes `clip` of `laid`.
+        notes: what a person should know.
     """
 
     clip: Clip
@@ -165,7 +168,7 @@ def follow_path(
     way = way_on(path, stride, first.rig.leg_length, _until(path, params, walks, paces), params)
     wanted, notes = _transitions(walks, keys, paces, ats, way, params)
     timeline, more = _timeline(path, way, walks, keys, paces, wanted, params)
-    made = _laid(path, way, walks, timeline, params)
+    made = _laid(path, way, walks, timeline, params, paced=any(pace != Pace() for pace in paces))
     return _finished(made, path, walks, timeline, holding, (*path.notes, *notes, *more))
 
 
@@ -288,8 +291,10 @@ class _Made:
     stride: Floats
 
 
-def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams) -> _Made:
-    """Lay body and feet along a path, and lean."""
+def _laid(
+    path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams, *, paced: bool
+) -> _Made:  # fmt: skip
+    """Lay body and feet along a path, and lean; `paced` says whether walks are gone at another speed."""
     posed = pose(walks, timeline)
     arc = way.place(timeline.gone)
     dt, first = timeline.frame_time, walks[0]
@@ -301,6 +306,7 @@ def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, param
     scale = np.where(straight > 0.0, np.gradient(arc) / np.maximum(straight, 1e-12), 1.0)
     scale = np.ones_like(scale) if path.straight else scale
     curvature = path.curvature(arc)
+    firm = np.maximum(firmness(curvature), paced | timeline.blended())
     height = smoothed(np.array([walk.height for walk in walks])[leads], round(usual)) if len(walks) > 1 else np.full(
         len(arc), first.height
     )  # fmt: skip
@@ -309,19 +315,19 @@ def _laid(path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, param
 
     def lay(angle: Floats) -> tuple[Clip, Clip, Floats, Floats]:
         aside = -height * np.sin(angle) * (params.on_path == "root")
-        return (*_figure(posed, path, arc, aside, Lean(angle, neck, params.head), scale, curvature), aside)
+        return (*_figure(posed, path, arc, aside, Lean(angle, neck, params.head), scale, firm), aside)
 
     laid, clip, lowered, aside = lay(angle)
     off = np.zeros(len(arc))
     if np.any(angle):
         body = segments(first.clip.skeleton, first.rig)
         on = _straight(posed, timeline.gone)
-        upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside)
-        off = _balance(clip, first.rig, body, path, arc, aside) - upright
+        upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside, usual)
+        off = _balance(clip, first.rig, body, path, arc, aside, usual) - upright
         high = float((centres(first.clip, body)[..., 1] - first.rig.floor).mean(axis=1) @ [each.mass for each in body])
         angle = corrected_lean(angle, off, high, usual)
         laid, clip, lowered, aside = lay(angle)
-        off = averaged(_balance(clip, first.rig, body, path, arc, aside) - upright, usual)
+        off = _balance(clip, first.rig, body, path, arc, aside, usual) - upright
     return _Made(posed, laid, clip, arc, speed, scale, Lean(angle, neck, params.head, lowered), aside, off, stride)
 
 
@@ -331,19 +337,25 @@ def _straight(posed: Posed, gone: Floats) -> Clip:
     return lay_body(posed, ground_at(_LINE, gone, still), Lean(still))
 
 
-def _balance(clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: Floats, aside: Floats) -> Floats:
-    """(F,) [m] how far the zero-moment point is to the left of where feet step along a path."""
-    point = zero_moment_point(clip, rig, body)
+def _balance(
+    clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: Floats, aside: Floats, stride: float
+) -> Floats:  # fmt: skip
+    """(F,) [m] how far the zero-moment point is to the left of where feet step along a path.
+
+    The mean over a stride, by how hard the body presses on the floor: in free flight it does not.
+    """
+    point, press = zero_moment_point(clip, rig, body)
     heading = path.heading(arc)
     ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
     on = arc + np.einsum("fk,fk->f", point - path.place(arc), ahead)
     heading = path.heading(on)
     left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
-    return np.asarray(np.einsum("fk,fk->f", point - path.place(on), left) - aside)
+    side = np.einsum("fk,fk->f", point - path.place(on), left) - aside
+    return averaged(press * side, stride) / averaged(press, stride)
 
 
 def _figure(
-    posed: Posed, path: Path, arc: Floats, aside: Floats, lean: Lean, scale: Floats, curvature: Floats
+    posed: Posed, path: Path, arc: Floats, aside: Floats, lean: Lean, scale: Floats, firm: Floats
 ) -> tuple[Clip, Clip, Floats]:  # fmt: skip
     """The body on a path, the same with its feet where they step, and by how much it is lowered for that."""
     rig, dt = posed.rig, posed.clip.frame_time
@@ -356,9 +368,9 @@ def _figure(
         toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
         heel = rotation.rotate(foot.turn, foot.heel)
         there = ground_at(path, np.interp(moment, count, arc), np.interp(moment, count, aside))
-        yaw, shift = unturned(
-            foot.turn, heel, posed.planted[:, toes], foot.steps, np.interp(moment, count, curvature), dt
-        )
+        share, down = np.interp(moment, count, firm), posed.planted[:, toes]
+        yaw, shift = unturned(foot.turn, heel, down, foot.steps, share, dt)
+        shift += unslid(foot.toe, down, share, dt)
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
     far = reaches(laid, rig)
@@ -385,21 +397,30 @@ def _finished(
     clip, laid = made.clip.frames(some), made.laid.frames(some)
     contacts = contacts_of(made.posed, some)
     changed: Bools = np.asarray(_changes(made, timeline))
-    found = held_on(clip, made.posed.rig, contacts, holding, needed=bool(changed[some].any()))
+    needed = bool(changed[some].any())
+    found = held_on(clip, made.posed.rig, contacts, holding, needed=needed)
+    plants = tuple(replace(p, outcome="pinned") if needed and p.outcome == "kept" else p for p in found.plants)
     clip = apply(clip, found.correction)
     walked = _walked(made, path, clip, some)
     frames = _like(walks[0], timeline, some)
     return Follow(
         clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
-        tuple(walks), frames, found.plants, found.correction, (*notes, *found.notes),
+        tuple(walks), frames, plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
     )  # fmt: skip
+
+
+def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
+    """What makes of a clip another one whose body is somewhere else and whose legs are bent otherwise."""
+    shift = root_in_world(clip, rig.root)[0] - root_in_world(laid, rig.root)[0]
+    joints = [joint for leg in rig.legs for joint in (*leg.chain, *(() if leg.toe is None else (leg.toe,)))]
+    turned = [joint for joint in joints if np.any(clip.turn(joint) != laid.turn(joint))]
+    turns = np.stack([clip.turn(joint) for joint in turned], axis=1) if turned else np.zeros((len(clip), 0, 4))
+    return Correction(rig.root, shift, tuple(turned), turns)
 
 
 def _changes(made: _Made, timeline: Timeline) -> Bools:
     """(F,) where anything is otherwise than in a straight walk."""
-    blended = np.concatenate([(z.weight[z.frames] > 0.0) & (z.weight[z.frames] < 1.0) & (z.at[0] is not z.at[1])
-                              for z in timeline.zones])  # fmt: skip
-    return np.asarray(blended | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
+    return np.asarray(timeline.blended() | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
 
 
 def _any_turn(made: _Made) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footfix.errors import ArgumentError
+from footfix.locomotion.pursuit import pursued
 from footfix.motion.clip import Bools, Floats, frozen
 from footfix.motion.spline import Cubic, spline
 from footfix.notes import Note
@@ -21,6 +22,7 @@ _CLOSED = 1e-3  # [m] from the last point to the first, where a path is closed
 _TAPS = 7  # N_p of K sec. 4
 _ROUND = 0.1  # [m] width of one pass of what rounds a kink
 _PASSES = 300
+_TOO_SHARP = 1.3  # times as sharp as allowed: rounding did not help
 _ENOUGH = 0.02  # [share] by which a rounded kink may be sharper than asked for
 _NOTICED = 0.005  # [m] what is moved by less is no news
 
@@ -101,7 +103,7 @@ class Path:
         return on, s - on, np.zeros_like(s)
 
 
-def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = np.radians(45.0)) -> Path:
+def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = 0.25 * np.pi) -> Path:
     """Make a path through points: smooth where they lie on a curve, with rounded corners where they turn sharply.
 
     Points are laid close together and smoothed by a Gaussian over N_p = 7 of them (K sec. 4).
@@ -118,10 +120,9 @@ def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = np.radi
     if points.ndim != 2 or points.shape[1] != 2 or not np.all(np.isfinite(points)):
         raise ArgumentError(f"a path is made of points (N, 2), x and z, all of them numbers, not {points.shape}")
     size = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) if len(points) > 1 else 0.0
-    apart = np.append(True, np.linalg.norm(np.diff(points, axis=0), axis=1) > _SAME * size) if size else [True]
-    points = points[apart]
-    if len(points) < 2 or size < 0.01:
+    if size < 0.01:
         raise ArgumentError(f"a path needs two different points at least; these lead {size:.3f} m far")
+    points = points[np.append(True, np.linalg.norm(np.diff(points, axis=0), axis=1) > _SAME * size)]
     if size / _SPACING > _MOST:
         raise ArgumentError(f"a path of {size / 1000.0:.1f} km is longer than {_MOST * _SPACING / 1000.0:.0f} km")
     if _is_straight(points):
@@ -132,9 +133,19 @@ def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = np.radi
     dense, length = _even(_curve(points, closed, kink), closed)
     smooth = _smoothed(dense, closed, _kernel(1.0, _TAPS // 2))
     rounded = _rounded(smooth, length, closed, sharpest)
+    if _sharpest(rounded) > _TOO_SHARP * sharpest:  # it turns back on itself
+        rounded, closed = pursued(smooth, length / (len(smooth) - 1), sharpest), False
     even, length = _even(rounded, closed)
     even, length = _even(even, closed)
     return Path(even, length, closed, _told(smooth, rounded, sharpest))
+
+
+def _sharpest(points: Floats) -> float:
+    """[rad/m] the sharpest turn from one of points (N, 2) to the next, cusps too."""
+    ways = np.diff(points, axis=0)
+    turn = np.diff(np.arctan2(*ways.T))
+    turn = np.abs(turn - 2.0 * np.pi * np.round(turn / (2.0 * np.pi)))
+    return float((turn / np.maximum(0.5 * np.linalg.norm(ways[1:] + ways[:-1], axis=1), 1e-3)).max(initial=0.0))
 
 
 def _is_straight(points: Floats) -> bool:
@@ -253,6 +264,9 @@ def _spread(mask: Bools, around: int, closed: bool) -> Floats:
 
 def _told(before: Floats, after: Floats, sharpest: float) -> tuple[Note, ...]:
     """A note on what rounding has moved."""
+    if len(after) != len(before):
+        text = f"the path turns back on itself; turns of {1.0 / sharpest:.2f} m of radius lead round there"
+        return (Note("kinks-rounded", text),)
     off = np.linalg.norm(after - before, axis=1)
     if off.max() < _NOTICED:
         return ()

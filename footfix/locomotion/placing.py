@@ -134,7 +134,9 @@ def _zone(walks: Sequence[Walk], zone: Zone, moments: Sequence[Floats], frame_ti
     every = np.stack([weight, *weights])
     a, b = (walks[k] for k in zone.walks)
     alone = a is b and zone.at[0] is zone.at[1]
-    seen: list[Bools] = [np.asarray(alone | (every < 1.0).any(axis=0)), np.asarray((every > 0.0).any(axis=0) & (not alone))]
+    seen: list[Bools] = [
+        np.asarray(alone | (every < 1.0).any(axis=0)), np.asarray((every > 0.0).any(axis=0) & (not alone))
+    ]  # fmt: skip
     clips = [walk.at(at[some][use]) for walk, at, use in zip((a, b), zone.at, seen, strict=True)]
     feet = [_feet(walk, clip, at, moments, some, use)
             for walk, clip, at, use in zip((a, b), clips, zone.at, seen, strict=True)]  # fmt: skip

@@ -17,6 +17,8 @@ from footfix.motion.contacts import runs
 
 _BRIEF = 0.06  # [s] a stance, or a swing, that is shorter is none
 _TURNS = 0.05  # [rad/m] from this curvature on feet do not turn while they stand
+_STRAYS = 0.012  # [m] a toe that strays farther while it stands is left to inverse kinematics over the whole clip
+_EDGE = 0.015  # [s] at both ends of a contact in which the toe may still land or leave
 _EASE = 0.16  # [s] in which a foot gets back to how it was captured
 
 
@@ -116,8 +118,13 @@ def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:
     return out
 
 
+def firmness(curvature: Floats) -> Floats:
+    """(F,) 0 on straight paths, where feet stand as captured, to 1 on curves, where they neither slide nor turn."""
+    return ease(np.abs(curvature) / _TURNS)
+
+
 def unturned(
-    turn: Floats, heel: Floats, toes: Bools, steps: Steps, curvature: Floats, frame_time: float
+    turn: Floats, heel: Floats, toes: Bools, steps: Steps, share: Floats, frame_time: float
 ) -> tuple[Floats, Floats]:  # fmt: skip
     """By how much a foot is turned about the vertical so that it does not turn while it stands.
 
@@ -129,7 +136,7 @@ def unturned(
         heel: (F, 3) [m] from its toe to its heel.
         toes: (F,) whether the toe stands.
         steps: its stances.
-        curvature: (F,) [rad/m] of the path where it stands.
+        share: (F,) how much of that is wanted: none on a straight path.
         frame_time: [s].
 
     Returns:
@@ -137,9 +144,6 @@ def unturned(
     """
     F = len(turn)
     yaw, shift = np.zeros(F), np.zeros((F, 3))
-    share = ease(np.abs(curvature) / _TURNS)
-    if not np.any(share):
-        return yaw, shift
     fade = max(3, round(_EASE / frame_time))
     for k, (a, b) in enumerate(steps.stances):
         part = float(share[(a + b) // 2])
@@ -162,6 +166,32 @@ def unturned(
         shift[rolls] += fix
         shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in fix.T], axis=1)
     return yaw, shift
+
+
+def unslid(toe: Floats, toes: Bools, share: Floats, frame_time: float) -> Floats:
+    """(F, 3) [m] by which a toe is moved over the floor so that it stands in one place while it is planted.
+
+    Args:
+        toe: (F, 3) [m] in the frame that carries it.
+        toes: (F,) whether it stands.
+        share: (F,) how much of that is wanted.
+        frame_time: [s].
+    """
+    shift = np.zeros_like(toe)
+    edge, fade = max(1, round(_EDGE / frame_time)), max(3, round(_EASE / frame_time))
+    for start, end in runs(toes):
+        a, b = start + edge, end - edge
+        part = float(share[(start + end) // 2])
+        if b - a < 3 or part == 0.0:
+            continue
+        off = part * (np.median(toe[a:b], axis=0) - toe[a:b]) * [1.0, 0.0, 1.0]
+        if np.hypot(off[:, 0], off[:, 2]).max() > _STRAYS:
+            continue
+        fore, aft = min(fade, a), min(fade, len(toe) - b)
+        shift[a:b] += off
+        shift[b : b + aft] += np.stack([_decay(each[::-1], aft) for each in off.T], axis=1)
+        shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in off.T], axis=1)
+    return shift
 
 
 def _decay(fix: Floats, frames: int) -> Floats:

@@ -76,7 +76,9 @@ def _slopes(at: Floats, values: Floats) -> Floats:
     width = np.diff(at)
     rise = np.diff(values, axis=0) / width[:, None]
     bend = np.zeros_like(values)
-    if len(at) > 2:
+    if len(at) == 3:
+        bend[1] = 6.0 * (rise[1] - rise[0]) / (2.0 * (at[2] - at[0]))
+    elif len(at) > 3:
         from scipy.linalg import solveh_banded
 
         bands = np.stack([2.0 * (width[:-1] + width[1:]), np.append(width[1:-1], 0.0)])
@@ -102,5 +104,5 @@ def monotone(at: Floats, values: Floats) -> Cubic:
     a, b = width[:-1] + 2.0 * width[1:], 2.0 * width[:-1] + width[1:]
     same = rise[:-1] * rise[1:] > 0.0
     before, after = np.where(same, rise[:-1], 1.0), np.where(same, rise[1:], 1.0)
-    slopes[1:-1] = np.where(same, (a + b) / (b / before + a / after), 0.0)
+    slopes[1:-1] = np.where(same, (a + b) / (a / before + b / after), 0.0)
     return Cubic(np.asarray(at, dtype=np.float64), np.asarray(values, dtype=np.float64), slopes)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from footfix.settings import Settings, flat, plain
 
-_NOT_REPEATED = ("gates", "limits", "loop", "report")  # they change nothing of how a clip is cleaned
+_NOT_REPEATED = ("follow", "gates", "limits", "loop", "report")  # they change nothing of how a clip is cleaned
 
 
 @dataclass(frozen=True)

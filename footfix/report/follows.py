@@ -6,13 +6,25 @@ from typing import Any
 
 from footfix.report.verdict import Report, entries, number, section
 
+_SAID = ("kinks-rounded", "path-ends", "blend-cut")  # notes that are about what was asked for
+
 
 def follow_lines(report: Report) -> list[str]:
     """A few lines about walks along a path; none where the report is not about them."""
     follow = section(report, "follow")
     if not follow:
         return []
-    return [_path(follow), _strides(follow), *_lean(follow), *_changes(follow)]
+    said = [str(each.get("text")) for each in entries(report, "notes") if each.get("id") in _SAID]
+    return [_path(follow), *said, _strides(follow), *_lean(follow), *_changes(follow)]
+
+
+def path_of(report: Report) -> list[list[float]] | None:
+    """The path that was walked, [x, z] [m], for the page's view from above; None where the report is not about one."""
+    points = section(section(report, "follow"), "path").get("points_m")
+    if not isinstance(points, list):
+        return None
+    pairs = [[number(each) for each in point] for point in points if isinstance(point, list) and len(point) == 2]
+    return [[x, z] for x, z in pairs if x is not None and z is not None] or None
 
 
 def _path(follow: Report) -> str:

@@ -79,6 +79,8 @@ def redraw(
     Raises:
         InputError: the files do not belong together.
     """
+    if report.get("follow"):
+        raise InputError("a walk along a path is drawn when it is made; footfix follow draws it again")
     rig = report.get("rig") or {}
     try:
         unit_m, up = float(rig["unit_m"]), str(rig["up"])

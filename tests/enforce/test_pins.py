@@ -12,8 +12,9 @@ from walks import rig_of, walk
 
 from footfix.enforce import pins as pinning
 from footfix.enforce.footplant import Footplant
+from footfix.enforce.kept import kept
 from footfix.enforce.leg import ANKLE, HEEL, TIP, TOE
-from footfix.enforce.pins import PinParams, Pins, footplants, given, kept, lacks, nominal, pins, stands
+from footfix.enforce.pins import PinParams, Pins, footplants, given, lacks, nominal, pins, stands
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, Contacts
 

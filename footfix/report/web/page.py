@@ -14,6 +14,7 @@ from typing import Any
 
 from footfix.report import words
 from footfix.report.again import Again, quoted
+from footfix.report.follows import path_of
 from footfix.report.loops import round_of
 from footfix.report.verdict import Report, entries, judge, number, source_name
 from footfix.report.web import sections
@@ -137,7 +138,7 @@ def _data(data: PageData) -> str:
         return ""
     document = {
         "contacts": _finite(data.contacts),
-        "motion": {**packed(data.motion, data.lines), "round": round_of(data.report)},
+        "motion": {**packed(data.motion, data.lines), "round": round_of(data.report), "path": path_of(data.report)},
         "plants": [_fate(plant) for plant in entries(data.report, "plants")],
     }
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'
