@@ -28,7 +28,8 @@ from footfix.settings import Settings
 __all__ = ["Ahead", "Engine", "Frame", "fit_cycles", "load_model", "save_model"]
 
 _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
-_LEAST = 0.45  # [s] and when this is left, foreseen anew
+_LEAST = 0.45  # [s] and when this is left, foreseen anew,
+_LONG = 3.0  # [s] and farther, since nothing else was asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +137,7 @@ class Engine:
             raise ArgumentError(f"dt must be the seconds since the last frame, not {dt!r}")
         self.time += dt
         if self._until - self.time < _LEAST:
-            self._foresee(_KNOWN)
+            self._foresee(_LONG)
         found = postures(self.model, self._foreseen, np.array([self.time]))
         down = dict(zip(found.names, found.contacts[0].tolist(), strict=True))
         return Frame(self.time, self._places(found)[0], frozen(found.turns[0]), down)

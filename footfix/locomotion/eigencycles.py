@@ -300,11 +300,14 @@ def kernel(phases: Floats, n: int) -> Floats:
 
     The function is the trigonometric polynomial through the samples, so that a cycle closes with all its derivatives.
     """
-    x = np.pi * (np.asarray(phases)[:, None] - np.arange(n) / n)
-    sine = np.sin(x)
-    small = np.abs(sine) < 1e-12
-    value = np.sin(n * x) * np.cos(x) / np.where(small, 1.0, n * sine)
-    return np.where(small, 1.0, value)
+    # sin(n x) / (n tan(x)) with x = pi (phase - k / n), by the sines and cosines of both parts
+    angle, own = np.pi * np.asarray(phases, dtype=np.float64), np.pi * np.arange(n) / n
+    sine, cosine = np.sin(angle)[:, None], np.cos(angle)[:, None]
+    below = sine * np.cos(own) - cosine * np.sin(own)
+    above = cosine * np.cos(own) + sine * np.sin(own)
+    small = np.abs(below) < 1e-9
+    waves = np.sin(n * angle)[:, None] * np.where(np.arange(n) % 2, -1.0, 1.0)
+    return np.where(small, 1.0, waves * above / np.where(small, 1.0, n * below))
 
 
 __all__ = ["Code", "GaitSpace", "Ramp", "SpaceParams", "aligned", "fit_space", "kernel", "make_code", "shift_phases"]

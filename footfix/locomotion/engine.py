@@ -109,7 +109,9 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     """
     course = _course(model, plan, line, start, until)
     stances = [each for own in timetable(model, course, until) for each in own]
-    return Foreseen(course, _feet(model, _placed(model, course, stances, [False] * len(stances))))
+    place, turns = free_postures(model, course, sample_times(stances).ravel())
+    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
+    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
@@ -137,8 +139,12 @@ def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: flo
         coming = [s for s in coming if before.get(s.count, s).end > now]
         stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
         stays += [each.count in before for each in coming]
-    feet = _feet(model, [*over, *_placed(model, course, stances, stays)])
-    return Foreseen(course, feet, _residual(model, old, Foreseen(course, feet), now))
+    times = sample_times(stances).ravel() if stances else np.zeros(0)
+    place, turns = free_postures(model, course, np.append(times, now))
+    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
+    found = settled(stances, stays, poses.some(slice(0, -1)), model) if stances else []
+    new = Foreseen(course, _feet(model, [*over, *found]))
+    return replace(new, residual=_residual(old, new, poses.some(slice(-1, None)), now))
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
@@ -182,14 +188,6 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
     return found
 
 
-def _placed(model: CycleModel, course: Course, stances: Sequence[Stance], stays: Sequence[bool]) -> list[Stance]:
-    """Stances with their places; those that stay keep theirs."""
-    if not stances:
-        return []
-    place, turns = free_postures(model, course, sample_times(stances).ravel())
-    return settled(stances, stays, model.legs.poses(place, turns[:, model.rig.root], turns), model)
-
-
 def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Floats, Floats]:
     """(T, 3) [m] the root and (T, J, 4) all rotations as the cycles have them, no foot held (G eq. 5, 6)."""
     rows = model.rows(course.phases(times), course.plan.at(times))
@@ -199,11 +197,9 @@ def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Flo
     return place_of_root(rows, place, heading, model.rig.leg_length), turns
 
 
-def _residual(model: CycleModel, old: Foreseen, new: Foreseen, now: float) -> Residual:
-    """What led the feet off the cycle at a time, and does not any more."""
+def _residual(old: Foreseen, new: Foreseen, pose: LegPoses, now: float) -> Residual:
+    """What led the feet off the cycle at a time, at which its legs are posed so, and does not any more."""
     at = np.array([now])
-    place, turns = free_postures(model, new.course, at)
-    pose = model.legs.poses(place, turns[:, model.rig.root], turns)
     gap = (old.led_off(at, pose) - new.led_off(at, pose))[0]
     until = np.full(gap.shape[:2], now + _RESIDUAL)
     for leg in range(len(gap)):

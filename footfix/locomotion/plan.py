@@ -171,10 +171,18 @@ def make_course(
         total = np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])
         return np.asarray(total - total[at] + value)
 
-    phase = summed(_quadrature(plan, low, high, frequency), start.phase)
-    length = summed(_quadrature(plan, low, high, lambda each: each.speed), start.length)
-    heading = summed(_quadrature(plan, low, high, lambda each: each.turn), start.heading)
-    place = summed(_arc(plan, heading[:-1], low, high), np.array([start.x, start.z]))
+    nodes, weights = _GAUSS
+    half = 0.5 * (high - low)
+    times = (low + half)[:, None] + half[:, None] * nodes
+    asked = plan.at(times.ravel())
+    speed, turn = asked.speed.reshape(times.shape), asked.turn.reshape(times.shape)
+    phase = summed(frequency(asked).reshape(times.shape) @ weights * half, start.phase)
+    length = summed(speed @ weights * half, start.length)
+    heading = summed(turn @ weights * half, start.heading)
+    first = plan.at(low).turn[:, None]
+    angle = heading[:-1, None] + 0.5 * (first + turn) * (times - low[:, None])  # turns change evenly in between
+    steps = np.stack([(speed * part(angle)) @ weights * half for part in (np.sin, np.cos)], axis=1)
+    place = summed(steps, np.array([start.x, start.z]))
     return Course(plan, line, grid, phase, length, heading, place, frequency)
 
 
