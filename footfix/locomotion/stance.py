@@ -163,7 +163,8 @@ def _within_reach(
 ) -> tuple[Floats, Floats]:
     """Places (n, 3) [m] drawn nearer over the floor, where a leg would not reach its heel throughout the contact."""
     hip, ankle, heel = (getattr(poses, name)[rows, legs[:, None]] for name in ("hip", "ankle", "heel"))
-    limit = _STRETCHED * reach(poses)[rows, legs[:, None]]
+    limit = reach(poses)[rows, legs[:, None]]
+    limit = np.where(norm(ankle - hip) > _STRETCHED * limit, limit, _STRETCHED * limit)  # straight legs may stay so
     line = ankle - heel + heel_at[:, None] - hip
     short = norm(line * _FLAT) - np.sqrt(np.maximum(limit**2 - line[..., 1] ** 2, 0.0))  # (n, samples)
     worst = np.argmax(short, axis=1)
