@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         presets,
         save,
     )
+    from footfix.api.engines import Ahead, Engine, Frame, fit_cycles, load_model, save_model
     from footfix.api.follows import follow
     from footfix.api.labels import load_contacts, save_contacts
     from footfix.api.loops import loop
@@ -68,6 +69,7 @@ _NAMES = {
         "presets save"
     ),
     "footfix.api.follows": "follow",
+    "footfix.api.engines": "Ahead Engine Frame fit_cycles load_model save_model",
     "footfix.api.labels": "load_contacts save_contacts",
     "footfix.api.loops": "loop",
     "footfix.api.positions": "HUMANML3D_NAMES HUMANML3D_PARENTS CleanedPositions clean_positions",
@@ -96,6 +98,7 @@ _HOME = {name: module for module, names in _NAMES.items() for name in names.spli
 __all__ = [
     "HUMANML3D_NAMES",
     "HUMANML3D_PARENTS",
+    "Ahead",
     "ArgumentError",
     "CleanedPositions",
     "Clip",
@@ -104,9 +107,11 @@ __all__ = [
     "Correction",
     "Document",
     "Effector",
+    "Engine",
     "Follow",
     "FootfixError",
     "Footplant",
+    "Frame",
     "InputError",
     "Leg",
     "Loop",
@@ -135,11 +140,13 @@ __all__ = [
     "detect",
     "find_rig",
     "find_rigs",
+    "fit_cycles",
     "follow",
     "global_positions",
     "jitter",
     "load",
     "load_contacts",
+    "load_model",
     "loop",
     "make_page",
     "make_report",
@@ -149,6 +156,7 @@ __all__ = [
     "presets",
     "save",
     "save_contacts",
+    "save_model",
     "skating_ratio",
     "slides",
     "summarize",

@@ -23,7 +23,7 @@ FLOORS = [
     {"pipeline", "config", "listing"},
     {"report"},
     {"job"},
-    {"inspection", "looping", "following"},
+    {"inspection", "looping", "following", "fitting", "making"},
     {"stream"},
     {"batch", "api"},
     {"cli", "__main__", "__init__"},

@@ -6,12 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from conftest import SHARED
 from hypothesis import given
 from hypothesis import strategies as st
 from skinmaker import skin_of
 from walker import Walk, make
 from walker_plan import Gait
 
+from footfix.api.clips import load
 from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.cycles import CycleParams, find_cycles, zigzag
 from footfix.detect.lyard import LyardParams, lyard
@@ -191,3 +193,18 @@ def test_size_does_not_matter_to_any_of_them(name: str, size: float) -> None:
     )
     for one, other in pairs:  # windows are in seconds, so not to the frame
         assert np.mean(agreement.feet(one.mask) != agreement.feet(other.mask)) < 0.04
+
+
+@pytest.mark.parametrize(
+    ("clip", "run"),
+    [("bandai/dataset-1_run_normal_001.bvh", True), ("pybvh/cmu_12_01_walk.bvh", False),
+     ("marcojr_cmu/running.bvh", True), ("accad/Male1_B15_WalkTurnAround.bvh", False)],
+)  # fmt: skip
+def test_duty_tells_captured_runs_from_walks(clip: str, run: bool) -> None:
+    path = next(iter((SHARED / "clips").glob(clip)), None)
+    if path is None:
+        pytest.skip("the shared clips are not here")
+    document = load(path)
+    tracks = tracks_of(document.clip, find_rig(document.clip))
+    cycles = find_cycles(tracks, tracks.feet[0], tracks.feet[1], CycleParams())
+    assert all(cycle.run == run for cycle in cycles)

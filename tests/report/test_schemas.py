@@ -22,7 +22,7 @@ from footfix import cli
 from footfix.measure.clip import Measures
 
 FOLDER = resources.files("footfix.report") / "schemas"
-NAMES = ("contacts", "report", "summary", "check", "inspect", "run", "events")
+NAMES = ("contacts", "report", "summary", "check", "inspect", "run", "events", "cycles-fit")
 
 
 def schema(name: str) -> Any:
