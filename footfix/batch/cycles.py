@@ -11,11 +11,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_whole, write_whole
 from footfix.batch.inputs import Source
+from footfix.batch.making import fingerprint, write_outputs
 from footfix.batch.outputs import plan as plan_outputs
 from footfix.batch.task import FileResult, Task, beside
-from footfix.batch.work import guarded, write_outputs
 from footfix.errors import InputError, UsageError
 from footfix.formats.suffixes import STDIN_NAME
 
@@ -149,12 +150,13 @@ def run_make(
     )  # fmt: skip
     task = Task(job, settings, dry_run=dry_run, folder=str(Path.cwd()))
 
-    def work(task: Task) -> FileResult:
+    def work() -> FileResult:
         made = _made(model_file, rows, settings, seconds=seconds, fps=fps, path=path, output=output.name)
-        return write_outputs(task, made, dict(made.report))
+        asked = f"{rows} {seconds} {fps} {path}".encode("utf-8", "surrogateescape")
+        return write_outputs(task, made, fingerprint(asked + read_whole(model_file, _MOST), settings, None))
 
     begun = time.perf_counter()
-    return replace(guarded(task, work), seconds=time.perf_counter() - begun)
+    return replace(ended(task, work), seconds=time.perf_counter() - begun)
 
 
 def _made(
