@@ -1,17 +1,20 @@
-"""Where settings come from: a preset, `footfix.yaml`, the command line; and which hold for which file."""
+"""Where settings come from: a preset, `footfix.yaml`, the command line; which hold for which file; and all as YAML."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import dataclasses
+import json
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 from typing import Any, cast
 
 from footfix.errors import UsageError
-from footfix.settings import Layer, Settings, compose, suggest
+from footfix.settings import Layer, Meaning, Settings, compose, flat, meanings, origins, plain, suggest
 
 CONFIG_NAME = "footfix.yaml"
+_COLUMN = 34  # where comments begin in a listing, if the value leaves room
 # A settings file is a page of text; this bounds what a hostile one can make the YAML reader do.
 _MOST_BYTES, _MOST_EVENTS, _MOST_ALIASES = 1_000_000, 20_000, 20
 
@@ -31,11 +34,11 @@ class Config:
     folder: Path | None = None
 
     def settings(self, path: Path | None = None) -> Settings:
-        """The settings for one input, or for inputs that no override names."""
+        """Get the settings for one input, or for inputs that no override names."""
         return compose(self.stack(path))
 
     def stack(self, path: Path | None = None) -> tuple[Layer, ...]:
-        """The layers that hold for one input, lowest first."""
+        """Get the layers that hold for one input, lowest first."""
         chosen = [layer for glob, layer in self.overrides if path is not None and self._matches(path, glob)]
         command_line = [layer for layer in self.layers if layer.origin.startswith("--")]
         below = [layer for layer in self.layers if not layer.origin.startswith("--")]
@@ -55,7 +58,7 @@ def load_config(
     *, config: Path | None = None, preset: str | None = None, sets: Iterable[str] = (), near: Path | None = None,
     command_line: Mapping[str, Any] | None = None,
 ) -> Config:  # fmt: skip
-    """The config of a run.
+    """Read the config of a run.
 
     Args:
         config: a settings file; without one, `footfix.yaml` is looked for from `near` upward.
@@ -88,12 +91,12 @@ def load_config(
 
 
 def presets() -> tuple[str, ...]:
-    """The names of the packed presets."""
+    """List the names of the packed presets."""
     return tuple(sorted(path.name.removesuffix(".yaml") for path in _preset_folder() if path.name.endswith(".yaml")))
 
 
 def preset_text(name: str) -> str:
-    """The commented YAML of a preset.
+    """Read the commented YAML of a preset.
 
     Raises:
         UsageError: there is none of that name.
@@ -105,7 +108,7 @@ def preset_text(name: str) -> str:
 
 
 def read_preset(name: str) -> dict[str, Any]:
-    """The values of a preset."""
+    """Read the values of a preset."""
     return _parse(preset_text(name), f"preset {name}")
 
 
@@ -189,3 +192,90 @@ def nested(path: str, value: Any) -> dict[str, Any]:
     for key in reversed(path.split(".")):
         value = {key: value}
     return cast(dict[str, Any], value)
+
+
+@dataclass(frozen=True)
+class Change:
+    """What a preset sets, and why.
+
+    Args:
+        path: dotted name of the setting.
+        value: in the preset.
+        default: without it.
+        why: the comment that stands beside it.
+    """
+
+    path: str
+    value: Any
+    default: Any
+    why: str
+
+
+def meanings_of(settings: Any, prefix: str = "") -> Iterator[tuple[str, Meaning]]:
+    """List (dotted path, meaning) of every setting and every group of them, in the order of declaration."""
+    said = meanings(type(settings))
+    for each in dataclasses.fields(settings):
+        value = getattr(settings, each.name)
+        yield prefix + each.name, said.get(each.name, Meaning(""))
+        if dataclasses.is_dataclass(value):
+            yield from meanings_of(value, f"{prefix}{each.name}.")
+
+
+def as_yaml(layers: Iterable[Layer]) -> str:
+    """Write the settings that layers make as YAML that can be read back, each value with origin, meaning and unit."""
+    layers = tuple(layers)
+    came_from, settings = origins(layers), compose(layers)
+    said = dict(meanings_of(settings))
+    lines: list[str] = []
+    open_groups: list[str] = []
+    for path, value in flat(settings):
+        *groups, name = path.split(".")
+        shared = 0
+        while shared < min(len(groups), len(open_groups)) and groups[shared] == open_groups[shared]:
+            shared += 1
+        for depth in range(shared, len(groups)):
+            group = f"{'  ' * depth}{groups[depth]}:"
+            lines.append(f"{group:<{_COLUMN}}  # {said['.'.join(groups[: depth + 1])]}")
+        open_groups = groups
+        text = f"{'  ' * len(groups)}{name}: {json.dumps(plain(value), ensure_ascii=False)}"  # JSON is YAML
+        lines.append(f"{text:<{_COLUMN}}  # {came_from.get(path, 'default')}: {said[path]}")
+    return "\n".join(lines) + "\n"
+
+
+def preset_summary(name: str) -> str:
+    """Say what clips a preset is for: the comment at its head, in one line."""
+    head = []
+    for line in preset_text(name).splitlines():
+        if not line.startswith("#") or not line.strip("# "):
+            break
+        head.append(line.strip("# "))
+    return " ".join(head)
+
+
+def preset_changes(name: str) -> tuple[Change, ...]:
+    """List what a preset sets, in its order, each with the comment beside it."""
+    defaults = dict(flat(Settings()))
+    values = dict(flat(compose([Layer(f"preset {name}", read_preset(name))])))
+    why: dict[str, str] = {}
+    groups: list[str] = []
+    for line in preset_text(name).splitlines():
+        text, _, comment = line.partition("#")
+        key, colon, _ = text.partition(":")
+        if colon:
+            depth = (len(key) - len(key.lstrip())) // 2
+            groups = [*groups[:depth], key.strip()]
+            why[".".join(groups)] = comment.strip()
+    return tuple(Change(path, values[path], defaults[path], why[path]) for path in why if path in values)
+
+
+def describe_presets() -> str:
+    """Describe all presets: what clips each is for, what it sets, and why."""
+    lines = []
+    for name in presets():
+        lines.append(f"{name}: {preset_summary(name)}")
+        for change in preset_changes(name):
+            value, default = json.dumps(plain(change.value)), json.dumps(plain(change.default))
+            otherwise = "found" if change.default is None else default
+            lines.append(f"  {change.path}: {value}, not {otherwise}: {change.why}")
+        lines.append("")
+    return "\n".join(lines)

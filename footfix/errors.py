@@ -52,7 +52,7 @@ class InputError(FootfixError):
         return (f"{place}: " if place else "") + self.what + (f"; {self.hint}" if self.hint else "")
 
     def within(self, file: str) -> InputError:
-        """The same error, saying which file it is about."""
+        """Name the file that the error is about."""
         return type(self)(self.what, file=file, line=self.line, column=self.column, hint=self.hint)
 
 

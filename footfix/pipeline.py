@@ -182,7 +182,7 @@ def loop(
 
 
 def cut_loop(prepared: Prepared, contacts: Contacts, settings: Settings) -> Loop:
-    """The loop of a prepared clip of one figure; its frames are counted among all of the clip.
+    """Cut the loop out of a prepared clip of one figure; its frames are counted among all of the clip.
 
     Args:
         prepared: the clip and its figure.

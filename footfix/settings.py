@@ -2,12 +2,15 @@
 
 A default stands once, in the parameter class beside its mathematics; this module only walks those classes.
 Values come in layers, and each layer has an origin, so that `footfix settings` can say where a value came from.
+What a field means is read from the docstring of its class, where it stands once: as `name: meaning [unit]` below
+`Args:`; the unit may also come first, several names may share a line, and what goes on is indented further.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import difflib
+import inspect
 import re
 import types
 import typing
@@ -23,6 +26,9 @@ from footfix.locomotion.follow_params import FollowParams
 from footfix.locomotion.params import LoopParams
 from footfix.motion.smoothing import SmoothParams
 from footfix.rig.params import RigParams
+
+_ENTRY = re.compile(r"( +)(\w+(?:, \w+)*): (.*)")
+_UNIT = re.compile(r"\s*\[([^\]]+)\]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +80,7 @@ class Layer:
 
 
 def compose(layers: Iterable[Layer]) -> Settings:
-    """The settings that layers make, each over the ones before it."""
+    """Compose the settings that layers make, each over the ones before it."""
     settings = Settings()
     for layer in layers:
         settings = _merge(settings, layer.values, layer.origin, "")
@@ -82,7 +88,7 @@ def compose(layers: Iterable[Layer]) -> Settings:
 
 
 def origins(layers: Iterable[Layer]) -> dict[str, str]:
-    """For each dotted path that some layer sets, the origin of the value that holds."""
+    """Find for each dotted path that some layer sets the origin of the value that holds."""
     found: dict[str, str] = {}
     for layer in layers:
         for path, _ in _leaves(Settings(), layer.values, ""):
@@ -91,7 +97,7 @@ def origins(layers: Iterable[Layer]) -> dict[str, str]:
 
 
 def flat(settings: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """(dotted path, value) of every setting, in the order in which they are declared."""
+    """List (dotted path, value) of every setting, in the order in which they are declared."""
     for each in dataclasses.fields(settings):
         value = getattr(settings, each.name)
         if dataclasses.is_dataclass(value):
@@ -101,7 +107,7 @@ def flat(settings: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def plain(value: Any) -> Any:
-    """Settings as nested plain values, for JSON and YAML."""
+    """Convert settings to nested plain values, for JSON and YAML."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {each.name: plain(getattr(value, each.name)) for each in dataclasses.fields(value)}
     if isinstance(value, Mapping):
@@ -112,7 +118,7 @@ def plain(value: Any) -> Any:
 
 
 def suggest(word: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown word: the nearest known one, or all of them."""
+    """Write the end of a message about an unknown word: the nearest known one, or all of them."""
     close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.5)
     return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(known)}"
 
@@ -222,3 +228,47 @@ def _words(kind: Any) -> str:
     if shape is tuple:
         return f"a list of {len(typing.get_args(kind))}" if Ellipsis not in typing.get_args(kind) else "a list"
     return "a mapping" if isinstance(shape, type) and issubclass(shape, Mapping) else str(kind)
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a field is.
+
+    Args:
+        text: in one line, without a full stop.
+        unit: "" where it has none, as a name or a choice.
+    """
+
+    text: str
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.text} [{self.unit}]" if self.unit else self.text
+
+
+def meanings(kind: type[Any]) -> dict[str, Meaning]:
+    """Read the meaning of each field of a dataclass that its docstring names, in the order of the fields.
+
+    Args:
+        kind: the class.
+    """
+    said: dict[str, str] = {}
+    names: list[str] = []
+    depth = 0
+    _, _, listed = inspect.cleandoc(kind.__doc__ or "").partition("\nArgs:\n")
+    for line in listed.splitlines():
+        entry = _ENTRY.fullmatch(line)
+        indent = len(line) - len(line.lstrip())
+        if not line.strip() or indent == 0:
+            break
+        if entry and (not names or indent <= depth):
+            names, depth = entry[2].split(", "), indent
+            said.update(dict.fromkeys(names, entry[3]))
+        else:
+            said.update({name: f"{said[name]} {line.strip()}" for name in names})
+    return {each.name: _meaning(said[each.name]) for each in dataclasses.fields(kind) if each.name in said}
+
+
+def _meaning(text: str) -> Meaning:
+    unit = _UNIT.search(text)
+    return Meaning(_UNIT.sub("", text, count=1).strip().rstrip("."), unit[1] if unit else "")

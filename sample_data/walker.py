@@ -8,6 +8,7 @@ it moves with the belt. Everything is in metres, y up, the figure faces +z at th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from walker_body import Body, Posture, X, Y, Z, hips_in_world, pose
@@ -45,8 +46,9 @@ class Walk:
     steps: tuple[tuple[Footstep, ...], tuple[Footstep, ...]]
 
 
+@lru_cache(maxsize=64)
 def make(gait: Gait) -> Walk:
-    """The walk that a gait describes."""
+    """Make the walk that a gait describes; the same value where it was asked for not long ago."""
     body = Body(leg=gait.leg)
     planned = plan(body, gait)
     frames = round(gait.duration * gait.fps) + 1

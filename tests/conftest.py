@@ -1,15 +1,25 @@
-"""What several tests share: where the shared clips are, and how a test says that they are not there."""
+"""What several tests share: the command line run in this process, and where the shared clips are."""
 
 from __future__ import annotations
 
 import os
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+from footfix import cli
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("FOOTFIX_SHARED", ROOT.parent / "shared"))
 SAMPLES = ROOT / "sample_data"
+Run = Callable[..., tuple[int, str, str]]  # a command line: exit code, standard output, standard error
+
+# Examples are not timed: on a busy machine any of them may take long.
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 
 
 def shared(folder: str) -> list[Path]:
@@ -22,3 +32,16 @@ def need(paths: list[Path], folder: str) -> list[Path]:
     if not paths:
         pytest.skip(f"no clips: {SHARED / folder} is absent")
     return paths
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+    """Run a command line in this process: its exit code, and what it wrote to standard output and error."""
+
+    def call(*args: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
+        code = cli.run()
+        said = capfd.readouterr()
+        return code, str(said.out), str(said.err)
+
+    return call

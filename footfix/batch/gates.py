@@ -11,11 +11,10 @@ from footfix.batch.cleanings import contacts_of, report_beside
 from footfix.batch.task import FileResult, Task
 from footfix.errors import UsageError
 from footfix.formats.contacts import Labels
-from footfix.meanings import Meaning, meanings
 from footfix.measure.cleaned import COST_OF, Costs, Held, costs, held
 from footfix.measure.clip import WORLD, Measures
 from footfix.measure.plants import NOTICED_MM
-from footfix.settings import suggest
+from footfix.settings import Meaning, meanings, suggest
 
 # Every measure that may be gated, with its meaning and unit, from where it is defined.
 MEASURES: Mapping[str, Meaning] = {**meanings(Measures), **meanings(Held), **meanings(Costs)}

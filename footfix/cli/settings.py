@@ -6,11 +6,10 @@ from pathlib import Path
 
 import click
 
-from footfix import listing
+from footfix import config
 from footfix import settings as composed
 from footfix.cli.options import Common, shared
 from footfix.cli.running import config_near, print_json
-from footfix.config import presets as packed
 
 
 @click.command()
@@ -29,7 +28,7 @@ def settings(src: tuple[str, ...], presets: bool, common: Common) -> int:
     if common.as_json:
         print_json(composed.plain(chosen.settings(path)))
     else:
-        click.echo(listing.as_yaml(chosen.stack(path)), nl=False)
+        click.echo(config.as_yaml(chosen.stack(path)), nl=False)
     return 0
 
 
@@ -38,11 +37,11 @@ def listed(common: Common) -> int:
     if common.as_json:
         print_json({
             name: {
-                "for": listing.preset_summary(name),
-                "settings": {each.path: composed.plain(each.value) for each in listing.preset_changes(name)},
+                "for": config.preset_summary(name),
+                "settings": {each.path: composed.plain(each.value) for each in config.preset_changes(name)},
             }
-            for name in packed()
+            for name in config.presets()
         })  # fmt: skip
     else:
-        click.echo(listing.describe_presets(), nl=False)
+        click.echo(config.describe_presets(), nl=False)
     return 0

@@ -37,7 +37,7 @@ class AdaptiveParams:
 
 
 def adaptive(tracks: Tracks, params: AdaptiveParams, elsewhere: ThresholdParams) -> Finding:
-    """Contacts by height within windows of the gait cycle (G §4.2).
+    """Detect contacts by height within windows of the gait cycle (G §4.2).
 
     Where there is no cycle, which a note says, Kim & Neff's detector answers with the parameters `elsewhere`.
     """

@@ -51,7 +51,7 @@ _MARGIN = 250  # grid steps beyond a chunk that its evidence may depend on
 def auto(
     tracks: Tracks, params: AutoParams, network: Network | None = None, timing: Timing | None = None
 ) -> Finding:
-    """Contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip.
+    """Detect contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip.
 
     The confidence of a contact is its mean probability. On people and walkers the network had not seen, contacts
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
@@ -81,7 +81,7 @@ def _planted(answer: Floats) -> Floats:
 
 
 def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK) -> tuple[Floats, ...]:
-    """For each foot the log probabilities (n, 4) of its states on the grid."""
+    """Compute for each foot the log probabilities (n, 4) of its states on the grid."""
     steps = len(sampled.tracks)
     answers: list[list[Floats]] = [[] for _ in sampled.tracks.feet]
     for first in range(0, steps, chunk):
@@ -94,7 +94,7 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
 
 
 def grounded(answer: Floats, curves: Floats, params: AutoParams) -> Floats:
-    """The log probabilities (n, 4), unless a foot is higher over the floor ahead and behind than any that stands.
+    """Rule out that a foot stands while it is higher over the floor ahead and behind than any that stands.
 
     A foot that hops straight up moves little but upwards, as one does that is carried up with its floor.
     """

@@ -53,7 +53,7 @@ class Cycle:
 
 
 def find_cycles(tracks: Tracks, left: Foot, right: Foot, params: CycleParams) -> list[Cycle]:
-    """The cycles of a pair of legs.
+    """Find the cycles of a pair of legs.
 
     A foot strikes about when it is farthest from the pelvis in the direction of travel (J. A. Zeni et al.,
     Gait & Posture 27, 2008), which needs no floor, and no root that tells the truth.
@@ -101,7 +101,7 @@ def _travel(tracks: Tracks, left: Foot, right: Foot) -> Floats:
 
 
 def zigzag(curve: Floats, least: float) -> list[int]:
-    """Frames of highs and lows by turns, each at least `least` away from the one before."""
+    """Find frames of highs and lows by turns, each at least `least` away from the one before."""
     slope = np.sign(np.diff(curve))
     extremes = np.flatnonzero(slope[1:] * slope[:-1] < 0.0) + 1
     candidates = [0, *extremes.tolist(), len(curve) - 1]

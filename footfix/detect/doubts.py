@@ -63,7 +63,7 @@ class DoubtParams:
 
 
 def frame_rate(tracks: Tracks, params: DoubtParams) -> tuple[Note, ...]:
-    """A note where steps or leaps can't last as long as the declared frame rate says."""
+    """Note where steps or leaps can't last as long as the declared frame rate says."""
     falls = _falls(tracks)
     if len(falls) and np.median(falls) <= params.floating:
         slowness = float(np.median(falls)) ** -0.5
@@ -170,7 +170,7 @@ def _slowness(tracks: Tracks, left: Foot, right: Foot, params: DoubtParams) -> f
 
 
 def unsure(planted: Floats, tracks: Tracks, side: str, params: DoubtParams) -> tuple[Note, ...]:
-    """Notes on the longest stretches in which a foot may be planted or not.
+    """Note the longest stretches in which a foot may be planted or not.
 
     Args:
         planted: (F,) probability that heel or toe is in contact.

@@ -66,7 +66,7 @@ class Sampled:
 
 
 def evidence(sampled: Sampled, part: slice = slice(None)) -> tuple[Floats, ...]:
-    """For each foot its curves (n, len(COLUMNS)), in a part of the grid (as if the clip ended there)."""
+    """Compute for each foot its curves (n, len(COLUMNS)), in a part of the grid (as if the clip ended there)."""
     feet = tuple(
         Foot(foot.side, foot.hip[part], foot.ankle[part], foot.heel[part], foot.toe[part])
         for foot in sampled.tracks.feet
@@ -89,7 +89,7 @@ COLUMNS = tuple(OWN) + tuple(f"other {name}" for name in OTHER) + tuple(BODY)
 
 
 def mates(feet: tuple[Foot, ...]) -> tuple[int, ...]:
-    """For each foot the one whose hip is nearest: left and right of a biped, of the fore legs, of the hind legs."""
+    """Find each foot's mate, whose hip is nearest: left and right of a biped, of the fore legs, of the hind legs."""
     hips = [foot.hip.mean(axis=0) for foot in feet]
     nearest = []
     for k, hip in enumerate(hips):
@@ -99,7 +99,7 @@ def mates(feet: tuple[Foot, ...]) -> tuple[int, ...]:
 
 
 def resample(tracks: Tracks) -> Sampled:
-    """A clip's tracks in leg lengths, sampled every `STEP` seconds from its first frame on."""
+    """Sample a clip's tracks in leg lengths every `STEP` seconds from its first frame on."""
 
     def sample(x: Floats) -> Floats:
         if 2.5 * tracks.frame_time < SMOOTH:
@@ -117,7 +117,7 @@ def resample(tracks: Tracks) -> Sampled:
 
 
 def catmull_rom(x: Floats, step: float) -> Floats:
-    """A track (F, ...) sampled every `step` frames by Catmull-Rom splines, from its first frame on."""
+    """Sample a track (F, ...) every `step` frames by Catmull-Rom splines, from its first frame on."""
     places = np.arange(0.0, len(x) - 1 + 1e-9, step)
     left = np.minimum(places.astype(np.intp), max(len(x) - 2, 0))
     q = (places - left).reshape(-1, *[1] * (x.ndim - 1))
@@ -191,7 +191,7 @@ def _own(
 
 
 def floors(height: Floats, seconds: float) -> tuple[Floats, Floats]:
-    """The lowest place (n,) within some seconds ahead, and behind, both with now."""
+    """Find the lowest place (n,) within some seconds ahead, and behind, both with now."""
     n = max(round(seconds / STEP), 1) + 1
     ahead, width = np.concatenate([height, np.full(n, np.inf)]), 1
     while width < n:  # the lowest of 2 w is the lower of two lowest of w

@@ -21,7 +21,7 @@ PARTS = ("hidden_bias", "mixing", "mixing_bias", "answer", "answer_bias")  # of 
 
 @cache
 def network() -> Network:
-    """What weighs the evidence."""
+    """Read the fitted weights of the network."""
     table = _fitted()
     centre = np.array([table[f"{name}: mean, spread"][0] for name in COLUMNS]) / THOUSANDTHS  # (E, 2)
     hidden = np.array([table[f"{name}: hidden"] for name in COLUMNS]) / THOUSANDTHS  # (E, T, H)
@@ -35,7 +35,7 @@ def network() -> Network:
 
 @cache
 def timing() -> Timing:
-    """What tells when feet land and leave."""
+    """Read the fitted lines that tell when feet land and leave."""
     table = _fitted()
     return Timing(landing=_line(table, "landing"), leaving=_line(table, "leaving"))
 
@@ -48,7 +48,7 @@ def _fitted() -> dict[str, list[list[int]]]:
 
 
 def sections(text: str) -> dict[str, list[list[int]]]:
-    """The rows of each section of a table; lines that start with # are remarks."""
+    """Split a table into the rows of each section; lines that start with # are remarks."""
     found: dict[str, list[list[int]]] = {}
     name = ""
     for row in text.splitlines():

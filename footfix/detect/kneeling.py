@@ -30,7 +30,7 @@ class KneelingParams:
 
 
 def carrying(mask: Bools, tracks: Tracks, foot: Foot, point: Floats, params: KneelingParams) -> Bools:
-    """The contacts (F,) of a sole point without those in which its leg's knee is down and the point moves."""
+    """Take out of a sole point's contacts (F,) those in which its leg's knee is down and the point moves."""
     if foot.knee is None or not mask.any():
         return mask
     lowest = np.min([sole[:, 1] for each in tracks.feet for sole in each.soles], axis=0)

@@ -39,7 +39,7 @@ class Network:
     answer_bias: Floats
 
     def logits(self, evidence: Floats) -> Floats:
-        """(n, 4) log probabilities of the states, of evidence (n, E); the ends are held."""
+        """Compute the log probabilities (n, 4) of the states from evidence (n, E); the ends are held."""
         n, reach = len(evidence), max(abs(tap) for tap in self.taps)
         seen = np.pad((evidence - self.mean) / self.spread, ((reach, reach), (0, 0)), mode="edge")
         total = np.broadcast_to(self.hidden_bias, (n, len(self.hidden_bias))).copy()

@@ -23,7 +23,7 @@ class Stretch(NamedTuple):
 
 
 def stretches(logits: Floats, switch: float, roll: float) -> list[Stretch]:
-    """What a foot does, stretch by stretch.
+    """Decide what a foot does, stretch by stretch.
 
     Args:
         logits: (n, 4) log probabilities of the states.
@@ -56,7 +56,7 @@ def _rolling(logits: Floats, first: int, start: float, end: float, roll: float) 
 
 
 def crossing(score: Floats, at: int) -> float:
-    """Where a score rises through zero, between the grid steps at - 1 and at; halfway where it does not."""
+    """Find where a score rises through zero, between the grid steps at - 1 and at; halfway where it does not."""
     before, after = score[at - 1], score[at]
     if before < 0.0 <= after:
         return float(at - 1 + before / (before - after))
@@ -64,7 +64,7 @@ def crossing(score: Floats, at: int) -> float:
 
 
 def segments(score: Floats, switch: float) -> list[tuple[int, int, int]]:
-    """The path of greatest total score (n, S), each change of state costing `switch`: `[start, end)` and state.
+    """Find the path of greatest total score (n, S), each change of state costing `switch`: `[start, end)` and state.
 
     A change pays only where the best state changes, so that the dynamic programme runs over stretches of
     one best state, not over steps; where one of these is given up, its neighbours share it at the best step.
@@ -119,7 +119,7 @@ def _viterbi(score: Floats, switch: float) -> Ints:
 
 
 def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, Bools]:
-    """Heel and toe (F,) in contact, each frame being `per_frame` grid steps.
+    """Mark the frames in which heel and toe (F,) are in contact, each frame being `per_frame` grid steps.
 
     A contact starts with the first frame after the landing and ends before the first after the leaving; a frame
     that a landing misses by less than `EARLY`, and less than half a frame, counts as after it.
@@ -135,7 +135,7 @@ def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, B
 
 
 def resting(part: Bools, planted: Bools, height: Floats, rise: float) -> Bools:
-    """A part of a foot (F,), down all along where it seems to leave and come back but does not rise.
+    """Keep a part of a foot (F,) down all along where it seems to leave and come back but does not rise.
 
     Args:
         part: (F,) heel, or toe, in contact.

@@ -98,7 +98,7 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
 
 
 def find(tracks: Tracks, params: DetectParams) -> Finding:
-    """The same on tracks alone."""
+    """Detect contacts on tracks alone."""
     if len(tracks) < 2:
         return Finding(np.zeros((len(tracks), 2 * len(tracks.feet)), dtype=np.bool_))
     if not _SLOWEST <= 1.0 / tracks.frame_time <= _QUICKEST:

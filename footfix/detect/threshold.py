@@ -34,7 +34,7 @@ class ThresholdParams:
 
 
 def threshold(tracks: Tracks, params: ThresholdParams) -> Finding:
-    """Contacts by height and speed (K §5.1).
+    """Detect contacts by height and speed (K §5.1).
 
     A contact's confidence is the share of its frames that were low and slow before the vote.
     """
@@ -59,7 +59,7 @@ def _low_and_slow(point: Floats, bound: float, tracks: Tracks, params: Threshold
 
 
 def vote(raw: Bools, share: float) -> Bools:
-    """Frames join a contact when most of their neighbours are in one (K §5.1).
+    """Join frames to a contact when most of their neighbours are in one (K §5.1).
 
     A frame not in contact gets 1 / (2 N_f + 1) for each neighbour in contact, N_f frames to both sides,
     and joins when the sum exceeds one half; N_f is a share of the length of the nearest plant.

@@ -77,7 +77,7 @@ class Finding(NamedTuple):
 
 
 def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None, *, mesh: bool = False) -> Tracks:
-    """The tracks of a clip, by forward kinematics (or from a pose that is already known).
+    """Compute the tracks of a clip by forward kinematics (or from a pose that is already known).
 
     Args:
         clip: in metres, y up.

@@ -89,7 +89,7 @@ def faults(
 
 
 def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:
-    """The frames of a plant without the `edge` [s] at its ends in which the foot may still land or leave."""
+    """Cut the `edge` [s] off a plant's ends, in which the foot may still land or leave."""
     trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - 3) // 2, 0))
     return plant.start + trim, plant.end - trim
 

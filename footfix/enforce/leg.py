@@ -85,7 +85,7 @@ class LegTracks:
     turns: bool
 
     def place(self, point: int) -> Floats:
-        """(3, F) [m] track of a point as captured."""
+        """Get the track (3, F) [m] of a point as captured."""
         return self._places[point]
 
     @cached_property
@@ -95,7 +95,7 @@ class LegTracks:
         return heel, toe, self.ankle, *tip
 
     def frames(self, which: slice | Ints) -> LegTracks:
-        """The leg in some frames only."""
+        """Cut the leg to some frames."""
         some = {
             name: np.ascontiguousarray(getattr(self, name)[..., which])
             for name in ("hip", "ankle", "line", "thigh", "shank", "axis", "flexion", "least", "reach", "toe_hinge")
@@ -122,7 +122,7 @@ def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
         if np.linalg.norm(usual) <= 0.01 * len(clip):  # a leg that is never bent: its shank goes away from the toes
             across = cross_rows(thigh, heel - toe)
             usual = rotation.rotate(rotation.inverse(hip_turn), unit(across)).sum(axis=0)
-        axis = _axis(thigh, shank, hip_turn, unit(usual))
+        axis = knee_axis(thigh, shank, rotation.rotate(hip_turn, unit(usual)))
         flexion = _flexion(thigh, shank, axis)
         straightest = float(np.percentile(flexion, _STRAIGHTEST))
         up = np.array([0.0, 1.0, 0.0])
@@ -182,7 +182,7 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
     for k, (leg, known) in enumerate(zip(rig.legs, calibration, strict=True)):
         hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
         thigh, shank = knee - hip, ankle - knee
-        axis = _axis(thigh, shank, pose.rotation(leg.hip), known.knee_axis)
+        axis = knee_axis(thigh, shank, rotation.rotate(pose.rotation(leg.hip), known.knee_axis))
         flexion = _flexion(thigh, shank, axis)
         least = np.minimum(flexion, max(known.straightest, np.radians(_STRETCHED)))
         # D(k)^2 = |thigh|^2 + |shank|^2 + 2 thigh . R(axis, k) shank
@@ -209,18 +209,25 @@ def raise_leg(leg: LegTracks, lift: float | Floats) -> LegTracks:
     return replace(leg, hip=leg.hip + up, ankle=leg.ankle + up)
 
 
-def _axis(thigh: Floats, shank: Floats, hip_turn: Floats, usual: Floats) -> Floats:
-    """(F, 3) unit axis in the world about which the knee flexes, at right angles to the thigh.
+def knee_axis(thigh: Floats, shank: Floats, usual: Floats) -> Floats:
+    """Find the axis about which a knee flexes, at right angles to the thigh.
 
     Where the leg is bent it is the normal of the captured leg's plane. Where it is straight the normal means
-    nothing, and the axis the knee has on the whole, fixed in the thigh, leads over.
+    nothing, and the axis the knee has on the whole, fixed in the thigh, leads over. Through a straight leg the
+    normal swings round: only as much of it counts as lies along the usual axis.
+
+    Args:
+        thigh, shank: (F, 3) [m] from hip to knee, and from knee to ankle.
+        usual: (F, 3) unit axis that the knee has on the whole, in the world.
+
+    Returns:
+        (F, 3) unit axis in the world.
     """
     normal = cross_rows(unit(thigh), unit(shank))  # as long as the sine of the flexion
-    usual_in_world = rotation.rotate(hip_turn, usual)
-    c = dot(normal, usual_in_world)
-    aside = normal - c[:, None] * usual_in_world
+    c = dot(normal, usual)
+    aside = normal - c[:, None] * usual
     square = c * c + _STRAIGHT**2
-    axis = np.sqrt(square)[:, None] * usual_in_world + (c * np.abs(c) / square)[:, None] * aside
+    axis = np.sqrt(square)[:, None] * usual + (c * np.abs(c) / square)[:, None] * aside
     along = unit(thigh)
     return unit(axis - dot(axis, along)[:, None] * along)
 

@@ -140,14 +140,14 @@ def footplants(
 
 
 def lacks(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig) -> Floats:
-    """(N,) [m] what each plant's joint lacks to the height at which its sole is on the rig's floor."""
+    """Measure what each plant's joint lacks to the height at which its sole is on the rig's floor, (N,) [m]."""
     return np.array([
         nominal(rig, p.effector) - np.median(legs[p.leg].place(_point(p))[1, p.frames]) for p in plants
     ])  # fmt: skip
 
 
 def given(contacts: Contacts, plant: Footplant) -> bool:
-    """Whether somebody gave a contact, so that its ends are certain."""
+    """Tell whether somebody gave a contact, so that its ends are certain."""
     return plant.force or (contacts.method in _BY_HAND and plant.confidence >= 1.0)
 
 
@@ -189,14 +189,14 @@ def height(own: float, rest: float, floor: float, near: float) -> float:
 
 
 def nominal(rig: Rig, effector: int) -> float:
-    """[m] the height of a sole point's joint when the sole is on the rig's floor: a toe joint's own height above it."""
+    """Get the height [m] of a sole point's joint, its sole on the rig's floor: a toe joint's own height above it."""
     sole = rig.soles[effector]
     at_joint = sole.part == "toe" and rig.legs[sole.leg].toe is not None
     return rig.floor + (float(np.linalg.norm(sole.offset)) if at_joint else 0.0)
 
 
 def stands(plants: Sequence[Footplant], frames: int, legs: int) -> Bools:
-    """(legs, 2, F) whether heel and toe of each leg are planted."""
+    """Mark the frames in which heel and toe of each leg are planted, (legs, 2, F)."""
     on = np.zeros((legs, 2, frames), dtype=np.bool_)
     for plant in plants:
         on[plant.leg, _point(plant), plant.frames] = True

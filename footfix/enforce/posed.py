@@ -81,12 +81,12 @@ def _arms(leg: LegTracks, foot: Floats, b: Floats) -> tuple[tuple[Floats | None,
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """(3, F) vector products."""
+    """Compute vector products (3, F)."""
     return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def exponential(vector: Floats) -> Floats:
-    """(3, 3, F) the rotations of rotation vectors (3, F) [rad] (Rodrigues).
+    """Convert rotation vectors (3, F) [rad] to matrices (3, 3, F) (Rodrigues).
 
     R = I + sin x / x [v] + (1 - cos x) / x^2 [v]^2,  x = |v|
     """
@@ -97,7 +97,7 @@ def exponential(vector: Floats) -> Floats:
 
 
 def left_jacobian(vector: Floats) -> Floats:
-    """(3, 3, F) how the rotations of rotation vectors (3, F) [rad] turn in the world while these change.
+    """Compute how the rotations of rotation vectors (3, F) [rad] turn in the world as these change, (3, 3, F).
 
     J = I + (1 - cos x) / x^2 [v] + (x - sin x) / x^3 [v]^2,  x = |v|
     """
@@ -127,7 +127,7 @@ def _rotated(matrix: Floats, v: Floats) -> Floats:
 
 
 def local_rotations(clip: Clip, pose: Pose, leg: LegTracks, x: Floats) -> dict[int, Floats]:
-    """New local rotations (F, 4) of hip, knee, ankle and toe joint; what lies between them keeps its own.
+    """Compute new local rotations (F, 4) of hip, knee, ankle and toe joint; what lies between them keeps its own.
 
     Args:
         clip: as captured.
@@ -150,7 +150,7 @@ def local_rotations(clip: Clip, pose: Pose, leg: LegTracks, x: Floats) -> dict[i
 
 
 def leg_turns(leg: LegTracks, x: Floats) -> tuple[Floats, Floats]:
-    """(F, 4), (F, 4) what turns thigh and knee together about the hip, and the shank about the knee before that."""
+    """Compute what turns thigh and knee together about the hip, and the shank about the knee before, both (F, 4)."""
     bend = rotation.from_rotation_vector((x[K] * leg.axis).T)
     reached = leg.thigh.T + rotation.rotate(bend, leg.shank.T)
     # the line from hip to ankle keeps its direction while the knee bends

@@ -131,11 +131,11 @@ class Problem:
         return ROOT + LEG * len(self.legs)
 
     def columns(self, leg: int) -> slice:
-        """Where a leg's eight unknowns stand in a state."""
+        """Get the place of a leg's eight unknowns in a state."""
         return slice(ROOT + LEG * leg, ROOT + LEG * (leg + 1))
 
     def free(self) -> Bools:
-        """(U,) which unknowns may differ from zero."""
+        """Mark the unknowns that may differ from zero, (U,)."""
         free = np.ones(self.unknowns, dtype=np.bool_)
         free[:ROOT] = self.root_moves
         for k, leg in enumerate(self.legs):
@@ -145,12 +145,12 @@ class Problem:
         return free
 
     def farthest(self, most: float) -> Floats:
-        """(F,) [rad] how far a joint goes freely: in proportion to the fault, and no farther than `most` [degrees]."""
+        """Bound how far a joint goes freely, (F,) [rad]: in proportion to the fault, at most `most` [degrees]."""
         seen = np.maximum(self.fault / (self.costs.noticed * self.leg_length), 1.0)
         return np.radians(np.minimum(self.costs.unnoticed_turn * seen, most))
 
     def near(self) -> tuple[Floats, Floats]:
-        """(U,), (U,) the standard deviations s0 [m, rad] and s2 [m/s^2, rad/s^2] of NEAR."""
+        """Compute the standard deviations of NEAR: s0 [m, rad] and s2 [m/s^2, rad/s^2], both (U,)."""
         c, size = self.costs, self.leg_length
         deg = np.pi / 180.0
         s0 = np.concatenate([
@@ -349,7 +349,7 @@ def _go_on(near: Floats, s0: Floats, s2: Floats, dt: float) -> None:
 
 
 def product(bands: Floats, x: Floats) -> Floats:
-    """(n, F) NEAR's matrix (3, n, F) times a state."""
+    """Multiply NEAR's matrix (3, n, F) by a state, (n, F)."""
     out = bands[0] * x
     for k in (1, 2):
         out[:, k:] += bands[k, :, :-k] * x[:, :-k]

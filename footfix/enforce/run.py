@@ -174,7 +174,7 @@ def _followers_note(followers: Sequence[Follower], clip: Clip) -> tuple[Note, ..
 
 
 def pose_of(clip: Clip, rig: Rig) -> Pose:
-    """Forward kinematics of all that enforcement looks at: the rig's joints and what its legs hang from."""
+    """Compute forward kinematics of all that enforcement looks at: the rig's joints and what its legs hang from."""
     joints = set(rig.joints())
     for leg in rig.legs:
         hinged = [leg.hip, leg.knee, leg.ankle] + ([] if leg.toe is None else [leg.toe])
@@ -183,7 +183,7 @@ def pose_of(clip: Clip, rig: Rig) -> Pose:
 
 
 def ground_of(clip: Clip, rig: Rig, contacts: Contacts, params: GroundParams) -> Floats:
-    """(F, 3) [m] how far the ground under planted feet has moved on purpose; zeros on a floor at rest."""
+    """Find how far the ground under planted feet has moved on purpose, (F, 3) [m]; zeros on a floor at rest."""
     return grounds.belt(rig, rig.pose(clip), contacts, clip.frame_time, params)
 
 
@@ -301,7 +301,7 @@ def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParam
 
 
 def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:
-    """The objective of a clip."""
+    """Lay out the objective of a clip."""
     costs, heights = costs_of(params), params.heights == "floor"
     pins = tuple(
         pinning.pins(

@@ -71,7 +71,7 @@ def interpolated(x: Floats, at: Ints, wanted: Ints) -> Floats:
 
 
 def thinned(problem: Problem, which: Ints) -> Problem:
-    """The problem on some frames only: pins hold from each to the next of them."""
+    """Thin the problem to some frames: pins hold from each to the next of them."""
     every = int(which[1] - which[0])
     if every == 1:
         return problem

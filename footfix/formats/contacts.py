@@ -31,7 +31,7 @@ _COLUMNS = ("effector", "start", "end", "start_s", "end_s", "confidence", "x_m",
 def encode_json(
     contacts: Contacts, *, source: Mapping[str, Any], rig: Mapping[str, Any], detector: Mapping[str, Any]
 ) -> bytes:
-    """The contacts file of the contract, version 1."""
+    """Encode contacts as the contract's contacts file, version 1."""
     document = {
         "format": FORMAT,
         "version": VERSION,
@@ -65,7 +65,7 @@ def _plain(contact: Contact) -> dict[str, Any]:
 
 
 def encode_csv(contacts: Contacts) -> bytes:
-    """One row a contact, with a header; times in frames and in seconds.
+    """Encode contacts as CSV, one row a contact, with a header; times in frames and in seconds.
 
     Of the columns, effector, start and end are needed when one is read. An effector that is never planted has a row
     without start and end: one that is not named at all would be left to the detector.
@@ -97,7 +97,7 @@ ENDS: Mapping[str, str] = {"json": ".contacts.json", **{kind: end for kind, (end
 
 
 def decode(data: bytes, *, name: str = "labels", order: Sequence[str] = ()) -> Labels:
-    """Labels from the bytes of a JSON, CSV, NPZ or NPY file; which one it is, the content says.
+    """Read labels from the bytes of a JSON, CSV, NPZ or NPY file; which one it is, the content says.
 
     Args:
         data: the bytes.
@@ -120,7 +120,7 @@ def decode(data: bytes, *, name: str = "labels", order: Sequence[str] = ()) -> L
 
 
 def order_from(text: str) -> tuple[str, ...]:
-    """Effector names from "right_heel,right_toe,left_heel,left_toe"; the parts may be told apart as people do.
+    """Read effector names from "right_heel,right_toe,left_heel,left_toe"; parts may be told apart as people do.
 
     Raises:
         UsageError: a name is empty or given twice.

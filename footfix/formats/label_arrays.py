@@ -80,7 +80,7 @@ def encode_frames(contacts: Contacts) -> bytes:
 
 
 def from_npz(data: bytes, name: str, order: Sequence[str]) -> Labels:
-    """Labels from the bytes of an archive.
+    """Read labels from the bytes of an archive.
 
     Raises:
         InputError: it is damaged, or holds no `contacts` of the right shape.
@@ -115,7 +115,7 @@ def _from_intervals(arrays: Mapping[str, Any], labels: Labels, mask: Any, name: 
 
 
 def from_npy(data: bytes, name: str, order: Sequence[str]) -> Labels:
-    """Labels from the bytes of one array (F, E) or (F - 1, E).
+    """Read labels from the bytes of one array (F, E) or (F - 1, E).
 
     Raises:
         InputError: it is damaged, or no array of truth values or probabilities.
@@ -128,7 +128,7 @@ def from_npy(data: bytes, name: str, order: Sequence[str]) -> Labels:
 
 
 def from_frames(rows: Sequence[Sequence[str]], name: str) -> Labels:
-    """Labels from a CSV with a row a frame, its header first.
+    """Read labels from a CSV with a row a frame, its header first.
 
     Raises:
         InputError: a cell is no number.
@@ -149,7 +149,7 @@ def from_frames(rows: Sequence[Sequence[str]], name: str) -> Labels:
 def from_mask(
     mask: Any, name: str, names: Sequence[str] = (), *, confidence: Any = None, by_steps: bool = False
 ) -> Labels:
-    """Labels from an array with a row a frame and a column an effector.
+    """Make labels of an array with a row a frame and a column an effector.
 
     Args:
         mask: (F, E) of truth values, or of probabilities: planted where over one half, and the confidence of a

@@ -37,7 +37,7 @@ def put(effectors: dict[str, tuple[Contact, ...]], effector: str, contacts: tupl
 
 
 def fit(labels: Labels, blank: Contacts) -> tuple[Contacts, frozenset[str]]:
-    """Holds labels against a clip.
+    """Match labels to a clip: its frames, its effectors.
 
     Args:
         labels: what a file says.
@@ -106,7 +106,7 @@ def _in_order(contacts: tuple[Contact, ...], effector: str, frames: int, source:
 
 
 def merge(given: Contacts, detected: Contacts, open_ones: frozenset[str]) -> Contacts:
-    """Labels where they speak, the detector's contacts for the effectors they leave open, less what is forbidden."""
+    """Take labels where they speak, the detector's contacts for effectors they leave open, less what is forbidden."""
     effectors = []
     for label, found in zip(given.effectors, detected.effectors, strict=True):
         if label.name not in open_ones:

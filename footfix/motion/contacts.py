@@ -108,7 +108,7 @@ class Contacts:
         return replace(self, effectors=tuple(each for each in self.effectors if each.name in wanted))
 
     def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
-        """The same effectors with the contacts of a mask (F, E).
+        """Replace the contacts of the same effectors by those of a mask (F, E).
 
         `confidence` (F, E), if given, is averaged over each contact, to as many decimals as label files keep: a clip
         comes out the same from contacts that were written and read as from those that were found. What was found is

@@ -83,5 +83,5 @@ def _where(folder: Path, source: Path, target: Path) -> list[str]:
 
 
 def quoted(words: Sequence[str]) -> str:
-    """Words as one line for the shell of this system."""
+    """Join words to one line for the shell of this system."""
     return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)

@@ -10,13 +10,13 @@ _LEVELS: Mapping[str, Level] = {"error": "error", "warning": "warning", "note": 
 
 
 def annotation(level: Level, file: str, message: str, *, line: int | None = None, title: str = "footfix") -> str:
-    """One workflow command, escaped so that no file name can end it or begin another."""
+    """Make one workflow command, escaped so that no file name can end it or begin another."""
     place = f"file={_value(file)}" + (f",line={line}" if line is not None else "")
     return f"::{level} {place},title={_value(title)}::{_data(message)}"
 
 
 def of_note(file: str, note: Mapping[str, Any]) -> str:
-    """A note of a report as an annotation."""
+    """Make an annotation of a report's note."""
     level = _LEVELS.get(str(note.get("severity")), "notice")
     return annotation(level, file, str(note.get("text", "")), line=note.get("line"), title=f"footfix {note['id']}")
 

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from footfix.meanings import Meaning
 from footfix.report.annotations import annotation, of_note
 from footfix.report.junit import Case
 from footfix.report.junit import junit as junit_xml
 from footfix.report.text import printable
+from footfix.settings import Meaning
 from footfix.version import __version__
 
 FORMAT, VERSION = "footfix-check", 1
@@ -44,13 +44,13 @@ class Row:
 
 
 def row(source: str, status: str, report: Mapping[str, Any], error: str, seconds: float) -> Row:
-    """A row from the result of a clip."""
+    """Make a row of the result of a clip."""
     found = {key: report[key] for key in ("measures", "gates", "over", "notes") if key in report}
     return Row(source, status, error=error, seconds=seconds, **found)
 
 
 def document(rows: Sequence[Row]) -> dict[str, Any]:
-    """The check document, version 1."""
+    """Make the check document, version 1."""
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -72,7 +72,7 @@ def document(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def text(rows: Sequence[Row], *, quiet: bool, verbose: bool) -> str:
-    """A table of the measures that were judged, what is over its gate and why, what is odd; then the count.
+    """Write a table of the measures judged, what is over its gate and why, what is odd; then the count.
 
     Args:
         rows: the clips.
@@ -130,7 +130,7 @@ def _shown(value: float | None) -> str:
 
 
 def as_csv(rows: Sequence[Row]) -> str:
-    """One row a clip: its status, every measure, and the measures that are over their gates."""
+    """Write one row a clip: its status, every measure, and the measures that are over their gates."""
     names = list(dict.fromkeys(name for each in rows for name in each.measures))
     out = io.StringIO(newline="")
     writer = csv.writer(out, lineterminator="\n")
@@ -143,7 +143,7 @@ def as_csv(rows: Sequence[Row]) -> str:
 
 
 def listing(meanings: Mapping[str, Meaning], gates: Mapping[str, tuple[float, str]]) -> str:
-    """Every measure with its unit and meaning; of those that are gated by default, the bound and its reason.
+    """List every measure with its unit and meaning; of those gated by default, the bound and its reason.
 
     Args:
         meanings: of the measures, by name.
@@ -158,7 +158,7 @@ def listing(meanings: Mapping[str, Meaning], gates: Mapping[str, tuple[float, st
 
 
 def workflow_commands(rows: Sequence[Row]) -> Iterator[str]:
-    """Workflow commands for gates and oddities; failures were told as they came."""
+    """Write workflow commands for gates and oddities; failures were told as they came."""
     for each in rows:
         for message in _failures(each):
             yield annotation("error", each.source, message, title="footfix check")
@@ -167,7 +167,7 @@ def workflow_commands(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def junit(rows: Sequence[Row]) -> bytes:
-    """The rows as a JUnit test suite."""
+    """Write the rows as a JUnit test suite."""
     cases = [
         Case(
             each.source, _failures(each), each.error,

@@ -31,7 +31,7 @@ class Case:
 
 
 def junit(suite: str, cases: Sequence[Case]) -> bytes:
-    """The cases as one test suite, each with the time it took; its time is their sum, on however many processes."""
+    """Write the cases as one test suite, each with its time; the suite's is their sum, on however many processes."""
     counts = (
         f'tests="{len(cases)}" failures="{sum(bool(case.failures) for case in cases)}" '
         f'errors="{sum(bool(case.error) for case in cases)}"'

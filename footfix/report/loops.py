@@ -15,7 +15,7 @@ from footfix.rig.rig import Rig
 
 
 def loop_lines(report: Report) -> list[str]:
-    """A few lines about a loop; none where the report is not about one."""
+    """Describe a loop in a few lines; none where the report is not about one."""
     loop = section(report, "loop")
     if not loop:
         return []
@@ -23,7 +23,7 @@ def loop_lines(report: Report) -> list[str]:
 
 
 def round_of(report: Report) -> dict[str, Any] | None:
-    """How a loop goes on, for the page's player: its turn [rad] and travel [m] as they are written, to be repeated."""
+    """Find how a loop goes on, for the page's player: its turn [rad] and travel [m] as written, to be repeated."""
     loop = section(report, "loop")
     if not loop:
         return None
@@ -34,7 +34,7 @@ def round_of(report: Report) -> dict[str, Any] | None:
 
 
 def captured(clip: Clip, loop: Report) -> Clip:
-    """The frames of a clip that became a loop, one for each of it.
+    """Take the frames of a clip that became a loop, one for each of it.
 
     Raises:
         InputError: the clip has no such frames.
@@ -46,7 +46,7 @@ def captured(clip: Clip, loop: Report) -> Clip:
 
 
 def seen_as(clip: Clip, rig: Rig, loop: Report) -> Clip:
-    """The captured frames without the loop's travel, where it is written without."""
+    """Take the loop's travel out of the captured frames, where it is written without."""
     turn = Travel(math.radians(_value(loop, "turn_deg")))
     travel = loop.get("travel_m")
     if not (loop.get("in_place") and isinstance(travel, list | tuple) and len(travel) == 2):

@@ -43,7 +43,7 @@ class Offender:
 
 
 def worst_plants(motion: Motion, report: Report, most: int = 3) -> tuple[Offender, ...]:
-    """The plants of a clip that slide most, the worst first.
+    """List the plants of a clip that slide most, the worst first.
 
     Args:
         motion: the figure before and after.

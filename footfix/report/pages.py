@@ -35,7 +35,7 @@ def draw(
     again: Again | None = None,
     ground: Floats | None = None,
 ) -> tuple[dict[str, bytes], tuple[Offender, ...]]:
-    """The pages that settings ask for, by suffix, and the worst plants as small pictures for an index.
+    """Draw the pages that settings ask for, by suffix, and the worst plants as small pictures for an index.
 
     Args:
         before, after: the clip as read and as written; None where there is no motion to show.

@@ -37,7 +37,7 @@ class Entry:
 
 
 def summarize_run(entries: Sequence[Entry]) -> dict[str, Any]:
-    """The summary document, version 1: totals, then every clip in the order of the run.
+    """Make the summary document, version 1: totals, then every clip in the order of the run.
 
     It says nothing of the machine, the hour or how long it took: the same run makes the same bytes.
     """
@@ -96,7 +96,7 @@ def _worst(plants: Sequence[Report]) -> dict[str, Any] | None:
 
 
 def table(entries: Sequence[Entry], *, most: int = 10) -> str:
-    """The closing table for a terminal: what came of the run, and the clips to look at first."""
+    """Write the closing table for a terminal: what came of the run, and the clips to look at first."""
     counts = Counter(entry.status for entry in entries)
     said = ", ".join(f"{counts[key]} {key}" for key in ("cleaned", "unchanged", "failed") if counts[key])
     lines = [f"{len(entries)} {'clip' if len(entries) == 1 else 'clips'}: {said}"]

@@ -29,7 +29,7 @@ _FRAMES = re.compile(r"at frame (\d+-\d+)")
 
 
 def summarize(report: Report, *, verbose: bool = False) -> str:
-    """A few lines about one clip, ending without a newline.
+    """Describe one clip in a few lines, ending without a newline.
 
     Args:
         report: the report document.
@@ -69,7 +69,7 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
 
 
 def released(report: Report) -> list[str]:
-    """How many plants were let go wholly or in part, or kept though they slide, for each reason, as lines of text.
+    """Count the plants let go wholly or in part, or kept though they slide, by reason; give lines of text.
 
     Reasons that differ only in their figures count as one, with the range of the figures.
     """
@@ -99,7 +99,7 @@ def _unit(row: Row) -> str:
 
 
 def printable(text: str) -> str:
-    """Text from a stranger's file without control characters, so that it can't drive a terminal."""
+    """Strip control characters from a stranger's text, so that it can't drive a terminal."""
     return "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in text)
 
 

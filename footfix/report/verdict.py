@@ -48,35 +48,35 @@ class Verdict:
 
 
 def number(value: Any) -> float | None:
-    """A number of the report, None where it has none that can be shown."""
+    """Get a number of the report, None where it has none that can be shown."""
     return float(value) if isinstance(value, int | float) and abs(value) < 1e15 else None
 
 
 def source_name(report: Report) -> str:
-    """The name of the clip's file."""
+    """Get the name of the clip's file."""
     source = report.get("source")
     return str((source.get("file") if isinstance(source, Mapping) else source) or "clip")
 
 
 def entries(report: Report, key: str) -> list[Report]:
-    """The objects in a list of the report. A report may come from a stranger: what is no object is left out."""
+    """Get the objects in a list of the report. A report may come from a stranger: what is no object is left out."""
     found = report.get(key)
     return [each for each in found if isinstance(each, Mapping)] if isinstance(found, list | tuple) else []
 
 
 def section(report: Report, key: str) -> Report:
-    """An object of the report; an empty one where it has none."""
+    """Get an object of the report; an empty one where it has none."""
     found = report.get(key)
     return found if isinstance(found, Mapping) else {}
 
 
 def slides(plants: Sequence[Report], when: Literal["before", "after"]) -> list[float]:
-    """The slide of each plant [mm], 0 where it is not known."""
+    """Get the slide of each plant [mm], 0 where it is not known."""
     return [number(plant.get(f"slide_{when}_mm")) or 0.0 for plant in plants]
 
 
 def worst_first(plants: Sequence[Report]) -> list[Report]:
-    """Where to look first: what slides most now, and among what stands, what slid most before."""
+    """Sort plants by where to look first: what slides most now; among what stands, what slid most before."""
 
     def slide(plant: Report) -> tuple[float, float]:
         after = number(plant.get("slide_after_mm")) or 0.0
@@ -86,7 +86,7 @@ def worst_first(plants: Sequence[Report]) -> list[Report]:
 
 
 def judge(report: Report) -> Verdict:
-    """The verdict on a clip, from its report document."""
+    """Judge a clip from its report document."""
     if report.get("status") == "failed":
         return Verdict("bad", "failed", "This clip could not be worked on")
     plants = entries(report, "plants")
@@ -223,7 +223,7 @@ class Row:
 
 
 def measure_rows(report: Report) -> list[Row]:
-    """The measures that the report holds, in a fixed order."""
+    """List the measures that the report holds, in a fixed order."""
     before, after = section(report, "before"), section(report, "after")
     rows = []
     for measure in MEASURES:

@@ -45,5 +45,5 @@ WORSE = "slides more than 5 mm farther than it did"
 
 
 def outcome(key: str) -> str:
-    """How people call an outcome; an unknown one as it is."""
+    """Translate an outcome to what people call it; an unknown one stays as it is."""
     return OUTCOMES[key][0] if key in OUTCOMES else key

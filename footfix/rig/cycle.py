@@ -44,7 +44,7 @@ class Cycle:
 
 
 def may_be_cycle(clip: Clip) -> bool:
-    """Whether a clip is neither too short nor too long for one round."""
+    """Tell whether a clip is neither too short nor too long for one round."""
     return len(clip) >= _FEWEST and len(clip) * clip.frame_time <= _LONGEST_SAME
 
 
@@ -110,7 +110,7 @@ def _near(pose: Pose, rig: Rig, yaw: float) -> bool:
 
 
 def said_to_be_one(pose: Pose, rig: Rig) -> Cycle:
-    """The cycle of a clip whose last frame is said to be the first of the next round."""
+    """Get the cycle of a clip whose last frame is said to be the first of the next round."""
     return Cycle(len(pose.positions) - 1, _yaw(pose.rotation(rig.root)))
 
 

@@ -127,6 +127,7 @@ def test_the_published_skeleton_is_a_tree_of_its_names() -> None:
         )
 
 
+@pytest.mark.clips
 @pytest.mark.parametrize("folder", ["t2m", "pybvh", "bandai", "lafan_karstm"])
 def test_captured_clips_are_held_as_positions(folder: str) -> None:
     path = need(shared(f"clips/{folder}"), f"clips/{folder}")[0]

@@ -6,9 +6,9 @@ import html
 import json
 import os
 import re
+import shutil
 import sys
 import xml.etree.ElementTree
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ import artefacts
 import exports
 import pytest
 import yaml
-from conftest import ROOT
+from conftest import ROOT, Run
 from walker import make
 from walker_plan import Gait
 
@@ -44,26 +44,32 @@ def walk() -> bytes:
 def tree(tmp_path: Path, walk: bytes, monkeypatch: pytest.MonkeyPatch) -> Path:
     """in/ with three good clips and a broken one; the working folder is its parent."""
     monkeypatch.chdir(tmp_path)
-    for name in ("a.bvh", "b.BVH", "deep/c.bvh"):
-        put(tmp_path / "in" / name, walk)
-    put(tmp_path / "in" / "broken.bvh", b"HIERARCHY\nROOT x\n")
+    fill(tmp_path, walk)
     return tmp_path
+
+
+@pytest.fixture(scope="module")
+def once(walk: bytes, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What comes of `tree` when it is cleaned into out/, beside the list of it for CI."""
+    folder = tmp_path_factory.mktemp("batch")
+    fill(folder, walk)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setattr(sys, "argv", ["footfix", "clean", "in", "-o", "out", "--junit", "junit.xml", "-j1"])
+        assert cli.run() == 3
+    return folder
+
+
+def fill(folder: Path, walk: bytes) -> None:
+    for name in ("a.bvh", "b.BVH", "deep/c.bvh"):
+        put(folder / "in" / name, walk)
+    put(folder / "in" / "broken.bvh", b"HIERARCHY\nROOT x\n")
 
 
 def put(path: Path, data: bytes = b"") -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(data)
     return path
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
-    def call(*args: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
-        code = cli.run()
-        return code, *capfd.readouterr()
-
-    return call
 
 
 def names(found: Any) -> list[str]:
@@ -114,7 +120,7 @@ def test_lists_keep_paths_from_here_and_only_names_from_elsewhere(tree: Path, wa
         sources([], lists=["bad"])
 
 
-def test_a_clip_named_in_many_ways_is_one_input(tree: Path, run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_clip_named_in_many_ways_is_one_input(tree: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     found = sources(["in", "./in/a.bvh", str(tree / "in" / "a.bvh")])
     assert names(found) == ["a.bvh", "b.BVH", "broken.bvh", "deep/c.bvh"]
     listing = put(tree / "list", b"in/a.bvh\n./in/deep/c.bvh\n")
@@ -158,7 +164,7 @@ def test_outputs_never_leave_their_folder_by_a_link(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="making links takes a right there")
-def test_a_link_in_the_place_of_an_output_is_replaced_not_followed(tree: Path, run: Any) -> None:
+def test_a_link_in_the_place_of_an_output_is_replaced_not_followed(tree: Path, run: Run) -> None:
     (tree / "out").mkdir()
     precious = put(tree / "precious.bvh", b"mine")
     (tree / "out" / "a.bvh").symlink_to(precious)
@@ -167,7 +173,7 @@ def test_a_link_in_the_place_of_an_output_is_replaced_not_followed(tree: Path, r
     assert precious.read_bytes() == b"mine" and not (tree / "out" / "a.bvh").is_symlink()
 
 
-def test_an_output_folder_that_is_a_file_is_refused_before_any_work(tree: Path, run: Any) -> None:
+def test_an_output_folder_that_is_a_file_is_refused_before_any_work(tree: Path, run: Run) -> None:
     put(tree / "file")
     code, _, err = run("clean", "in", "-o", "file/out")
     assert code == 2 and "is a file" in err
@@ -175,7 +181,7 @@ def test_an_output_folder_that_is_a_file_is_refused_before_any_work(tree: Path, 
 
 @pytest.mark.skipif(sys.platform == "win32" or not hasattr(os, "geteuid") or os.geteuid() == 0,
                     reason="permissions do not hold for everyone here")  # fmt: skip
-def test_a_folder_that_can_not_be_written_is_refused_before_any_work(tree: Path, run: Any) -> None:
+def test_a_folder_that_can_not_be_written_is_refused_before_any_work(tree: Path, run: Run) -> None:
     (tree / "locked").mkdir(mode=0o500)
     code, _, err = run("clean", "in", "-o", "locked/out")
     assert code == 2 and "can't be written" in err
@@ -184,7 +190,7 @@ def test_a_folder_that_can_not_be_written_is_refused_before_any_work(tree: Path,
 # runs
 
 
-def test_one_broken_clip_does_not_stop_the_others(tree: Path, run: Any) -> None:
+def test_one_broken_clip_does_not_stop_the_others(tree: Path, run: Run) -> None:
     before = contents(tree / "in")
     code, out, err = run("clean", "in", "-o", "in/out", "--report", "json", "-j1")
     assert code == 3 and out == "" and "broken.bvh" in err and "Traceback" not in err
@@ -200,26 +206,23 @@ def test_one_broken_clip_does_not_stop_the_others(tree: Path, run: Any) -> None:
     assert contents(tree / "in" / "out") == found
 
 
-def test_summary_and_index_name_every_clip(tree: Path, run: Any) -> None:
-    assert run("clean", "in", "-o", "out", "--junit", "junit.xml", "-j1")[0] == 3
-    summary = json.loads((tree / "out" / "summary.json").read_text("utf-8"))
+def test_summary_and_index_name_every_clip(once: Path) -> None:
+    summary = json.loads((once / "out" / "summary.json").read_text("utf-8"))
     assert summary["clips"] == {"total": 4, "cleaned": 3, "unchanged": 0, "failed": 1}
     assert [each["source"] for each in summary["files"]] == ["a.bvh", "b.BVH", "broken.bvh", "deep/c.bvh"]
     for each in summary["files"]:
         for path in each.get("outputs", {}).values():
-            assert (tree / "out" / path).is_file()
+            assert (once / "out" / path).is_file()
     assert summary["worst"]["slide_after_mm"] < summary["worst"]["slide_before_mm"]
-    index = html.unescape((tree / "out" / "index.html").read_text("utf-8"))
+    index = html.unescape((once / "out" / "index.html").read_text("utf-8"))
     assert "deep/c.report.html" in index and "broken.bvh" in index
-    cases = xml.etree.ElementTree.parse(tree / "junit.xml").getroot().findall(".//testcase")
+    cases = xml.etree.ElementTree.parse(once / "junit.xml").getroot().findall(".//testcase")
     assert len(cases) == 4 and sum(case.find("error") is not None for case in cases) == 1
 
 
-def test_resuming_leaves_what_is_done_and_does_the_rest(tree: Path, run: Any, walk: bytes) -> None:
-    assert run("clean", "in", "-o", "whole", "-j1")[0] == 3
-    assert run("clean", "in", "-o", "out", "-j1")[0] == 3
-    whole = contents(tree / "whole")
-    assert contents(tree / "out") == whole
+def test_resuming_leaves_what_is_done_and_does_the_rest(tree: Path, run: Run, once: Path) -> None:
+    shutil.copytree(once / "out", tree / "out")
+    whole = contents(tree / "out")
     done = tree / "out" / "a.bvh"
     written = done.stat().st_mtime_ns
     (tree / "out" / "deep" / "c.report.json").unlink()  # as if the power had gone before the last file
@@ -230,39 +233,38 @@ def test_resuming_leaves_what_is_done_and_does_the_rest(tree: Path, run: Any, wa
     assert done.stat().st_mtime_ns == written
 
 
-def test_resuming_does_again_what_has_changed_and_keeps_what_was_edited(tree: Path, run: Any, walk: bytes) -> None:
-    assert run("clean", "in", "-o", "out", "-j1", "--report", "json")[0] == 3
+def test_resuming_does_again_what_has_changed_and_keeps_what_was_edited(tree: Path, run: Run, once: Path) -> None:
+    shutil.copytree(once / "out", tree / "out")
     labels = tree / "out" / "a.contacts.json"
     labels.write_text("mine")
-    code, _, err = run("clean", "in", "-o", "out", "-j1", "--report", "json", "--resume")
+    code, _, err = run("clean", "in", "-o", "out", "-j1", "--resume")
     assert code == 3 and "a.contacts" not in err and labels.read_text() == "mine"
-    assert run("clean", "in", "-o", "out", "-j1", "--report", "json", "--resume", "--method", "root")[0] == 3
+    assert run("clean", "in", "-o", "out", "-j1", "--resume", "--method", "root")[0] == 3
     assert labels.read_text() == "mine"  # made with other settings, but edited since
     report = json.loads((tree / "out" / "deep" / "c.report.json").read_text("utf-8"))
     assert report["method"] == "root"
     assert json.loads((tree / "out" / "a.report.json").read_text("utf-8"))["method"] == "ik"
 
 
-def test_resuming_never_takes_the_files_of_others_for_its_own(tree: Path, run: Any) -> None:
+def test_resuming_never_takes_the_files_of_others_for_its_own(tree: Path, run: Run) -> None:
     put(tree / "out" / "deep" / "c.bvh", b"mine")
     code, _, err = run("clean", "in", "-o", "out", "--resume", "-j1")
     assert code == 2 and "c.bvh is there already" in err
     assert (tree / "out" / "deep" / "c.bvh").read_bytes() == b"mine"
 
 
-def test_shards_add_up_to_the_whole(tree: Path, run: Any) -> None:
-    run("clean", "in", "-o", "whole", "-j1")
+def test_shards_add_up_to_the_whole(tree: Path, run: Run, once: Path) -> None:
     for part in (1, 2, 3):
         run("clean", "in", "-o", "out", "-j1", "--shard", f"{part}/3")
     assert (tree / "out" / "summary.2-of-3.json").exists()
     assert run("clean", "in", "-o", "out", "-j1", "--resume")[0] == 3  # gathers
-    whole, parts = contents(tree / "whole"), contents(tree / "out")
+    whole, parts = contents(once / "out"), contents(tree / "out")
     shared = {name for name in whole if not name.startswith(MARK)}
     assert {name: parts[name] for name in shared} == {name: whole[name] for name in shared}
     assert run("clean", "in", "-o", "x", "--shard", "4/3")[0] == 2
 
 
-def test_standard_input_to_a_folder(tree: Path, run: Any, walk: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_standard_input_to_a_folder(tree: Path, run: Run, walk: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     with (tree / "in" / "a.bvh").open("rb") as file:
         monkeypatch.setattr(sys, "stdin", type("Stream", (), {"buffer": file})())
         assert run("clean", "-", "-o", "out", "--report", "none")[0] == 0
@@ -288,7 +290,7 @@ def test_the_journal_outlives_a_torn_line(tmp_path: Path) -> None:
 # check
 
 
-def test_check_fails_a_skating_clip_and_passes_the_cleaned_one(tree: Path, run: Any) -> None:
+def test_check_fails_a_skating_clip_and_passes_the_cleaned_one(tree: Path, run: Run) -> None:
     code, out, _ = run("check", "in/a.bvh", "--max", "slide_mm=1", "--junit", "junit.xml")
     assert code == 1 and "slide_mm" in out
     failure = xml.etree.ElementTree.parse(tree / "junit.xml").getroot().find(".//failure")
@@ -299,7 +301,7 @@ def test_check_fails_a_skating_clip_and_passes_the_cleaned_one(tree: Path, run: 
     assert run("check", "in/a.bvh", "in/broken.bvh", "--max", "slide_mm=1")[0] == 3
 
 
-def test_gates_stand_in_the_config_and_unknown_ones_are_refused(tree: Path, run: Any) -> None:
+def test_gates_stand_in_the_config_and_unknown_ones_are_refused(tree: Path, run: Run) -> None:
     (tree / "footfix.yaml").write_text("gates: {slide_mm: 1}\n")
     assert run("check", "in/a.bvh")[0] == 1
     assert run("check", "in/a.bvh", "--max", "slide_mm=1000")[0] == 0
@@ -310,7 +312,7 @@ def test_gates_stand_in_the_config_and_unknown_ones_are_refused(tree: Path, run:
     assert code == 2 and "method" in err
 
 
-def test_ratios_are_held_against_the_clip_before_its_cleaning(tree: Path, run: Any) -> None:
+def test_ratios_are_held_against_the_clip_before_its_cleaning(tree: Path, run: Run) -> None:
     assert run("clean", "in/a.bvh", "-o", "out")[0] == 0
     report = json.loads((tree / "out" / "a.report.json").read_text("utf-8"))
     ratio = report["after"]["jitter_100m_s3"] / report["before"]["jitter_100m_s3"]
@@ -322,7 +324,7 @@ def test_ratios_are_held_against_the_clip_before_its_cleaning(tree: Path, run: A
     assert code == 0 and "held against itself" in out
 
 
-def test_annotations_for_github(tree: Path, run: Any) -> None:
+def test_annotations_for_github(tree: Path, run: Run) -> None:
     code, out, _ = run("check", "in", "--max", "slide_mm=1", "--format", "github", "-j1")
     lines = out.splitlines()
     assert code == 3 and len(lines) == 4 and all(line.startswith("::error file=") for line in lines)
@@ -348,7 +350,7 @@ def test_every_gate_is_a_measure() -> None:
 # what the README shows
 
 
-def test_the_workflow_and_the_hook_of_the_readme_are_what_they_say(tree: Path, run: Any) -> None:
+def test_the_workflow_and_the_hook_of_the_readme_are_what_they_say(tree: Path, run: Run) -> None:
     blocks = re.findall(r"```yaml\n# (\S+)\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), flags=re.DOTALL)
     shown = {name: yaml.safe_load(text) for name, text in blocks}
     steps = shown[".github/workflows/feet.yml"]["jobs"]["feet"]["steps"]

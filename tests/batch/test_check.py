@@ -5,20 +5,17 @@ from __future__ import annotations
 import csv
 import io
 import json
-import sys
 import xml.etree.ElementTree
 from pathlib import Path
-from typing import Any
 
 import artefacts
 import exports
 import pytest
+from conftest import Run
 from walker import make
 from walker_plan import Gait
 
-from footfix import cli
 from footfix.batch import gates
-from footfix.measure.cleaned import costs, held
 
 
 @pytest.fixture(scope="module")
@@ -33,17 +30,7 @@ def folder(tmp_path: Path, walk: bytes, monkeypatch: pytest.MonkeyPatch) -> Path
     return tmp_path
 
 
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Any:
-    def call(*args: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
-        code = cli.run()
-        return code, *capfd.readouterr()
-
-    return call
-
-
-def test_without_gates_the_default_ones_hold_and_are_shown(run: Any, folder: Path) -> None:
+def test_without_gates_the_default_ones_hold_and_are_shown(run: Run, folder: Path) -> None:
     code, out, _ = run("check", "a.bvh")
     assert code == 1
     assert all(name in out.splitlines()[0] and f"max {gate.most:g}" in out for name, gate in gates.DEFAULTS.items())
@@ -55,13 +42,13 @@ def test_without_gates_the_default_ones_hold_and_are_shown(run: Any, folder: Pat
     assert code == 0 and "skating_ratio" not in out
 
 
-def test_what_is_quiet_shows_only_what_is_over(run: Any, folder: Path) -> None:
+def test_what_is_quiet_shows_only_what_is_over(run: Run, folder: Path) -> None:
     assert run("check", "a.bvh", "--max", "slide_mm=1000", "-q")[1] == ""
     lines = run("check", "a.bvh", "--max", "slide_mm=1", "-q")[1].splitlines()
     assert len(lines) == 1 and lines[0].startswith("over    a.bvh: slide_mm is ")
 
 
-def test_formats_say_the_same(run: Any, folder: Path) -> None:
+def test_formats_say_the_same(run: Run, folder: Path) -> None:
     measures = json.loads(run("check", "a.bvh", "--format", "json")[1])["files"][0]["measures"]
     assert json.loads(run("check", "a.bvh", "--json")[1])["files"][0]["measures"] == measures
     row = next(csv.DictReader(io.StringIO(run("check", "a.bvh", "--format", "csv")[1])))
@@ -69,13 +56,13 @@ def test_formats_say_the_same(run: Any, folder: Path) -> None:
     assert {name: float(row[name]) if row[name] else None for name in measures} == measures
 
 
-def test_the_list_has_every_measure_and_measures_nothing(run: Any, folder: Path) -> None:
+def test_the_list_has_every_measure_and_measures_nothing(run: Run, folder: Path) -> None:
     code, out, _ = run("check", "--list")
     assert code == 0
     assert [line.split()[0] for line in out.split("\n\n")[0].splitlines()] == list(gates.NAMES)
 
 
-def test_plants_that_were_let_go_are_counted_apart(run: Any, folder: Path) -> None:
+def test_plants_that_were_let_go_are_counted_apart(run: Run, folder: Path) -> None:
     assert run("clean", "a.bvh", "-o", "out", "--report", "json")[0] == 0
     path = folder / "out" / "a.report.json"
     report = json.loads(path.read_text("utf-8"))
@@ -94,7 +81,7 @@ def test_plants_that_were_let_go_are_counted_apart(run: Any, folder: Path) -> No
     assert worst["effector"] in why["slide_mm"] and "let go" not in why["held_slide_mm"]
 
 
-def test_junit_has_times_and_reports_have_none(run: Any, folder: Path) -> None:
+def test_junit_has_times_and_reports_have_none(run: Run, folder: Path) -> None:
     assert run("check", "a.bvh", "--junit", "feet.xml")[0] == 1
     root = xml.etree.ElementTree.parse(folder / "feet.xml").getroot()
     case, suite = root.find(".//testcase"), root.find("testsuite")
@@ -102,11 +89,3 @@ def test_junit_has_times_and_reports_have_none(run: Any, folder: Path) -> None:
     assert 0.001 < float(case.attrib["time"]) < 60 and suite.attrib["time"] == case.attrib["time"]
     first, second = (run("clean", "a.bvh", "-o", name, "--json")[1] for name in ("one", "two"))
     assert first.replace("one", "two") == second
-
-
-def test_held_and_costs_by_hand() -> None:
-    found = held([1.0, 30.0, 50.0, 2.0], [False, False, True, False])
-    assert (found.held_slide_mm, found.held_over_21mm, found.let_go) == (30.0, 1 / 3, 1)
-    assert vars(held([], [])) == {"held_slide_mm": 0.0, "held_over_21mm": 0.0, "let_go": 0}
-    paid = costs({"jitter_100m_s3": 3.0, "peak_knee_speed_deg_s": 5.0}, {"jitter_100m_s3": 2.0})
-    assert (paid.jitter_ratio, paid.acceleration_ratio, paid.knee_speed_ratio) == (1.5, 1.0, 1.0)

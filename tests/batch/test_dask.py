@@ -80,7 +80,10 @@ def test_a_cluster_gives_the_same_bytes_a_killed_worker_included(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX systems")
-def test_a_clip_that_kills_every_worker_is_given_up_and_named(cluster: Any, tasks: list[Task]) -> None:
+def test_a_clip_that_kills_every_worker_is_given_up_and_named(
+    cluster: Any, tasks: list[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster.scheduler, "allowed_failures", 0)  # one worker is every worker, and soon there again
     deadly = replace(tasks[0], job=replace(tasks[0].job, source="die1", name="die1"))
     harmless = replace(tasks[0], job=replace(tasks[0].job, source="x", name="x"))
     crew = Crew(dask=cluster.scheduler_address)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -15,11 +13,11 @@ import exports
 import jsonschema
 import numpy as np
 import pytest
+from conftest import Run
 from exports import Spelling
 from walker import make
 from walker_gaits import Gait
 
-from footfix import cli
 from footfix.formats.bvh import decode
 from footfix.job import Outputs
 from footfix.locomotion.params import LoopParams
@@ -27,7 +25,6 @@ from footfix.looping import loop_file
 from footfix.settings import ReportParams, Settings
 
 QUIET = ReportParams(kind="json")
-Run = Callable[..., tuple[int, str, str]]
 
 
 @cache
@@ -40,17 +37,6 @@ def clip(name: str = "walk", up: str = "y", fps: float = 30.0) -> bytes:
 def looped(name: str = "walk", up: str = "y", **asked: object) -> Outputs:
     settings = Settings(loop=LoopParams(**asked), report=QUIET)  # type: ignore[arg-type]
     return loop_file(clip(name, up), "walk.bvh", settings, output="walk.loop.bvh")
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
-    def call(*args: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
-        code = cli.run()
-        said = capfd.readouterr()
-        return code, str(said.out), str(said.err)
-
-    return call
 
 
 @pytest.mark.parametrize("up", ["y", "z"])

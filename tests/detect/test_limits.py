@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from footfix.detect.auto import AutoParams, grounded
+from footfix.detect import auto as detector
+from footfix.detect.auto import AutoParams, auto, grounded
 from footfix.detect.doubts import DoubtParams, unsure
 from footfix.detect.evidence import COLUMNS, OWN
 from footfix.detect.kneeling import KneelingParams, carrying
-from footfix.detect.network import HEEL, SWING
+from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Floats
 
@@ -74,3 +75,45 @@ def test_long_stretches_that_could_be_either_are_told_the_longest_first_of_all()
     notes = unsure(planted, tracks, "left", DoubtParams(most=1))
     assert [(note.id, note.start, note.end) for note in notes] == [("contact-doubtful", 60, 90)]
     assert [note.start for note in unsure(planted, tracks, "left", DoubtParams(most=5))] == [30, 60]
+
+
+def test_what_is_found_on_the_grid_is_told_in_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever stands is unsure from 1.0 to 1.6 s, which are frames 50 to 80 of a clip at 50 fps."""
+    tracks, _ = _kneeler(0.5, 0.0)
+    heel = np.where((np.arange(199) >= 100) & (np.arange(199) <= 160), 0.5, 0.98)
+    answer = np.log(np.stack([1.0 - heel, 0.5 * heel, 0.3 * heel, 0.2 * heel], axis=1))
+    monkeypatch.setattr(detector, "logits", lambda *_: (answer,))
+    found = auto(tracks, AutoParams())
+    assert [(note.start, note.end) for note in found.notes if note.id == "contact-doubtful"] == [(50, 81)]
+    assert found.confidence is not None
+    parts = {HEEL: 1, FLAT: 2, TOE: 3}
+    share = np.array([0.5, 0.3, 0.2])
+    for column, states in enumerate(((HEEL, FLAT), (FLAT, TOE))):
+        expected = sum(share[parts[state] - 1] for state in states) * heel[::2][:100]
+        assert found.confidence[:, column] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("rise", "left"), [(0.008, False), (0.012, True)])  # [leg lengths]
+def test_a_heel_that_hardly_rises_while_the_toe_stands_never_left(
+    monkeypatch: pytest.MonkeyPatch, rise: float, left: bool
+) -> None:
+    tracks, foot = _kneeler(0.5, 0.0)
+    up = foot.heel.copy()
+    up[40:60, 1] += rise * tracks.leg_length
+    raised = Tracks(tracks.pelvis, (Foot("left", foot.hip, foot.ankle, up, foot.toe, foot.knee),), 0.9, 0.02)
+    state = np.where((np.arange(199) >= 80) & (np.arange(199) < 120), TOE, FLAT)
+    answer = np.log(np.full((199, 4), 0.001 / 3) + 0.999 * np.eye(4)[state])
+    monkeypatch.setattr(detector, "logits", lambda *_: (answer,))
+    heel, toe = auto(raised, AutoParams()).mask.T
+    assert toe.all()
+    assert heel[45:55].any() != left and heel[:35].all() and heel[65:].all()
+
+
+def test_a_foot_without_a_knee_kneels_never() -> None:
+    tracks, foot = _kneeler(0.05, 0.5)
+    mask = np.ones(100, dtype=np.bool_)
+    bare = Foot("left", foot.hip, foot.ankle, foot.heel, foot.toe)
+    assert not carrying(mask, tracks, foot, foot.toe, KneelingParams()).any()
+    assert carrying(mask, tracks, bare, foot.toe, KneelingParams()) is mask
+    nothing = ~mask
+    assert carrying(nothing, tracks, foot, foot.toe, KneelingParams()) is nothing

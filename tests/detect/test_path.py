@@ -71,6 +71,14 @@ def test_events_lie_where_the_odds_are_even() -> None:
         assert np.array_equal(heel, toe)
 
 
+@pytest.mark.parametrize(("landed", "per_frame", "first"), [
+    (10.0, 5.0, 2), (10.39, 5.0, 2), (10.41, 5.0, 3), (10.19, 0.4, 25), (10.21, 0.4, 26), (0.0, 5.0, 0), (0.39, 5.0, 0),
+])  # fmt: skip
+def test_a_frame_just_before_a_landing_counts_as_after_it(landed: float, per_frame: float, first: int) -> None:
+    heel, _ = path.masks([path.Stretch(landed, np.inf, HEEL)], 60, per_frame)
+    assert np.flatnonzero(heel)[0] == first
+
+
 def test_heel_flat_and_toe_are_intervals_of_heel_and_toe() -> None:
     found = [path.Stretch(2.0, 5.0, HEEL), path.Stretch(5.0, 8.0, FLAT), path.Stretch(8.0, 11.5, TOE)]
     heel, toe = path.masks(found, 15, 1.0)

@@ -191,3 +191,19 @@ def test_a_foot_rests_as_fast_as_at_the_worse_of_the_rests_around_it() -> None:
     np.testing.assert_allclose(found[55:75], 0.3)
     on_belt = np.full(200, 1.2)
     np.testing.assert_allclose(resting_speed(on_belt, SteppingParams()), 1.2)
+
+
+def test_of_two_feet_that_part_equally_fast_the_less_likely_to_stand_steps() -> None:
+    t = np.arange(len(standing()))[:, None] / FPS
+    left, right = standing().feet
+    away = t * [0.0, 0.0, 0.3]
+    sampled = resample(replace(standing(), feet=(shift(left, away), shift(right, -away))))
+    stand = np.array([0.99, 0.6])
+    answers = tuple(
+        np.tile(np.log([1.0 - p, 0.5 * p, 0.3 * p, 0.2 * p]), (len(sampled.tracks), 1)) for p in stand
+    )  # fmt: skip
+    found = stepping(answers, sampled, slice(None), SteppingParams(parting=1e-6, travel=0.0, noise=0.0))
+    odds = (0.01 / 0.99) / (0.4 / 0.6)  # that it is the left one
+    share = odds / (1.0 + odds)
+    for answer, expected in zip(found, (0.99 * (1.0 - 0.6 * share), 0.6 * (1.0 - 0.99 * (1.0 - share))), strict=True):
+        assert 1.0 - np.exp(answer[100:-100, SWING]) == pytest.approx(expected, abs=1e-6)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from walks import rig_of, walk
 
-from footfix.enforce.ground import GroundParams, belt, belt_notes, lift
+from footfix.enforce.ground import GroundParams, _drifts, _without_gaps, belt, belt_notes, lift
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contact, Contacts
@@ -106,3 +106,29 @@ def test_a_figure_is_lifted_only_where_its_plants_agree(sign: float) -> None:
     assert lifted(0.034, 0.033, 0.001, 0.003, 0.034) == 0.0
     assert lifted(0.05, 0.05) == 0.0  # two plants may be a step
     assert lifted() == 0.0
+
+
+def test_hips_that_go_on_ride_no_belt_for_a_while_either() -> None:
+    speeds = np.zeros(40)
+    speeds[10:26] = 1.2
+    assert found(speeds).any()
+    for hip_speed in (0.4, 1.2):
+        assert not found(speeds, hip_speed=hip_speed).any()
+
+
+def test_a_plants_drift_is_its_way_over_its_time() -> None:
+    rig, pose, contacts = steps(np.array([1.2, 0.6]))
+    first, second = _drifts(rig, pose, contacts, 1.0 / FPS)
+    assert [(each.leg, each.start, each.end) for each in (first, second)] == [(0, 0, LENGTH), (1, LENGTH, 2 * LENGTH)]
+    for drift, speed in ((first, 1.2), (second, 0.6)):
+        assert drift.seconds == pytest.approx((LENGTH - 1) / FPS)
+        assert drift.velocity == pytest.approx([speed, 0.0, 0.0])
+        assert drift.steps == pytest.approx(np.tile([speed, 0.0, 0.0], (LENGTH - 1, 1)))
+    short = [replace(e, contacts=tuple(replace(c, end=c.start + n) for c in e.contacts)) for n, e in
+             zip((3, 0, 2, 0), contacts.effectors, strict=True)]  # fmt: skip
+    assert len(_drifts(rig, pose, replace(contacts, effectors=tuple(short)), 1.0 / FPS)) == 1
+
+
+def test_short_gaps_within_are_filled_and_no_others() -> None:
+    mask = np.array([0, 0, 1, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0], dtype=bool)
+    assert np.flatnonzero(_without_gaps(mask, 2)).tolist() == [2, 3, 4, 5, 6, 7, 11]

@@ -217,3 +217,23 @@ def test_a_slide_across_a_room_does_not_drag_the_root_along() -> None:
     rig = rig_of(made)
     _, found = cleaned(artefacts.drift(made.clip, 2.5), rig, made.contacts)
     assert np.linalg.norm(found.correction.root_shift, axis=1).max() < 0.25 * rig.leg_length
+
+
+def test_a_stray_while_the_foot_lands_or_leaves_is_of_no_account() -> None:
+    for frame in (20, 79):
+        shift = np.zeros((FRAMES, 3))
+        shift[frame, 0] = 0.05
+        found = told(shift)
+        assert (found.outcome, found.residual) == ("pinned", pytest.approx(0.05))
+    for frame in (21, 78):
+        shift = np.zeros((FRAMES, 3))
+        shift[frame, 0] = 0.05
+        assert told(shift).outcome == "partly"
+
+
+def test_a_leg_in_a_state_hangs_from_the_hip_that_the_root_carries() -> None:
+    leg = still().legs[0]
+    root = np.tile([[0.01], [0.02], [-0.03]], (1, FRAMES))
+    found, as_it_is = CorrectedLeg.of_state(leg, root, np.zeros((8, FRAMES))), CorrectedLeg.of_tracks(leg)
+    for name in ("hip", "ankle", "heel", "toe"):
+        assert getattr(found, name) == pytest.approx(getattr(as_it_is, name) + root)

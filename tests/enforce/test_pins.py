@@ -396,3 +396,12 @@ def test_where_feet_usually_are_below_the_floor_none_is_drawn_there_that_came_in
     sink = PARAMS.sink * leg
     assert np.all(pin.lowest[:30] >= min(own[0], nominal(rig, heel)) - sink - 1e-9)
     assert np.all(pin.lowest[30:] <= lowered.legs[0].place(HEEL)[1, 30:] + 1e-12)
+
+
+def test_what_a_plant_lacks_is_told_by_its_median_height() -> None:
+    up = np.zeros((FRAMES, 3))
+    up[:30, 1], up[30:40, 1] = -0.03, 0.5  # [m] while it leaves
+    made = moved(still(), up)
+    plants, _ = footplants(contacts_of(made, left_toe=[Contact(0, 40)]), made.rig, made.legs, PARAMS)
+    still_lacks = lacks(plants, still().legs, made.rig)
+    assert lacks(plants, made.legs, made.rig) == pytest.approx(still_lacks + 0.03)

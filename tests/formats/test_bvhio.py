@@ -40,6 +40,7 @@ def agrees(document: Document, root: Any) -> None:
         np.testing.assert_allclose(places(root, frame), ours[frame], atol=2e-5 * size)
 
 
+@pytest.mark.clips
 def test_kinematics_agrees_on_clips_of_all_origins(tmp_path: Path) -> None:
     seen: set[str] = set()
     for path in need(shared("clips"), "clips"):

@@ -88,3 +88,15 @@ def test_calibration_says_how_often_each_confidence_was_right() -> None:
     for said, was, count in agreement.calibration(confidence, right):
         assert was == pytest.approx(said, abs=0.03)
         assert count == 4000
+
+
+def test_counts_of_several_clips_add_up() -> None:
+    one, other = agreement.Frames(1, 2, 3, 4), agreement.Frames(10, 20, 30, 40)
+    assert one + other == agreement.Frames(11, 22, 33, 44)
+
+
+def test_precision_is_of_what_was_found_and_recall_of_what_is_there() -> None:
+    scored = agreement.Frames(both=6, found=2, missed=6)
+    assert (scored.precision, scored.recall, scored.f1) == (0.75, 0.5, 0.6)
+    wrong = agreement.Frames(found=3, missed=2)
+    assert (wrong.precision, wrong.recall, wrong.f1) == (0.0, 0.0, 0.0)

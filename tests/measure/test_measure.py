@@ -308,3 +308,37 @@ def test_contacts_that_are_no_plants_do_not_shift_the_others() -> None:
     spans = (Contact(0, 10), Contact(12, 20, wish="forbid"), Contact(30, 51))
     contacts = replace(contacts, effectors=(contacts.effectors[0], replace(contacts.effectors[1], contacts=spans)))
     assert [(p.start, p.end, round(p.slide_mm)) for p in measure(clip, rig, contacts)[1]] == [(0, 10, 35), (30, 51, 90)]
+
+
+def test_what_is_just_as_far_from_the_floor_as_the_tolerance_is_on_it() -> None:
+    track = np.zeros((3, 3))
+    track[:, 0], track[:, 1] = [0.0, 1.0, 2.0], [0.5, -0.5, 0.5]
+    assert physdiff([track], 0.0, 0.5) == (0.0, 0.0, 1000.0)
+
+
+def test_a_clip_too_short_to_move_has_no_peaks() -> None:
+    for frames in (1, 2):
+        found = measured(*figure(frames))[0]
+        assert (found.peak_acceleration_m_s2, found.jitter_100m_s3) == (0.0, 0.0)
+        assert (found.peak_knee_speed_deg_s, found.skating_ratio, found.weighted_skate_cm_s) == (0.0, 0.0, 0.0)
+
+
+def test_jitter_is_the_length_of_the_third_difference_in_space() -> None:
+    t = DT * np.arange(20)
+    cubic = 0.001 * (along(0, 20.0 * t**3) + along(1, 30.0 * t**3) + along(2, 60.0 * t**3)) / 0.001  # 70 mm/s^3 long
+    clip, _ = figure(20, {TOE: cubic})
+    assert jitter(clip) == pytest.approx(6.0 * 0.07 / 7 / 100.0)
+
+
+@pytest.mark.parametrize("block", [1, 7, 16, 17, 100])
+def test_jitter_counts_each_third_difference_once_whatever_the_blocks(block: int) -> None:
+    move = np.random.default_rng(7).normal(size=(20, 3))
+    clip, _ = figure(20, {TOE: move})
+    lengths = np.linalg.norm(np.diff(move, n=3, axis=0), axis=1)
+    assert jitter(clip, block) == pytest.approx(lengths.mean() / 7 / DT**3 / 100.0)
+
+
+def test_two_frames_are_enough_to_skate() -> None:
+    track = np.array([[0.0, 0.0, 0.0], [0.13, 0.0, 0.0]])  # 2.6 m/s, and 0.52 in the mean of five steps
+    assert skating_ratio([track], [0.0], DT) == 1.0
+    assert skating_ratio([0.9 * track], [0.0], DT) == 0.0

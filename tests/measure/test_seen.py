@@ -23,6 +23,8 @@ from conftest import SHARED
 from footfix.job import clean_file
 from footfix.settings import ReportParams, Settings
 
+pytestmark = pytest.mark.clips
+
 SETTINGS = Settings(report=ReportParams(kind="json"))
 JUDGE = SHARED / "judge"
 

@@ -29,6 +29,8 @@ from footfix.report.web.pack import pack, quantize
 from footfix.report.web.page import PageData, asset, render
 from footfix.settings import Settings
 
+pytestmark = pytest.mark.browser
+
 FRAMES = 720
 SHIFT, CTRL = 8, 2
 

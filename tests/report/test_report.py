@@ -37,7 +37,7 @@ from footfix.report.web.page import PageData, asset, render
 # ---- packing ----------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.data())
 def test_what_is_packed_comes_back(data: st.DataObject) -> None:
     shape = (data.draw(st.integers(1, 40)), data.draw(st.integers(1, 5)))
@@ -244,6 +244,7 @@ def test_the_terminal_gets_no_control_characters_and_short_reasons() -> None:
 # ---- markup -----------------------------------------------------------------------------------------
 
 
+@settings(max_examples=40, deadline=None)
 @given(st.text() | st.sampled_from(HOSTILE))
 def test_text_stays_text(value: str) -> None:
     escaped = markup.text(value)
@@ -254,7 +255,7 @@ def test_text_stays_text(value: str) -> None:
 _LEAVES = st.text() | st.integers() | st.booleans() | st.sampled_from(HOSTILE)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.recursive(_LEAVES, lambda each: st.lists(each) | st.dictionaries(st.text(), each)))
 def test_embedded_json_reads_back_and_ends_nothing(value: object) -> None:
     embedded = markup.embedded_json(value)

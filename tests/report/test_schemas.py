@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import sys
-from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -14,11 +12,10 @@ import artefacts
 import exports
 import jsonschema
 import pytest
-from conftest import SAMPLES
+from conftest import SAMPLES, Run
 from walker import make
 from walker_plan import Gait
 
-from footfix import cli
 from footfix.measure.clip import Measures
 
 FOLDER = resources.files("footfix.report") / "schemas"
@@ -31,16 +28,6 @@ def schema(name: str) -> Any:
 
 def holds(name: str, document: Any) -> None:
     jsonschema.Draft202012Validator(schema(name)).validate(document)
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
-    def call(*args: object) -> str:
-        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
-        cli.run()
-        return str(capfd.readouterr().out)
-
-    return call
 
 
 @pytest.fixture
@@ -61,8 +48,8 @@ def test_schemas_are_schemas(name: str) -> None:
         holds(name, {"format": "footfix-nothing", "version": 1})
 
 
-def test_what_clean_writes(folder: Path, run: Callable[..., str]) -> None:
-    document = json.loads(run("clean", folder / "in", "-o", folder / "out", "-j1", "--json"))
+def test_what_clean_writes(folder: Path, run: Run) -> None:
+    document = json.loads(run("clean", folder / "in", "-o", folder / "out", "-j1", "--json")[1])
     holds("run", document)
     for stem in ("walk", "short"):
         holds("contacts", json.loads((folder / "out" / f"{stem}.contacts.json").read_text("utf-8")))
@@ -80,11 +67,11 @@ def test_what_clean_writes(folder: Path, run: Callable[..., str]) -> None:
         holds("summary", summary)
 
 
-def test_what_check_detect_and_inspect_print(folder: Path, run: Callable[..., str]) -> None:
-    holds("check", json.loads(run("check", folder / "in", "--max", "slide_mm=1", "--json", "-j1")))
-    holds("contacts", json.loads(run("detect", folder / "in" / "walk.bvh", "--json")))
-    holds("inspect", json.loads(run("inspect", folder / "in" / "walk.bvh", "--json")))
-    holds("run", json.loads(run("inspect", folder / "in", "--json", "-j1")))
+def test_what_check_detect_and_inspect_print(folder: Path, run: Run) -> None:
+    holds("check", json.loads(run("check", folder / "in", "--max", "slide_mm=1", "--json", "-j1")[1]))
+    holds("contacts", json.loads(run("detect", folder / "in" / "walk.bvh", "--json")[1]))
+    holds("inspect", json.loads(run("inspect", folder / "in" / "walk.bvh", "--json")[1]))
+    holds("run", json.loads(run("inspect", folder / "in", "--json", "-j1")[1]))
 
 
 def test_the_samples_known_contacts() -> None:

@@ -27,6 +27,8 @@ from footfix.rig.rig import Rig
 from footfix.rig.sample import sample
 from footfix.rig.units import AXES, FileUnits, infer_units
 
+pytestmark = pytest.mark.clips
+
 CMU = 1.0 / 17.7
 with (Path(__file__).parents[1] / "rig_expectations.tsv").open(encoding="utf-8", newline="") as file:
     ROWS = list(csv.DictReader(file, delimiter="\t"))

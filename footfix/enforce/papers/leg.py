@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.correction import Correction
+from footfix.enforce.leg import knee_axis
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Part
@@ -19,7 +20,6 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Leg, Rig
 
-_STRAIGHT = 0.4  # [sine] up to this bend the captured leg is too straight to say about which axis its knee flexes
 _BACKWARDS = 0.3  # [rad] a knee captured bent backwards by less is overstretched, by more it is meant
 _EXTENSION = 0.9995  # share of a leg's length to which it may be stretched, where it was not captured straighter
 
@@ -92,25 +92,13 @@ def can_turn(clip: Clip, leg: Leg) -> bool:
 
 
 def _knee_axis(thigh: Floats, shank: Floats, backwards: Floats, hip_turn: Floats) -> Floats:
-    """Compute (F, 3) the unit axis in the world about which the knee flexes, at right angles to the thigh.
-
-    Where the leg is bent it is the normal of the captured leg's plane. Where it is straight the normal means
-    nothing, and the axis the knee has on the whole, fixed in the thigh, leads over.
-    """
-    normal = cross(unit(thigh), unit(shank))  # as long as the sine of the flexion
-    in_thigh = rotation.rotate(rotation.inverse(hip_turn), normal)
+    """Compute (F, 3) the unit axis in the world about which the knee flexes (see `knee_axis`)."""
+    in_thigh = rotation.rotate(rotation.inverse(hip_turn), cross(unit(thigh), unit(shank)))
     usual = in_thigh.sum(axis=0)
     if np.linalg.norm(usual) > 0.01 * len(thigh):
-        usual_in_world = rotation.rotate(hip_turn, unit(usual))
-    else:  # a leg that is never bent: a knee bends so that the shank goes away from the toes
-        usual_in_world = unit(cross(thigh, backwards))
-    # through a straight leg the normal swings round: only as much of it counts as lies along the usual axis
-    c = dot(normal, usual_in_world)
-    aside = normal - c[:, None] * usual_in_world
-    square = c * c + _STRAIGHT**2
-    axis = np.sqrt(square)[:, None] * usual_in_world + (c * np.abs(c) / square)[:, None] * aside
-    along = unit(thigh)
-    return unit(axis - dot(axis, along)[:, None] * along)
+        return knee_axis(thigh, shank, rotation.rotate(hip_turn, unit(usual)))
+    # a leg that is never bent: a knee bends so that the shank goes away from the toes
+    return knee_axis(thigh, shank, unit(cross(thigh, backwards)))
 
 
 def within_reach(leg: CapturedLeg, ankle: Floats) -> Floats:

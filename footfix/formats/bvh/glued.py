@@ -21,7 +21,7 @@ _LINE = re.compile(rb"[^\r\n]+")
 
 
 def apart(word: bytes) -> list[bytes]:
-    """The numbers that a word runs together: each but the first begins with its sign. One or none: the word itself."""
+    """Split a word that runs numbers together, each but the first with its sign. One or none: the word itself."""
     return _SEAM.split(word) if _GLUED.fullmatch(word) else [word]
 
 
@@ -57,7 +57,7 @@ def legible(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
 
 
 def said(word: bytes) -> tuple[str, str]:
-    """What to say of a word that runs numbers together: what it is, and what to do next."""
+    """Describe a word that runs numbers together: what it is, and what to do next."""
     first, second, *_ = (each.decode("ascii", "replace") for each in apart(word))
     what = f"two numbers run together, '{readable(word)}': a blank is missing between {first} and {second}"
     return what, "`footfix inspect --repair` puts such numbers apart"

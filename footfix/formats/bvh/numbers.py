@@ -22,7 +22,7 @@ _CHUNK = 1 << 20  # [bytes] looked at together: a few such arrays fit into the c
 
 
 def number(word: bytes) -> float | None:
-    """What a word says as a number, with the spellings of several C libraries for NaN and infinity.
+    """Convert a word to a number, with the spellings of several C libraries for NaN and infinity.
 
     A comma is taken as the decimal sign. None where the word is no number.
     """
@@ -38,12 +38,12 @@ def number(word: bytes) -> float | None:
 
 
 def words(text: bytes, start: int, stop: int) -> list[bytes]:
-    """The words of `text[start:stop]`."""
+    """Split `text[start:stop]` into words."""
     return text[start:stop].translate(_AS_BLANKS).split()
 
 
 def tokens(text: bytes, start: int, stop: int) -> tuple[Ints, Ints]:
-    """Where each of these words starts and ends, as offsets into `text`."""
+    """Find where each of these words starts and ends, as offsets into `text`."""
     raw = np.frombuffer(text, np.uint8, stop - start, start)
     if not len(raw):
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
@@ -58,7 +58,7 @@ def tokens(text: bytes, start: int, stop: int) -> tuple[Ints, Ints]:
 
 
 def token_chunks(text: bytes, start: int, stop: int) -> Iterator[tuple[Ints, Ints]]:
-    """The same, about a megabyte at a time, so that memory stays small whatever the length of the text."""
+    """Find words a megabyte at a time, so that memory stays small whatever the length of the text."""
     while start < stop:
         cut = min(start + _CHUNK, stop)
         while cut < stop and not _BLANK[text[cut]]:
@@ -68,14 +68,14 @@ def token_chunks(text: bytes, start: int, stop: int) -> Iterator[tuple[Ints, Int
 
 
 def foreign(text: bytes, starts: Ints, start: int, stop: int) -> Ints:
-    """Indices of the words of `text[start:stop]` that hold bytes no plain number is made of."""
+    """Find the words of `text[start:stop]` that hold bytes no plain number is made of; give their indices."""
     raw = np.frombuffer(text, np.uint8, stop - start, start)
     strange = np.flatnonzero(~(_PLAIN | _BLANK)[raw]) + start
     return np.asarray(np.unique(np.searchsorted(starts, strange, side="right") - 1))
 
 
 def decimals(text: bytes, starts: Ints, ends: Ints) -> Ints:
-    """How many digits each word of `text` has after the point; those of the mantissa where there is an exponent.
+    """Count the digits of each word of `text` after the point; those of the mantissa where there is an exponent.
 
     Args:
         text: in which the words stand.

@@ -54,7 +54,7 @@ def read_ragged(cursor: Cursor, layouts: list[int], declared: int | None) -> Row
 
 
 def _blank_out(cursor: Cursor) -> tuple[bytes, int, int, bool]:
-    """The text with comments, second parts and separating commas blanked; where it ends; is the comma decimal."""
+    """Blank comments, second parts and separating commas; tell where the text ends, and is the comma decimal."""
     text, start = cursor.text, cursor.pos
     stop = len(text)
 
@@ -85,7 +85,7 @@ def _blank_out(cursor: Cursor) -> tuple[bytes, int, int, bool]:
 
 
 def _numbers(text: bytes, starts: Ints, ends: Ints) -> tuple[Floats, Bools]:
-    """The value of each word, NaN where it is none, and which words are no numbers at all."""
+    """Convert each word to its value, NaN where it is none; mark the words that are no numbers at all."""
     values, strange = np.empty(len(starts)), np.zeros(len(starts), dtype=np.bool_)
     for begin in range(0, len(starts), _WORDS):  # words as objects take many times the memory of their text
         part = slice(begin, begin + _WORDS)
@@ -105,7 +105,7 @@ def _numbers(text: bytes, starts: Ints, ends: Ints) -> tuple[Floats, Bools]:
 
 
 def _lines(text: bytes, starts: Ints, start: int, stop: int) -> Ints:
-    """The line that each word stands in, counted from 0 where the rows begin."""
+    """Find the line that each word stands in, counted from 0 where the rows begin."""
     raw = np.frombuffer(text, np.uint8, stop - start, start)
     breaks = np.flatnonzero((raw == ord("\n")) | (raw == ord("\r"))) + start
     return np.asarray(np.searchsorted(breaks, starts))
@@ -132,7 +132,7 @@ def _refuse_glued(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange:
 
 
 def _keep_rows(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange: Bools) -> Bools:
-    """Which words belong to rows: not those of lines that are text rather than numbers."""
+    """Mark the words that belong to rows: not those of lines that are text rather than numbers."""
     keep = np.ones(len(starts), dtype=np.bool_)
     if not strange.any():
         return keep
@@ -153,7 +153,7 @@ def _keep_rows(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange: Bo
 
 
 def _line_counts(line: Ints, keep: Bools) -> tuple[Ints, Ints]:
-    """For each line that has numbers: the index of its first word, and how many words it has."""
+    """Find for each line that has numbers the index of its first word, and how many words it has."""
     kept = np.flatnonzero(keep)
     if not len(kept):
         return kept, kept
@@ -164,7 +164,7 @@ def _line_counts(line: Ints, keep: Bools) -> tuple[Ints, Ints]:
 def _arrange(
     cursor: Cursor, starts: Ints, firsts: Ints, counts: Ints, columns: int, declared: int | None
 ) -> tuple[Ints, Ints | None] | None:
-    """How lines make up rows of `columns` numbers: where each row begins, and how long rows are if some are short."""
+    """Find how lines make up rows of `columns` numbers: where each begins, and how long rows are if some are short."""
     notes, total, right = cursor.notes, int(counts.sum()), counts == columns
     tidy = np.array_equal(firsts, np.cumsum(counts) - counts)  # nothing was passed over between the rows
     usual = 2 * right.sum() >= len(counts) and declared != total / columns
@@ -191,7 +191,7 @@ def _arrange(
 
 
 def _is_wrapped(counts: Ints, columns: int, declared: int | None) -> bool:
-    """Do rows run over line ends: does each begin on a new line, or does each line hold whole rows?"""
+    """Tell whether rows run over line ends: does each begin on a new line, or does each line hold whole rows?"""
     total, ends = int(counts.sum()), np.cumsum(counts)
     if total < columns:
         return False
@@ -204,7 +204,7 @@ def _is_wrapped(counts: Ints, columns: int, declared: int | None) -> bool:
 
 
 def _note_cut(notes: Notes, at: int, found: int, columns: int, whole: int, declared: int | None) -> None:
-    """The rest of a file that ends in mid-row is lost, and that is no small thing; a scrap after the last row is."""
+    """Note that the rest of a file is lost that ends in mid-row: no small thing; a scrap after the last row is."""
     lost = declared is None or whole < declared
     rest = "the file is cut short; export or copy it again, or let `footfix inspect --repair` take that row out"
     notes.add("last-row-cut", f"the last row has {found} of {columns} numbers: "
@@ -222,7 +222,7 @@ def _misfit(cursor: Cursor, starts: Ints, firsts: Ints, counts: Ints, layouts: l
 
 
 def _gather(rows: Rows, columns: int) -> Rows:
-    """The array of rows that begin anywhere; rows too short are interpolated from whole neighbours."""
+    """Gather rows that begin anywhere into an array; rows too short are interpolated from whole neighbours."""
     first, flat = rows.first, rows.values
     assert first is not None
     index = first[:, None] + np.arange(columns)
@@ -240,7 +240,7 @@ def _gather(rows: Rows, columns: int) -> Rows:
 
 
 def _note_strange(cursor: Cursor, rows: Rows, starts: Ints, ends: Ints, strange: Bools) -> None:
-    """Words in rows that are no numbers: their value is not known."""
+    """Note words in rows that are no numbers: their value is not known."""
     for k in np.flatnonzero(strange)[:1].tolist():
         begins = np.arange(len(rows.values)) * rows.values.shape[1] if rows.first is None else rows.first
         frame = max(int(np.searchsorted(begins, k, side="right")) - 1, 0)

@@ -16,7 +16,7 @@ _WIDTH, _LEFT, _ROW, _BAR, _POINTS = 960, 96, 84, 9, 480
 
 
 def chart(motion: Motion, contacts: Mapping[str, Any]) -> str:
-    """Height of every sole point over time, before and after, with its contacts under it."""
+    """Draw the height of every sole point over time, before and after, with its contacts under it."""
     effectors = contacts.get("effectors") or ()
     rows = []
     heights = np.stack([motion.soles_before[..., 1], motion.soles_after[..., 1]]) - motion.floor  # (2, D, E) [m]

@@ -24,7 +24,7 @@ _UNITS = {
 
 
 def details_table(report: Report) -> str:
-    """How it was done: rig, correction, settings and times, as table rows under a heading for each part."""
+    """Write how it was done: rig, correction, settings and times, as table rows under a heading for each part."""
     parts = []
     for key, title in _PARTS.items():
         part = report.get(key) if key else {name: report.get(name) for name in ("method", "output")}

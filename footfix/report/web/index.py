@@ -45,7 +45,7 @@ class IndexRow:
 
 
 def render_index(rows: Sequence[IndexRow]) -> str:
-    """The index of a batch, as one HTML document."""
+    """Render the index of a batch as one HTML document."""
     judged = sorted(((row, judge(row.report)) for row in rows), key=_badness, reverse=True)
     style, code = asset("report.css"), script("table.js", "index.js")
     verdicts = [verdict for _, verdict in judged]

@@ -19,23 +19,23 @@ _SEPARATORS = re.compile(r"(&#47;|_|-)")
 
 
 def text(value: object) -> str:
-    """A value as HTML text, safe within elements and within quoted attributes."""
+    """Write a value as HTML text, safe within elements and within quoted attributes."""
     clean = str(value).encode("utf-8", "replace").decode("utf-8")  # a lone surrogate can't be written
     return clean.translate(_HTML)
 
 
 def name(value: object) -> str:
-    """A name from a file: isolated, so that its writing direction can't reorder the page around it."""
+    """Isolate a name from a file, so that its writing direction can't reorder the page around it."""
     return f"<bdi>{text(value)}</bdi>"
 
 
 def path_name(value: object) -> str:
-    """A name that may be long, as `name`; a line may break behind its separators."""
+    """Isolate a name that may be long, as `name`; a line may break behind its separators."""
     return _SEPARATORS.sub(r"\1<wbr>", name(value))
 
 
 def embedded_json(value: Any) -> str:
-    """A document as JSON that can stand within a script element.
+    """Write a document as JSON that can stand within a script element.
 
     Plain ASCII, with no character that could end the element or a line of script; `json.loads` and
     `JSON.parse` give back the very value.

@@ -21,7 +21,7 @@ SHOWN_FRAMES = 7200  # as many as a page holds: a minute at 120 fps
 
 
 def display_frames(frames: int, most: int = SHOWN_FRAMES) -> Ints:
-    """The frames that a page shows: every one, or every n-th where there are more than `most`."""
+    """Choose the frames that a page shows: every one, or every n-th where there are more than `most`."""
     return np.arange(0, frames, max(1, -(-frames // most)), dtype=np.intp)
 
 
@@ -104,7 +104,7 @@ def film(
     before: Clip, after: Clip, rig: Rig, contacts: Contacts | None = None, ground: Floats | None = None,
     most: int = SHOWN_FRAMES,
 ) -> Motion:  # fmt: skip
-    """The motion of a page, from the clip before and after.
+    """Gather the motion of a page from the clip before and after.
 
     Args:
         before, after: the clip as read and as written [m], y up.
@@ -139,7 +139,7 @@ def film(
 
 
 def seen_tracks(motion: Motion) -> tuple[Floats, Floats]:
-    """(D, E, 3), (D, E, 3) [m] over the ground: what measures look at, before and after, be it joint or sole point."""
+    """Get what measures look at, joint or sole point, before and after: (D, E, 3), (D, E, 3) [m] over the ground."""
     joints = np.maximum(motion.seen, 0)
     pairs = ((motion.joints_before, motion.soles_before), (motion.joints_after, motion.soles_after))
     first, second = (np.where(motion.by_sole[..., None], soles, places[:, joints]) for places, soles in pairs)
@@ -180,7 +180,7 @@ def _looked_at(
 
 
 def side_of(name: str) -> str:
-    """The side that the name of a leg or an effector speaks of: "left", "right" or ""."""
+    """Tell the side that the name of a leg or an effector speaks of: "left", "right" or ""."""
     return next((side for side in ("left", "right") if side in name.lower()), "")
 
 
@@ -223,7 +223,7 @@ _JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # what one step of the packed integer
 
 
 def packed(motion: Motion, lines: Lines) -> dict[str, Any]:
-    """The motion as the page's script reads it (codec.js), as plain JSON values.
+    """Pack the motion as the page's script reads it (codec.js), as plain JSON values.
 
     Corrections mostly shift the whole figure and turn a few joints of the legs, so of the figure after
     only the root's shift is written, and the joints that move otherwise.

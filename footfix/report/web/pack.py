@@ -18,13 +18,13 @@ _LARGEST = 1 << 28  # what survives two differences in the 32 bits of the page's
 
 
 def quantize(values: Floats, quantum: float) -> NDArray[np.int32]:
-    """Values as whole multiples of a quantum; what is not finite or far out of range is brought in."""
+    """Round values to whole multiples of a quantum; what is not finite or far out of range is brought in."""
     finite = np.nan_to_num(values / quantum, nan=0.0, posinf=_LARGEST, neginf=-_LARGEST)
     return np.rint(np.clip(finite, -_LARGEST, _LARGEST)).astype(np.int32)
 
 
 def pack(steps: NDArray[np.int32]) -> str:
-    """Packs series of integers.
+    """Pack series of integers.
 
     Args:
         steps: (N, ...) N samples of each series.
@@ -61,7 +61,7 @@ def _groups(values: NDArray[np.uint32]) -> NDArray[np.uint8]:
 
 
 def unpack(packed: str, shape: tuple[int, ...]) -> NDArray[np.int32]:
-    """The inverse of `pack`, for tests and for those who want the motion out of a page.
+    """Invert `pack`, for tests and for those who want the motion out of a page.
 
     Args:
         packed: what `pack` gave.

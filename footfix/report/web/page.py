@@ -54,7 +54,7 @@ class PageData:
 
 @cache
 def asset(file: str) -> str:
-    """A template, style sheet or script that lies beside this module."""
+    """Read a template, style sheet or script that lies beside this module."""
     data = pkgutil.get_data("footfix.report.web", file)
     assert data is not None
     return data.decode("utf-8").replace("\r\n", "\n")
@@ -62,18 +62,18 @@ def asset(file: str) -> str:
 
 @cache
 def script(*files: str) -> str:
-    """A page's script: its parts one after the other, in a scope of their own."""
+    """Join a page's script: its parts one after the other, in a scope of their own."""
     return '(() => {\n"use strict";\n' + "\n".join(asset(file) for file in files) + "})();\n"
 
 
 @cache
 def fingerprint(source: str) -> str:
-    """The hash by which a content security policy lets a script or a style sheet in."""
+    """Compute the hash by which a content security policy lets a script or a style sheet in."""
     return "sha256-" + base64.b64encode(hashlib.sha256(source.encode()).digest()).decode("ascii")
 
 
 def render(data: PageData) -> str:
-    """The page, as one HTML document."""
+    """Render the page as one HTML document."""
     report, style = data.report, asset("report.css")
     verdict = judge(report)
     plants = entries(report, "plants")

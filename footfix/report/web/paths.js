@@ -1,5 +1,16 @@
 // From above: the way of the root before and after, the path it was led along, and by how far they differ over time.
 
+/** A line through places [x, y] of the canvas. */
+function drawLine(context, places, color, width, dash) {
+  context.beginPath();
+  for (const [x, y] of places) context.lineTo(x, y);
+  context.setLineDash(dash);
+  context.strokeStyle = color;
+  context.lineWidth = width;
+  context.stroke();
+  context.setLineDash([]);
+}
+
 class PathMap {
   constructor(canvas, motion, player, contacts) {
     Object.assign(this, { canvas, motion, player, contacts, still: new Still() });
@@ -52,9 +63,9 @@ class PathMap {
     this.still.show(context, (still) => {
       still.lineJoin = still.lineCap = "round";
       this.drawPlants(still, theme, spot);
-      if (this.asked.length) this.line(still, this.asked.map(spot), theme.muted, 5, []);
-      this.line(still, this.before.map(spot), theme.was, 1.6, [5, 4]);
-      this.line(still, this.after.map(spot), theme.ink, 1.8, []);
+      if (this.asked.length) drawLine(still, this.asked.map(spot), theme.muted, 5, []);
+      drawLine(still, this.before.map(spot), theme.was, 1.6, [5, 4]);
+      drawLine(still, this.after.map(spot), theme.ink, 1.8, []);
       this.drawScale(still, theme, scale, width, height);
     });
     const [x, y] = spot(this.after[this.player.index]);
@@ -65,16 +76,6 @@ class PathMap {
     context.lineWidth = 2;
     context.strokeStyle = theme.stage;
     context.stroke();
-  }
-
-  line(context, places, color, width, dash) {
-    context.beginPath();
-    for (const [x, y] of places) context.lineTo(x, y);
-    context.setLineDash(dash);
-    context.strokeStyle = color;
-    context.lineWidth = width;
-    context.stroke();
-    context.setLineDash([]);
   }
 
   /** Where heels and toes stand, after. */
@@ -158,7 +159,7 @@ class DriftPlot {
     const x = (i) => 64 + ((width - 76) * i) / Math.max(this.motion.shown - 1, 1);
     this.still.show(context, (still) => this.drawStill(still, theme, x, width, height));
     const now = x(this.player.index);
-    this.line(context, [[now, 6], [now, height - 6]], theme.ink, 1.2, []);
+    drawLine(context, [[now, 6], [now, height - 6]], theme.ink, 1.2, []);
   }
 
   drawStill(context, theme, x, width, height) {
@@ -172,7 +173,7 @@ class DriftPlot {
     for (const value of marks) {
       context.fillStyle = theme.muted;
       context.fillText(`${value.toFixed(0)} mm`, 56, y(value));
-      this.line(context, [[64, y(value)], [width - 12, y(value)]], theme.line, 1, []);
+      drawLine(context, [[64, y(value)], [width - 12, y(value)]], theme.line, 1, []);
     }
     const every = Math.max(1, Math.floor(shown / 1500));
     const series = (values) => {
@@ -180,17 +181,7 @@ class DriftPlot {
       for (let i = 0; i < shown; i += every) places.push([x(i), y(values[i])]);
       return places;
     };
-    this.line(context, series(this.upwards), theme.muted, 1.3, [1.5, 3]);
-    this.line(context, series(this.across), theme.ink, 1.6, []);
-  }
-
-  line(context, places, color, width, dash) {
-    context.beginPath();
-    for (const [px, py] of places) context.lineTo(px, py);
-    context.setLineDash(dash);
-    context.strokeStyle = color;
-    context.lineWidth = width;
-    context.stroke();
-    context.setLineDash([]);
+    drawLine(context, series(this.upwards), theme.muted, 1.3, [1.5, 3]);
+    drawLine(context, series(this.across), theme.ink, 1.6, []);
   }
 }

@@ -36,7 +36,7 @@ _MARKS: Mapping[Tone, str] = {
 
 
 def badge(tone: Tone, word: str, told: str = "") -> str:
-    """A mark and a word: how a clip came out, and the sentence behind it as a tooltip."""
+    """Write a mark and a word: how a clip came out, and the sentence behind it as a tooltip."""
     title = f' title="{text(told)}"' if told else ""
     return (
         f'<span class="badge {tone}"{title}><svg viewBox="0 0 16 16" aria-hidden="true">{_MARKS[tone]}</svg>'
@@ -45,7 +45,7 @@ def badge(tone: Tone, word: str, told: str = "") -> str:
 
 
 def tiles(report: Report, verdict: Verdict) -> str:
-    """The numbers of the first screen: what was wrong, what it cost, and nothing that is zero before and after."""
+    """Write the first screen's numbers: what was wrong, what it cost, and nothing that is zero before and after."""
     parts = []
     if verdict.plants:
         parts.append(tile("Footplants", "", str(verdict.plants), meaning=words.PLANT))
@@ -71,7 +71,7 @@ def tiles(report: Report, verdict: Verdict) -> str:
 
 
 def tile(label: str, unit: str, before: str, after: str = "", worse: bool = False, meaning: str = "") -> str:
-    """One number, or one before and one after; a triangle where it got worse; nothing where both are zero."""
+    """Write one number, or one before and one after; a triangle where it got worse; nothing where both are zero."""
     if after and _is_zero(before) and _is_zero(after):
         return ""
     figure = f"<b>{text(before)}</b>"
@@ -88,7 +88,7 @@ def tile(label: str, unit: str, before: str, after: str = "", worse: bool = Fals
 
 
 def placed_tile(label: str, unit: str, figure: str, where: str, meaning: str) -> str:
-    """One number and where it is from; `where` is HTML."""
+    """Write one number and where it is from; `where` is HTML."""
     return f'{_label(label, unit, meaning)}<dd><b>{text(figure)}</b> <small class="where">{where}</small></dd></div>'
 
 
@@ -115,29 +115,29 @@ _FATES = (
 
 
 def fate(report: Report) -> str:
-    """What became of the plants, in a line."""
+    """Say what became of the plants, in a line."""
     counts = Counter(str(plant.get("outcome")) for plant in entries(report, "plants"))
     return ", ".join(f"{counts[key]} {words}" for key, words in _FATES if counts[key])
 
 
 def loop_list(report: Report) -> str:
-    """A loop in words."""
+    """Describe a loop or a walk along a path in words."""
     return "".join(f"<li>{text(line)}</li>" for line in (*loop_lines(report), *follow_lines(report)))
 
 
 def released_list(report: Report) -> str:
-    """What was let go, and why: the commonest reasons, since the table of plants has them all."""
+    """List what was let go, and why: the commonest reasons, since the table of plants has them all."""
     return "".join(f"<li>{text(line)}</li>" for line in shortened(released(report), 3))
 
 
 def shortened(lines: Sequence[str], most: int) -> list[str]:
-    """The first lines, and how many more there are."""
+    """Keep the first lines, and say how many more there are."""
     rest = len(lines) - most
     return [*lines[:most], *([f"and {rest} more {'reason' if rest == 1 else 'reasons'}"] if rest > 0 else [])]
 
 
 def measures_table(report: Report) -> str:
-    """The measures before and after, as table rows."""
+    """Write the measures before and after, as table rows."""
     return "\n".join(
         f'<tr><th scope="row">{text(row.label)}</th><td>{row.before}</td>'
         f"<td>{'▲ ' if row.worse else ''}{row.after}</td>"
@@ -147,7 +147,7 @@ def measures_table(report: Report) -> str:
 
 
 def plants_table(plants: Sequence[Report]) -> str:
-    """The plants, as table rows, the worst first."""
+    """Write the plants as table rows, the worst first."""
     longest = max((number(plant.get("slide_before_mm")) or 0.0 for plant in plants), default=0.0)
     return "\n".join(_plant_row(plant, max(longest, NOTICED_MM)) for plant in worst_first(plants)[:MOST_PLANTS])
 
@@ -183,7 +183,7 @@ def _figure(value: float | None) -> str:
 
 
 def bars(before: float | None, after: float | None, longest: float) -> str:
-    """The slides as two bars, with the mark of what viewers notice."""
+    """Draw the slides as two bars, with the mark of what viewers notice."""
     wide = [44.0 * min((value or 0.0) / longest, 1.0) for value in (before, after)]
     mark = 44.0 * NOTICED_MM / longest
     return (
@@ -193,14 +193,14 @@ def bars(before: float | None, after: float | None, longest: float) -> str:
 
 
 def plants_caption(plants: Sequence[Report]) -> str:
-    """Says so where the table does not hold every plant."""
+    """Say so where the table does not hold every plant."""
     if len(plants) <= MOST_PLANTS:
         return "How far each plant slides, the worst first. Click one to see it in a loop; the ring is 21 mm."
     return f"The worst {MOST_PLANTS} of {len(plants)} plants, by how far they slide. Click one to see it in a loop."
 
 
 def notes_list(notes: Sequence[Report]) -> str:
-    """The notes, as list items, the pressing ones first."""
+    """Write the notes as list items, the pressing ones first."""
     order = {"error": 0, "warning": 1}
     items = []
     for note in sorted(notes, key=lambda note: order.get(str(note.get("severity")), 2)):

@@ -11,7 +11,7 @@ from footplants import near_plants, plants_of, strays
 from walks import rig_of, straightness, walk
 
 from footfix.enforce.correction import apply
-from footfix.enforce.papers.kim_neff import Join, KimNeffParams, correct, joins, mean_swivel, spline
+from footfix.enforce.papers.kim_neff import Join, KimNeffParams, _join, correct, joins, mean_swivel, spline
 from footfix.enforce.papers.leg import CapturedLeg, captured_leg, effector_tracks, local_rotations, two_bones
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -246,3 +246,14 @@ def test_a_knee_through_straight_does_not_flip() -> None:
     turns = two_bones(captured, shorter)
     flexion = captured.flexion + dot(rotation.to_rotation_vector(turns.bend), captured.knee_axis)
     assert flexion.min() > 0.2 and np.ptp(flexion) < 0.02
+
+
+def test_a_join_that_would_leave_the_clip_goes_on_to_its_end() -> None:
+    inside = _join(5, -1, 3, 20)
+    assert (inside.free, inside.beyond, inside.frames.tolist()) == (1, 0, [4, 3, 2])
+    outside = _join(5, -1, 4, 20)
+    assert (outside.free, outside.frames.tolist(), outside.weight.tolist()) == (-1, [0, 1, 2, 3, 4], [0.0] * 5)
+    inside = _join(14, 1, 3, 20)
+    assert (inside.free, inside.beyond, inside.frames.tolist()) == (18, 19, [15, 16, 17])
+    outside = _join(14, 1, 4, 20)
+    assert (outside.free, outside.frames.tolist(), outside.weight.tolist()) == (-1, [15, 16, 17, 18, 19], [0.0] * 5)

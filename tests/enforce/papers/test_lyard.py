@@ -15,7 +15,16 @@ from walks import rig_of, walk
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.hand_over import catmull_rom, cubic_roots, hand_over, offset_at, share_gone
 from footfix.enforce.papers.leg import effector_tracks
-from footfix.enforce.papers.lyard import LyardRootParams, correct, height_shift, root_steps, static_points
+from footfix.enforce.papers.lyard import (
+    LyardRootParams,
+    _calmed,
+    _over_floor,
+    _speeds,
+    correct,
+    height_shift,
+    root_steps,
+    static_points,
+)
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.rig.rig import Rig
@@ -276,3 +285,35 @@ def test_on_a_belt_planted_points_go_with_the_belt() -> None:
     assert np.percentile(strays(after, rig, plants, ground), 75) < 0.001
     # and a figure whose feet stand on the belt stays as it is
     assert not correct(made.clip, rig, plants, PAPER, ground=ground).root_shift.any()
+
+
+def test_steps_are_averaged_over_the_planted_steps_nearby() -> None:
+    t = np.array([0, 1, 2, 3, 7])
+    more = np.array([[1.0, 0.0], [2.0, 3.0], [6.0, 0.0], [0.0, 0.0], [5.0, -5.0]])
+    found = _calmed(more, t, 9, 1)
+    assert found[:, 0] == pytest.approx([1.5, 3.0, 8.0 / 3.0, 3.0, 5.0])
+    assert found[:, 1] == pytest.approx([1.5, 1.0, 1.0, 0.0, -5.0])
+    assert _calmed(more, t, 9, 0) == pytest.approx(more)
+
+
+def test_the_root_takes_the_mean_of_so_many_seconds_of_steps() -> None:
+    frames, frame_time = 101, 0.01
+    points = np.zeros((frames, 1, 3))
+    points[51:, 0, 0] = 0.13  # one step of 13 cm
+    shift = _over_floor(
+        np.zeros((frames, 3)), points, np.zeros(frames, dtype=np.intp), frame_time,
+        LyardRootParams(calm=0.12, pin_end=False),
+    )  # fmt: skip
+    expected = -0.13 * np.clip((np.arange(frames) - 44) / 13.0, 0.0, 1.0)  # 6 steps to either side of the one
+    assert shift[:, 0] == pytest.approx(expected)
+    assert not shift[:, 1].any()
+
+
+def test_speeds_are_means_over_a_window_that_repeats_the_ends() -> None:
+    way = np.cumsum(np.random.default_rng(2).normal(size=(30, 2, 3)), axis=0)
+    sharp = _speeds(way, 0.1, 0.0)
+    assert sharp == pytest.approx(np.linalg.norm(np.gradient(way, 0.1, axis=0), axis=2))
+    padded = np.pad(sharp, ((2, 2), (0, 0)), mode="edge")
+    expected = np.mean([padded[k : k + 30] for k in range(5)], axis=0)
+    assert _speeds(way, 0.1, 0.4) == pytest.approx(expected)
+    assert _speeds(way[:1], 0.1, 0.4).tolist() == [[0.0, 0.0]]

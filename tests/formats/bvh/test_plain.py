@@ -5,6 +5,7 @@ from __future__ import annotations
 from io import BytesIO
 
 import numpy as np
+import pytest
 from conftest import need, shared
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -34,7 +35,7 @@ def by_numpy(text: bytes) -> np.ndarray | None:
         return None
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 @given(plain_rows())
 def test_plain_rows_are_taken(text: bytes) -> None:
     found, expected = read_plain(HEAD + text, len(HEAD)), by_numpy(text)
@@ -48,7 +49,7 @@ ODD = [b"0", b"9", b".", b"-", b"+", b" ", b"\t", b"\r", b"\n", b"\x0b", b"\x1c"
 EDITS = st.lists(st.tuples(st.integers(0, 200), st.sampled_from(ODD), st.booleans()), min_size=1, max_size=3)
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(plain_rows(), EDITS)
 def test_whatever_is_taken_is_what_numpy_finds(text: bytes, edits: list[tuple[int, bytes, bool]]) -> None:
     for at, odd, instead in edits:
@@ -71,6 +72,7 @@ def test_long_rows_and_many() -> None:
     assert read_plain(HEAD + b"1.0 " * 200_000, len(HEAD)) is None  # a row longer than what is looked at together
 
 
+@pytest.mark.clips
 def test_real_clips() -> None:
     taken = 0
     for path in need(shared("clips"), "clips"):

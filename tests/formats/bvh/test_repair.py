@@ -31,6 +31,7 @@ def long_clip(frame_time: float = 0.02, frames: int = 40) -> list[str]:
     return [*head.replace("Frames: 4", f"Frames: {frames}").splitlines(), *rows]
 
 
+@pytest.mark.clips
 def test_a_sound_file_comes_back_as_it_is() -> None:
     for data in (plain(), plain().replace(b"\n", b"\r\n"), plain().rstrip()):
         assert repair(decode(data)) == (data, ())

@@ -61,6 +61,7 @@ def test_what_is_odd_in_a_file_stays_as_it_is_read(old: bytes, new: bytes) -> No
     assert some.notes == whole.notes
 
 
+@pytest.mark.clips
 def test_files_of_other_tools_are_cut_as_they_read() -> None:
     for path in need(shared("clips"), "clips")[::12]:
         whole = open_document(path.read_bytes(), name=path.name)

@@ -10,11 +10,9 @@ from typing import Any
 import pytest
 
 from footfix.batch import gates
-from footfix.config import load_config, presets, read_preset
-from footfix.listing import as_yaml, meanings_of, preset_changes, preset_summary
-from footfix.meanings import Meaning, meanings
+from footfix.config import as_yaml, load_config, meanings_of, preset_changes, preset_summary, presets, read_preset
 from footfix.rig.params import LegParams, SoleParams
-from footfix.settings import Settings, flat
+from footfix.settings import Meaning, Settings, flat, meanings
 
 
 def kinds(of: type[Any], prefix: str = "") -> dict[str, Any]:
