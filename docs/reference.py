@@ -143,7 +143,23 @@ def commands() -> str:
                 if record is not None and isinstance(parameter, click.Option):
                     parts.append(f"| `{record[0]}` | {_escaped(record[1])} |")
             parts.append("")
+            for sub, inner_command in getattr(command, "commands", {}).items():
+                parts += _subcommand(f"footfix {name} {sub}", inner_command)
     return "\n".join(parts)
+
+
+def _subcommand(name: str, command: click.Command) -> list[str]:
+    """The part on a command of a command."""
+    with click.Context(command, info_name=name) as context:
+        usage = command.get_usage(context).removeprefix("Usage: ")
+        told = inspect.cleandoc(command.help or "").replace("\b", "")
+        heading = name.removeprefix("footfix ")
+        parts = [f"### {heading}\n", f"```text\n{usage}\n```\n", told + "\n", "| Option | |\n|---|---|"]
+        for parameter in command.get_params(context):
+            record = parameter.get_help_record(context)
+            if record is not None and isinstance(parameter, click.Option):
+                parts.append(f"| `{record[0]}` | {_escaped(record[1])} |")
+    return [*parts, ""]
 
 
 # ---- settings ----------------------------------------------------------------------------------------
@@ -230,6 +246,7 @@ _FILES = {
     "check": "What `footfix check --json` prints",
     "inspect": "What `footfix inspect --json` prints",
     "run": "What `footfix clean --json` prints",
+    "events": "Strikes and lifts: `NAME.events.json`",
 }
 
 
@@ -290,12 +307,15 @@ def _json_kind(schema: Mapping[str, Any]) -> str:
 # ---- Python ------------------------------------------------------------------------------------------
 
 _PYTHON = {
-    "Files": "load save Document clean_file Outputs",
+    "Files": "load animations save Document clean_file Outputs",
     "Clips": "Clip Skeleton global_positions",
     "Legs and soles": "find_rig find_rigs Rig Leg SolePoint RigParams",
     "Contacts": "detect Contacts Effector Contact load_contacts save_contacts",
     "Cleaning": "clean clean_figures Result Correction apply Footplant Note",
     "Loops": "loop Loop",
+    "Live figures": "Stream",
+    "Paths": "follow Follow",
+    "Cycles": "fit_cycles load_model save_model Engine Frame Ahead",
     "Joint positions": "clean_positions CleanedPositions",
     "Measuring": "measure Measures PlantMeasure skating_ratio weighted_skate physdiff PhysDiff jitter slides",
     "Settings": "make_settings presets Settings",
@@ -311,7 +331,8 @@ def python() -> str:
     missing = set(footfix.__all__) - listed - _PLAIN
     if missing:
         raise ValueError(f"docs/reference.py leaves out public names: {', '.join(sorted(missing))}")
-    with_members = {"Clip": ["fps", "frames"], "Contacts": ["mask", "only", "with_mask"], "Rig": ["no_contacts"]}
+    with_members = {"Clip": ["fps", "frames"], "Contacts": ["mask", "only", "with_mask"], "Rig": ["no_contacts"],
+                    "Engine": ["set", "step", "ahead", "clip"]}  # fmt: skip
     parts = [_INTERFACE]
     for title, names in _PYTHON.items():
         parts.append(f"## {title}\n")

@@ -8,6 +8,7 @@
     footfix.save("walk.clean.bvh", result.clip, like=walk)
     round = footfix.loop(walk.clip, rig=rig, contacts=contacts)
     footfix.save("walk.loop.bvh", round.clip)       # a cycle that repeats without a hitch
+    live = footfix.Stream(walk, look_ahead=0.15)    # frames in, frames out: live.push(row), live.close()
 
 The names below are imported when they are first used, so that `footfix --help` need not wait for numpy.
 """
@@ -23,6 +24,7 @@ from footfix.version import __version__
 
 if TYPE_CHECKING:
     from footfix.api.clips import (
+        animations,
         apply,
         clean,
         clean_figures,
@@ -36,15 +38,19 @@ if TYPE_CHECKING:
         presets,
         save,
     )
+    from footfix.api.engines import Ahead, Engine, Frame, fit_cycles, load_model, save_model
+    from footfix.api.follows import follow
     from footfix.api.labels import load_contacts, save_contacts
     from footfix.api.loops import loop
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
     from footfix.api.reports import clean_file, make_page, make_report, summarize
+    from footfix.api.streams import Stream
     from footfix.enforce.correction import Correction
     from footfix.enforce.footplant import Footplant
     from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
     from footfix.formats.document import Document
     from footfix.job import Outputs
+    from footfix.locomotion.follow import Follow
     from footfix.locomotion.loop import Loop
     from footfix.measure.arrays import PhysDiff, jitter, physdiff, skating_ratio, slides, weighted_skate
     from footfix.measure.clip import Measures
@@ -59,8 +65,11 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "footfix.api.clips": (
-        "apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure presets save"
+        "animations apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure "
+        "presets save"
     ),
+    "footfix.api.follows": "follow",
+    "footfix.api.engines": "Ahead Engine Frame fit_cycles load_model save_model",
     "footfix.api.labels": "load_contacts save_contacts",
     "footfix.api.loops": "loop",
     "footfix.api.positions": "HUMANML3D_NAMES HUMANML3D_PARENTS CleanedPositions clean_positions",
@@ -70,6 +79,7 @@ _NAMES = {
     "footfix.errors": "ArgumentError FootfixError InputError NoLegsError OutputError UsageError",
     "footfix.formats.document": "Document",
     "footfix.job": "Outputs",
+    "footfix.locomotion.follow": "Follow",
     "footfix.locomotion.loop": "Loop",
     "footfix.measure.arrays": "PhysDiff jitter physdiff skating_ratio slides weighted_skate",
     "footfix.measure.clip": "Measures",
@@ -81,12 +91,14 @@ _NAMES = {
     "footfix.rig.params": "RigParams",
     "footfix.rig.rig": "Leg Rig SolePoint",
     "footfix.settings": "Settings",
+    "footfix.api.streams": "Stream",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = [
     "HUMANML3D_NAMES",
     "HUMANML3D_PARENTS",
+    "Ahead",
     "ArgumentError",
     "CleanedPositions",
     "Clip",
@@ -95,8 +107,11 @@ __all__ = [
     "Correction",
     "Document",
     "Effector",
+    "Engine",
+    "Follow",
     "FootfixError",
     "Footplant",
+    "Frame",
     "InputError",
     "Leg",
     "Loop",
@@ -113,8 +128,10 @@ __all__ = [
     "Settings",
     "Skeleton",
     "SolePoint",
+    "Stream",
     "UsageError",
     "__version__",
+    "animations",
     "apply",
     "clean",
     "clean_figures",
@@ -123,10 +140,13 @@ __all__ = [
     "detect",
     "find_rig",
     "find_rigs",
+    "fit_cycles",
+    "follow",
     "global_positions",
     "jitter",
     "load",
     "load_contacts",
+    "load_model",
     "loop",
     "make_page",
     "make_report",
@@ -136,6 +156,7 @@ __all__ = [
     "presets",
     "save",
     "save_contacts",
+    "save_model",
     "skating_ratio",
     "slides",
     "summarize",

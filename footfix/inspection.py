@@ -3,43 +3,48 @@
 from __future__ import annotations
 
 import hashlib
-from pathlib import PurePath
 from typing import Any
 
 from footfix.errors import InputError
-from footfix.formats.document import legible, open_document, repair
+from footfix.formats.document import Beside, legible, open_document, repair
+from footfix.formats.suffixes import bare
 from footfix.job import placed
 from footfix.notes import Note
 from footfix.report import document as report_format
 from footfix.rig.find import find_rigs
+from footfix.rig.skin import Skin
 from footfix.settings import Settings
 
 
-def repair_file(data: bytes, name: str, settings: Settings) -> tuple[bytes, list[dict[str, Any]]]:
+def repair_file(
+    data: bytes, name: str, settings: Settings, *, beside: Beside | None = None
+) -> tuple[bytes, list[dict[str, Any]]]:  # fmt: skip
     """The bytes that a strict reader wants of a file, and a note for each change.
 
     Raises:
         InputError: it can't be read.
     """
     data, first = legible(data, name=name)
-    mended, notes = repair(open_document(data, name=name, limits=settings.limits))
+    mended, notes = repair(open_document(data, name=name, limits=settings.limits, beside=beside))
     return mended, report_format.notes((*first, *notes))
 
 
-def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
+def inspect_file(
+    data: bytes, name: str, settings: Settings, *, beside: Beside | None = None, skin: Skin | None = None
+) -> dict[str, Any]:
     """What there is to say of a file: its frames, joints, rig, unit, axes, and everything odd about it.
 
     Raises:
         InputError: it can't be read.
     """
-    document = open_document(data, name=name, limits=settings.limits)
+    document = open_document(data, name=name, limits=settings.limits, beside=beside)
     found: tuple[Note, ...] = document.notes
     rigs: list[dict[str, Any]] = []
     if not document.unusable and document.frames:
         try:
             document, doubts = placed(document, settings.rig)
             found += doubts
-            for rig in find_rigs(document.clip, settings.rig):
+            for rig in find_rigs(document.clip, settings.rig, skin=skin):
                 rigs.append(report_format.rig(rig, document.clip, unit_m=document.unit_m, up=document.up))
                 found += rig.notes
         except InputError as error:
@@ -50,7 +55,7 @@ def inspect_file(data: bytes, name: str, settings: Settings) -> dict[str, Any]:
         "format": "footfix-inspect",
         "version": 1,
         "source": {
-            "file": PurePath(name).name,
+            "file": bare(name),
             "sha256": hashlib.sha256(data).hexdigest(),
             "frames": document.frames,
             "frame_time": document.frame_time,

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -15,7 +14,8 @@ from footfix import version
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Document, open_document, rewrite
+from footfix.formats.document import Beside, Document, open_document, rewrite
+from footfix.formats.suffixes import bare
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
@@ -28,6 +28,7 @@ from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.params import RigParams
 from footfix.rig.rig import joined
+from footfix.rig.skin import Skin
 from footfix.rig.units import infer_units
 from footfix.settings import Settings, plain
 
@@ -71,18 +72,18 @@ def about(name: str) -> Iterator[None]:
         raise error if error.file else error.within(name) from None
 
 
-def read(data: bytes, name: str, settings: Settings) -> Document:
-    """Read a file as a document in metres, y up.
+def read(data: bytes, name: str, settings: Settings, *, beside: Beside | None = None) -> Document:
+    """Read a file as a document in metres, y up; `beside` reads files that it names.
 
     Raises:
         InputError: it can't be read, or holds numbers that are none.
     """
-    return _opened(data, name, settings)[0]
+    return _opened(data, name, settings, beside)[0]
 
 
-def _opened(data: bytes, name: str, settings: Settings) -> tuple[Document, slice]:
+def _opened(data: bytes, name: str, settings: Settings, beside: Beside | None) -> tuple[Document, slice]:
     """A file as a document in metres, y up, and the frames of it that are motion."""
-    document = open_document(data, name=name, limits=settings.limits)
+    document = open_document(data, name=name, limits=settings.limits, beside=beside)
     for broken in document.unusable:
         raise InputError(broken.text, file=name, line=broken.line, column=broken.column)
     if document.frames == 0:
@@ -92,18 +93,25 @@ def _opened(data: bytes, name: str, settings: Settings) -> tuple[Document, slice
         return placed(document, settings.rig, proper)[0], proper
 
 
+def suited(settings: Settings, document: Document) -> Settings:
+    """Suit settings to a file's format: animations of games are likely to be cycles."""
+    if not document.metric or settings.enforce.cycle != "find":
+        return settings
+    return replace(settings, enforce=replace(settings.enforce, cycle="likely"))
+
+
 def placed(
     document: Document, params: RigParams, proper: slice | None = None
 ) -> tuple[Document, tuple[Note, ...]]:
     """The document with its unit and up axis as found, and what was doubtful about them."""
-    found = infer_units(document.clip, params, proper)
+    found = infer_units(document.clip, params, proper, metric=document.metric)
     return document.placed(unit_m=found.unit_m, up=found.up), found.notes
 
 
 def source_entry(data: bytes, name: str, clip: Clip) -> dict[str, Any]:
     """What contacts and report say of the file they are about."""
     return {
-        "file": PurePath(name).name,
+        "file": bare(name),
         "sha256": hashlib.sha256(data).hexdigest(),
         "frames": len(clip),
         "frame_time": clip.frame_time,
@@ -121,7 +129,7 @@ def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None)
 
 def clean_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
-    again: Again | None = None, leave: str = "",
+    again: Again | None = None, leave: str = "", beside: Beside | None = None, skin: Skin | None = None,
 ) -> Outputs:  # fmt: skip
     """Clean one clip.
 
@@ -133,11 +141,13 @@ def clean_file(
         output: the name of the corrected file, for the report.
         again: how the clip is cleaned again from edited contacts, for its page.
         leave: why the clip stays as it is, if it does: it is what a cleaning made, and `labels` are its contacts.
+        beside: reads files that this one names.
 
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, proper = _opened(data, name, settings)
+    document, proper = _opened(data, name, settings, beside)
+    settings = suited(settings, document)
     clip = document.clip
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
@@ -145,7 +155,7 @@ def clean_file(
     if leave:
         settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
         if leave:
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
         contacts = find_contacts(prepared, settings, labels)
@@ -241,7 +251,8 @@ def _too_short(
 
 
 def measure_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None,
+    skin: Skin | None = None,
 ) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]], list[dict[str, Any]]]:
     """Measure one clip as it is; nothing is corrected.
 
@@ -251,7 +262,7 @@ def measure_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, source, prepared, contacts = _planted(data, name, settings, labels, "measure")
+    document, source, prepared, contacts = _planted(data, name, settings, labels, "measure", beside, skin)
     found = measure_as_it_is(document.clip, prepared, contacts, settings)
     measures = report_format.worst([report_format.measures(each) for each, _ in found])
     plants = [
@@ -264,31 +275,34 @@ def measure_file(
 
 
 def detect_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None
-) -> tuple[Contacts, dict[str, Any], dict[str, Any], list[dict[str, Any]]]:
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None,
+    skin: Skin | None = None,
+) -> tuple[Contacts, dict[str, Any], dict[str, Any], list[dict[str, Any]], float]:
     """Find the contacts of one clip.
 
     Returns:
-        The contacts, its source and rig entries, and its notes.
+        The contacts, its source and rig entries, its notes, and the time of its first frame [s].
 
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, source, prepared, contacts = _planted(data, name, settings, labels, "find contacts in")
+    document, source, prepared, contacts = _planted(data, name, settings, labels, "find contacts in", beside, skin)
     entry = report_format.rig(prepared.rigs[0], document.clip, unit_m=document.unit_m, up=document.up)
-    return contacts, source, entry, _doubts(document, prepared, contacts)
+    return contacts, source, entry, _doubts(document, prepared, contacts), document.start
 
 
 def _planted(
-    data: bytes, name: str, settings: Settings, labels: Labels | None, purpose: str
+    data: bytes, name: str, settings: Settings, labels: Labels | None, purpose: str, beside: Beside | None,
+    skin: Skin | None,
 ) -> tuple[Document, dict[str, Any], Prepared, Contacts]:
     """A file as a document, its source entry, its figures, and their contacts."""
-    document, proper = _opened(data, name, settings)
+    document, proper = _opened(data, name, settings, beside)
+    settings = suited(settings, document)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
         return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
 
 

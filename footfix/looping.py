@@ -13,7 +13,8 @@ import numpy as np
 from footfix import version
 from footfix.errors import InputError
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Document, rewrite, select
+from footfix.formats.document import Beside, Document, rewrite, select
+from footfix.formats.suffixes import in_file
 from footfix.job import Outputs, Status, about, contacts_json, find_contacts, read, source_entry
 from footfix.locomotion.loop import Loop, as_round
 from footfix.motion.contacts import Contacts
@@ -24,6 +25,7 @@ from footfix.report import document as report_format
 from footfix.report.loops import seen_as
 from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
+from footfix.rig.skin import Skin
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
@@ -35,7 +37,7 @@ LEAST_FRAMES = 8
 
 def loop_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
-    again: Again | None = None,
+    again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
 ) -> Outputs:  # fmt: skip
     """Cut a seamless cycle out of a clip, and clean it as one.
 
@@ -46,17 +48,19 @@ def loop_file(
         labels: contacts of the clip, given by hand.
         output: the name of the loop's file, for the report.
         again: how the loop is cleaned from edited contacts, for its page.
+        beside: reads files that this one names.
+        skin: the character that `settings.rig.skin` names.
 
     Raises:
         InputError: the clip can't be used, or holds no cycle; says why.
     """
-    document = read(data, name, settings)
+    document = read(data, name, settings, beside=beside)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames are too few for a stride", file=name)
     with about(name):
         proper = motion_proper(clip)
-        rigs = find_rigs(clip, settings.rig, proper)
+        rigs = find_rigs(clip, settings.rig, proper, skin)
         if len(rigs) > 1:
             raise InputError(f"the file holds {len(rigs)} figures; a loop is cut out of the motion of one")
         prepared = prepare(clip, settings, rigs, proper)
@@ -74,7 +78,8 @@ def loop_file(
     report = _report(document, loop, result, settings, source=source, status=status, output=output)
     contacts = _contacts(contacts, len(reread))
     made = {**source, "sha256": hashlib.sha256(written).hexdigest(), "frames": len(reread)}
-    made["file"] = PurePath(output).name if output else source["file"]
+    clip_in_it = in_file(name)[1]
+    made["file"] = PurePath(output).name + (f"#{clip_in_it}" if clip_in_it else "") if output else source["file"]
     contacts_file = contacts_json(contacts, made, report["rig"], settings)
     before = seen_as(loop.captured.frames(slice(0, len(reread))), loop.rig, report["loop"])
     ground = loop.ground[: len(reread)]

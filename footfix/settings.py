@@ -22,6 +22,7 @@ from footfix.detect.run import DetectParams
 from footfix.enforce.run import EnforceParams
 from footfix.errors import UsageError
 from footfix.formats.bvh.text import Limits
+from footfix.locomotion.follow_params import FollowParams
 from footfix.locomotion.params import LoopParams
 from footfix.motion.smoothing import SmoothParams
 from footfix.rig.params import RigParams
@@ -53,6 +54,7 @@ class Settings:
         detect: finding contacts.
         enforce: holding them.
         loop: cutting a seamless cycle out of a walk, and closing it.
+        follow: leading walks along a path.
         report: what is written beside the clip.
         limits: how large an input may be.
         gates: measure -> the most it may be, for `footfix check`.
@@ -63,6 +65,7 @@ class Settings:
     detect: DetectParams = field(default_factory=DetectParams)
     enforce: EnforceParams = field(default_factory=EnforceParams)
     loop: LoopParams = field(default_factory=LoopParams)
+    follow: FollowParams = field(default_factory=FollowParams)
     report: ReportParams = field(default_factory=ReportParams)
     limits: Limits = field(default_factory=Limits)
     gates: Mapping[str, float] = field(default_factory=dict)

@@ -24,7 +24,8 @@ FLOORS = [
     {"pipeline", "config"},
     {"report"},
     {"job"},
-    {"inspection", "looping"},
+    {"inspection", "looping", "following", "fitting", "making"},
+    {"stream"},
     {"batch", "api"},
     {"cli", "__main__", "__init__"},
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -53,3 +54,19 @@ def test_every_preset_and_kind_of_label_is_named() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert all(f"`{name}`" in text for name in presets())
     assert "|".join(["json", *ENCODERS]) in text
+
+
+def test_the_commands_on_cycles_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = re.search(r"```\n(python sample_data/make_gaits.py.*?)```", text, re.S)
+    assert found is not None
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sample_data").symlink_to(ROOT / "sample_data")
+    for line in found[1].splitlines():
+        program, *rest = line.split()
+        if program == "python":
+            subprocess.run([sys.executable, *rest], check=True)
+            continue
+        monkeypatch.setattr(sys, "argv", [program, *rest])
+        assert cli.run() == 0, line
+    assert (tmp_path / "stroll.report.html").stat().st_size > 10_000

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,8 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.correction import apply as apply_correction
 from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
-from footfix.formats.document import Document, rewrite
+from footfix.formats.document import Beside, Document, clips_of, one_format, rewrite
+from footfix.formats.suffixes import in_file, is_motion
 from footfix.measure.clip import Measures
 from footfix.measure.clip import measure as measured
 from footfix.motion.clip import Clip, Floats
@@ -24,17 +26,20 @@ from footfix.motion.kinematics import places
 from footfix.pipeline import Result
 from footfix.rig import find
 from footfix.rig.rig import Rig
+from footfix.rig.skin import Skin
 from footfix.settings import Layer, Settings
 from footfix.settings import compose as settings_of
 
 __all__ = [
-    "apply", "clean", "clean_figures", "detect", "find_rig", "find_rigs", "global_positions", "load", "make_settings",
-    "measure", "presets", "save",
+    "animations", "apply", "clean", "clean_figures", "detect", "find_rig", "find_rigs", "global_positions", "load",
+    "make_settings", "measure", "presets", "save",
 ]  # fmt: skip
 
 
-def load(path: str | os.PathLike[str], settings: Settings | None = None) -> Document:
-    """Read a file of motion.
+def load(
+    path: str | os.PathLike[str], settings: Settings | None = None, *, animation: str | None = None
+) -> Document:  # fmt: skip
+    """Read a file of motion: BVH or glTF.
 
     Examples:
         >>> walk = load("sample_data/walk_skate.bvh")
@@ -44,15 +49,51 @@ def load(path: str | os.PathLike[str], settings: Settings | None = None) -> Docu
     Args:
         path: the file.
         settings: how its unit and up axis are found, and how large it may be.
+        animation: which one of a glTF file that holds several (`animations` lists them); character.glb#Walk as the
+            path says the same.
 
     Returns:
         The file; its `.clip` is the motion in metres, y up, its `.notes` what was odd about it.
 
     Raises:
-        InputError: it can't be read, or holds numbers that are none.
+        InputError: it can't be read, holds numbers that are none, or several animations, of which none was named.
         OSError: it can't be opened.
     """
-    return job.read(Path(path).read_bytes(), os.fspath(path), check_settings(settings))
+    file, named = _file_and_clip(path, animation)
+    name = f"{file}#{named}" if named else file
+    return job.read(Path(file).read_bytes(), name, check_settings(settings), beside=_beside(file))
+
+
+def animations(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """List the animations of a glTF file by name; a BVH file is one clip, which has no name.
+
+    Examples:
+        >>> animations("sample_data/walk_skate.bvh")
+        ()
+
+    Args:
+        path: the file.
+
+    Raises:
+        InputError: it can't be read, or holds no animation.
+        OSError: it can't be opened.
+    """
+    file = os.fspath(path)
+    return clips_of(Path(file).read_bytes(), name=file, beside=_beside(file)) or ()
+
+
+def _file_and_clip(path: str | os.PathLike[str], animation: str | None) -> tuple[str, str]:
+    """The file that a path means, and the animation in it; "" where neither names one."""
+    name = os.fspath(path)
+    file, named = (name, "") if Path(name).exists() else in_file(name)
+    if named and animation not in (None, named):
+        raise ArgumentError(f"{name} names the animation {named!r}, and animation={animation!r} another one")
+    return file, animation or named
+
+
+def _beside(file: str) -> Beside:
+    """What reads the files that a glTF file names."""
+    return lambda name: (Path(file).parent / name).read_bytes()
 
 
 def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = None) -> None:
@@ -62,10 +103,11 @@ def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = No
         path: the file; one that is there is replaced.
         clip: the motion.
         like: the document the clip came from. Its text is kept, and only the numbers of channels that
-            changed are written anew. Without it, a plain file in centimetres, y up, is composed.
+            changed are written anew; of a glTF file, all other animations are kept, too. Without it, a plain BVH file
+            in centimetres, y up, is composed.
 
     Raises:
-        ArgumentError: the clip is none, or not of the document's joints.
+        ArgumentError: the clip is none, or not of the document's joints; or the path is that of another format.
         OutputError: it could not be written; what stood there still does.
     """
     from footfix.batch.files import write_whole
@@ -75,6 +117,10 @@ def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = No
         raise ArgumentError(f"the clip's joints are not those of {like.name}; leave out `like` to write a plain file")
     if like is not None and len(clip) != like.frames:
         raise ArgumentError(f"the clip has {len(clip)} frames, {like.name} has {like.frames}; leave out `like`")
+    name = os.fspath(path)
+    if is_motion(name) and not one_format(name, ".bvh" if like is None else like.name):
+        wanted = "needs `like`, the document that it came from" if like is None else f"and {like.name} differ in format"
+        raise ArgumentError(f"{name} {wanted}; a clip is written in the format that it was read from, or as BVH")
     write_whole(Path(path), compose(clip) if like is None else rewrite(like, clip)[0])
 
 
@@ -118,7 +164,9 @@ def check_settings(settings: Any) -> Settings:
     return settings
 
 
-def find_rig(clip: Clip, settings: Settings | None = None) -> Rig:
+def find_rig(
+    clip: Clip, settings: Settings | None = None, skin: str | os.PathLike[str] | Skin | None = None
+) -> Rig:  # fmt: skip
     """Find legs, sole points, leg length and floor of a clip's figure; of the first one where there are several.
 
     Examples:
@@ -129,26 +177,41 @@ def find_rig(clip: Clip, settings: Settings | None = None) -> Rig:
     Args:
         clip: in metres, y up; positions parent-local.
         settings: what is known beforehand, as `settings.rig`.
+        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken; by default what
+            `settings.rig.skin` names.
 
     Raises:
         ArgumentError: the clip is none, or not in metres.
+        InputError: the skin can't be read.
         NoLegsError: nothing in the skeleton could be a pair of legs.
     """
-    return find_rigs(clip, settings)[0]
+    return find_rigs(clip, settings, skin)[0]
 
 
-def find_rigs(clip: Clip, settings: Settings | None = None) -> tuple[Rig, ...]:
+def find_rigs(
+    clip: Clip, settings: Settings | None = None, skin: str | os.PathLike[str] | Skin | None = None
+) -> tuple[Rig, ...]:  # fmt: skip
     """Find the rigs of all figures of a clip, in the order of the file: one for each root that has legs.
 
     Args:
         clip: in metres, y up; positions parent-local.
         settings: what is known beforehand, as `settings.rig`.
+        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken; by default what
+            `settings.rig.skin` names.
 
     Raises:
         ArgumentError: the clip is none, or not in metres.
+        InputError: the skin can't be read.
         NoLegsError: no figure has legs.
     """
-    rigs = find.find_rigs(check_clip(clip), check_settings(settings).rig)
+    check_clip(clip)
+    settings = check_settings(settings)
+    if not isinstance(skin, Skin):
+        from footfix.batch.skins import skin_for
+
+        rig = settings.rig if skin is None else replace(settings.rig, skin=os.fspath(skin))
+        skin = skin_for(replace(settings, rig=rig))
+    rigs = find.find_rigs(clip, settings.rig, skin=skin)
     return tuple(check_rig(rig, clip) for rig in rigs)
 
 

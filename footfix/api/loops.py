@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from footfix import pipeline
-from footfix.api.clips import check_settings
+from footfix.api.clips import check_settings, find_rigs
 from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.errors import ArgumentError
 from footfix.locomotion.loop import Loop
 from footfix.looping import LEAST_FRAMES
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
-from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
@@ -48,8 +47,8 @@ def loop(
     check_clip(clip)
     if len(clip) < LEAST_FRAMES:
         raise ArgumentError(f"a clip of {len(clip)} frames is too short for a stride")
-    if rig is None and contacts is not None:
-        rig = find_rigs(clip, settings.rig)[0]
+    if rig is None and (contacts is not None or settings.rig.skin is not None):
+        rig = find_rigs(clip, settings)[0]
     if rig is not None:
         check_rig(rig, clip)
         if contacts is not None:

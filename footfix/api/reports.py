@@ -14,6 +14,7 @@ from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
 from footfix.formats.document import Document, rewrite
+from footfix.formats.suffixes import in_file
 from footfix.job import Outputs
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import joined as all_contacts
@@ -32,7 +33,7 @@ def clean_file(
     """Clean one file, as `footfix clean` does, and write nothing.
 
     Args:
-        path: a file of motion.
+        path: a file of motion; of a glTF file with several animations one of them, character.glb#Walk.
         settings: the parameters of all steps.
         labels: a file of contact labels; what it does not name is detected.
 
@@ -46,7 +47,11 @@ def clean_file(
     from footfix.formats.contacts import decode
 
     given = None if labels is None else decode(Path(labels).read_bytes(), name=os.fspath(labels))
-    return job.clean_file(Path(path).read_bytes(), os.fspath(path), check_settings(settings), labels=given)
+    file = os.fspath(path) if Path(path).exists() else in_file(os.fspath(path))[0]
+    return job.clean_file(
+        Path(file).read_bytes(), os.fspath(path), check_settings(settings), labels=given,
+        beside=lambda name: (Path(file).parent / name).read_bytes(),
+    )  # fmt: skip
 
 
 def source_of(clip: Clip, like: Document | None) -> dict[str, Any]:

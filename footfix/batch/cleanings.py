@@ -11,6 +11,7 @@ from typing import Any
 from footfix.batch.files import STDIN
 from footfix.batch.task import REPORT, Task
 from footfix.formats.contacts import Labels
+from footfix.formats.suffixes import in_file
 from footfix.motion.contacts import Contact
 from footfix.version import __version__
 
@@ -53,9 +54,9 @@ def report_beside(task: Task) -> Mapping[str, Any]:
     """Find the report of the cleaning that a clip came from, where it lies beside it; nothing elsewhere."""
     if task.job.source == STDIN:
         return {}
-    path = Path(task.folder, task.job.source)
-    stem = path.name.removesuffix(path.suffix)
-    for name in dict.fromkeys((stem, stem.removesuffix(".clean"))):
+    path = Path(task.folder, in_file(task.job.source)[0])
+    stem, end = path.name.removesuffix(path.suffix), task.job.end
+    for name in dict.fromkeys((stem + end, stem.removesuffix(".clean") + end)):
         try:
             report: Any = json.loads(path.with_name(name + REPORT).read_bytes())
         except (OSError, ValueError):

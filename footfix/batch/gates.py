@@ -76,6 +76,8 @@ def check(task: Task, data: bytes) -> FileResult:
         Status "over" where a gate is passed, "done" where none is; the report holds measures and gates. A gate on
         what this clip has no measure of is skipped, and a note says so.
     """
+    from footfix.batch.clips import beside_of
+    from footfix.batch.skins import skin_for
     from footfix.job import measure_file
 
     source = task.job.source
@@ -84,7 +86,10 @@ def check(task: Task, data: bytes) -> FileResult:
     known(gates)
     report = report_beside(task)
     before, labels = _cleaning(task, report)
-    entry, measures, notes, plants = measure_file(data, source, task.settings, labels=task.labels or labels)
+    entry, measures, notes, plants = measure_file(
+        data, source, task.settings, labels=task.labels or labels, beside=beside_of(task),
+        skin=skin_for(task.settings, task.folder),
+    )  # fmt: skip
     plants = [{**plant, **fate} for plant, fate in zip(plants, _fates(report, plants), strict=True)]
     values = {**measures, **_rounded(held([p["slide_mm"] for p in plants], [bool(p["let_go"]) for p in plants]))}
     wanted = [name for name in gates if name in COST_OF]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from footfix.batch.files import STDIN, read_whole
 from footfix.errors import UsageError
-from footfix.formats.suffixes import STDIN_NAME, is_cleaned, is_motion
+from footfix.formats.suffixes import STDIN_NAME, in_file, is_cleaned, is_motion
 
 # A folder of this name stands in every folder of outputs; it holds the journal of the run that wrote them.
 MARK = ".footfix"
@@ -25,10 +25,12 @@ class Source:
     Args:
         path: the file, or "-" for standard input.
         below: its path relative to the folder that was named; its name alone for a file that was named.
+        clip: the clip of the file that is meant, where it may hold several; "" for all.
     """
 
     path: str
     below: Path
+    clip: str = ""
 
 
 def sources(
@@ -37,7 +39,7 @@ def sources(
 ) -> tuple[Source, ...]:  # fmt: skip
     """The inputs that files, folders, lists and "-" stand for.
 
-    A folder gives its `*.bvh` files, of any case, sorted, at any depth; hidden ones and what footfix itself
+    A folder gives its files of motion, of any case, sorted, at any depth; hidden ones and what footfix itself
     wrote are left out. Globs choose among what folders give: they are held against the path below the folder
     (`*` goes across its parts), and without a slash also against the name.
 
@@ -55,8 +57,9 @@ def sources(
     wanted = _chooser(include, exclude)
     found: dict[str, Source] = {}  # by absolute path: a clip that is named twice is one input
 
-    def add(path: str, below: Path) -> None:
-        found.setdefault(path if path == STDIN else os.path.normpath(Path.cwd() / path), Source(path, below))
+    def add(path: str, below: Path, clip: str = "") -> None:
+        key = path if path == STDIN else os.path.normpath(Path.cwd() / path) + clip
+        found.setdefault(key, Source(path, below, clip))
 
     for name in named:
         path = Path(name)
@@ -66,17 +69,20 @@ def sources(
             below = [each for each in _walk(path, leave_out, own_outputs) if wanted(each.relative_to(path))]
             if not below:
                 chosen = " that --include and --exclude leave" if include or exclude else ""
-                raise UsageError(f"{name}: no BVH files in this folder{chosen}")
+                raise UsageError(f"{name}: no files of motion in this folder{chosen}")
             for each in below:
                 add(str(each), each.relative_to(path))
         elif path.exists():
             add(name, Path(path.name))
+        elif in_file(name)[1] and Path(in_file(name)[0]).is_file():
+            file, clip = in_file(name)
+            add(file, Path(Path(file).name), clip)
         else:
             raise UsageError(f"{name}: no such file or folder")
     for path_listed, below_here in (each for name in lists for each in _listed(name)):
         add(path_listed, below_here)
     if not found:
-        raise UsageError("nothing to do: name a BVH file, a folder, or - for standard input")
+        raise UsageError("nothing to do: name a file of motion, a folder, or - for standard input")
     return tuple(found.values())
 
 

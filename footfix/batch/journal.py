@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from footfix.batch.clips import named
 from footfix.batch.files import write_whole
 from footfix.batch.inputs import MARK
 from footfix.batch.task import FileResult
@@ -100,6 +101,8 @@ class Journal:
         elif not result.skipped:
             pictures = [asdict(each) for each in result.offenders]
             self._write([{"clip": clip, "state": "done", "files": dict(result.hashes), "offenders": pictures}])
+        for part in result.parts:
+            self.end(named(clip, part), part)
 
     def finish(self) -> None:
         """Keeps one line a clip, by name: however a run came to its end, its journal is the same."""

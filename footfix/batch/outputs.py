@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from footfix.batch.files import STDIN
@@ -24,6 +24,8 @@ class Job:
         stem: path without suffix, which the other outputs hang theirs on.
         name: the clip's name in summaries: its path below the folder that was named, with forward slashes.
         within: the folder that no output may leave; None where outputs go beside their inputs.
+        clip: the clip of the file that is meant, where it may hold several; "" for all.
+        end: what such a clip's outputs have after the stem of its file, ".Walk"; "" for a file of one clip.
     """
 
     source: str
@@ -31,6 +33,8 @@ class Job:
     stem: Path | None
     name: str = ""
     within: Path | None = None
+    clip: str = ""
+    end: str = ""
 
     def beside(self, suffix: str) -> Path:
         """Path of another output of this clip."""
@@ -97,7 +101,7 @@ def plan(
         UsageError: two inputs would write one output, an output is there already, is an input, would lie
             outside the output folder, or can't be written.
     """
-    jobs = tuple(_job(source, output, in_place, one_file, ending) for source in found)
+    jobs = tuple(replace(_job(source, output, in_place, one_file, ending), clip=source.clip) for source in found)
     named = {os.path.realpath(source.path): source.path for source in found if source.path != STDIN}
     owners: dict[str, str] = {}
     for source, job in zip(found, jobs, strict=True):
@@ -136,7 +140,7 @@ def plan_labels(
     for source in found:
         job = _job(source, output, False, one_file)
         target = output if one_file else None if job.stem is None else job.beside(suffix)
-        jobs.append(Job(job.source, target, job.stem, job.name, job.within))
+        jobs.append(Job(job.source, target, job.stem, job.name, job.within, source.clip))
     owners: dict[Path, str] = {}
     for job in jobs:
         if job.target is None:

@@ -5,14 +5,20 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from footfix.batch.files import read_whole, write_whole
+from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, REPORT, FileResult
 from footfix.errors import FootfixError, InputError
+from footfix.formats.suffixes import in_file
 from footfix.report.again import Again, clean_again, clean_loop_again
 from footfix.settings import Layer, ReportParams, Settings, compose
+
+if TYPE_CHECKING:
+    from footfix.rig.skin import Skin
 
 
 def redraw_one(
@@ -40,6 +46,8 @@ def redraw_one(
             read_whole(path.with_name(str(report.get("output") or f"{stem}.bvh")), most),
             params,
             _again(report, path, source),
+            lambda name: read_whole(path.parent / name, most),
+            _skin(report, path, source),
         )
         folder = output or path.parent
         targets = {folder / (stem + suffix): page for suffix, page in pages.items()}
@@ -72,12 +80,27 @@ def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again 
     if not name or not output:
         return None
     folder = source if source is not None and source.is_dir() else path.parent
-    clip = source if source is not None and source.is_file() else folder / Path(str(name)).name
+    file, own = in_file(str(name))
+    clip = source if source is not None and source.is_file() else folder / Path(file).name
     contacts = path.with_name(path.name.removesuffix(REPORT) + CONTACTS)
     settings = compose([Layer("report", report.get("settings") or {})])
     if report.get("loop"):
-        return clean_loop_again(path.with_name(str(output)), contacts, settings)
-    return clean_again(clip, path.with_name(str(output)), contacts, settings)
+        return clean_loop_again(path.with_name(str(output)), contacts, settings, several=bool(own))
+    return clean_again(clip, path.with_name(str(output)), contacts, settings, several=bool(own))
+
+
+def _skin(report: Mapping[str, Any], path: Path, source: Path | None) -> Skin | None:
+    """The character whose mesh the soles were taken from, from where it was or beside the clip or the report."""
+    told = (report.get("settings") or {}).get("rig") or {}
+    named = told.get("skin")
+    if not isinstance(named, str):
+        return None
+    settings = compose([Layer("report", {"rig": {"skin": named}})])
+    beside = [path.parent] if source is None else [source if source.is_dir() else source.parent, path.parent]
+    for place in (Path(named), *(folder / Path(named).name for folder in beside)):
+        if place.is_file():
+            return skin_for(replace(settings, rig=replace(settings.rig, skin=str(place))))
+    raise InputError("the skin that the soles were taken from is not there", file=named)
 
 
 def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int) -> bytes:
@@ -85,7 +108,7 @@ def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int
     entry = report.get("source") or {}
     name, known = str(entry.get("file", "")), entry.get("sha256")
     folder = source if source is not None and source.is_dir() else path.parent
-    candidates = [source] if source is not None and source.is_file() else [folder / Path(name).name]
+    candidates = [source] if source is not None and source.is_file() else [folder / Path(in_file(name)[0]).name]
     for candidate in candidates:
         if candidate.is_file():
             data = read_whole(candidate, most)

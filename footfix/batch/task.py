@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from footfix.settings import Settings
 
 REPORT, PAGE, PICTURE, CONTACTS = ".report.json", ".report.html", ".report.png", ".contacts.json"
+EVENTS = ".events.json"
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,10 @@ class Task:
         job: the clip and its outputs.
         settings: the parameters that hold for this clip.
         labels: contacts given for it.
+        clip_labels: where the file holds several clips, contacts given for them by their names in names of files.
+        animations: of a file that holds several clips, those that are asked for; all by default.
         dry_run: do everything but write.
+        force: outputs that are there may be overwritten.
         resume: leave what is done for the same input, settings and version.
         wrote: for a run that is resumed, file name -> SHA-256 of what it wrote for this clip before, as far as
             that is known; None where it had not begun with it, so that files in the way are not its own.
@@ -37,7 +41,10 @@ class Task:
     job: Job
     settings: Settings
     labels: Labels | None = None
+    clip_labels: Mapping[str, Labels] = field(default_factory=dict)
+    animations: tuple[str, ...] = ()
     dry_run: bool = False
+    force: bool = False
     resume: bool = False
     wrote: Mapping[str, str] | None = None
     tag: str = "run"
@@ -62,6 +69,7 @@ class FileResult:
         offenders: its worst plants, as small pictures.
         skipped: True where it was done already.
         bug: True where the failure is ours, not the file's.
+        parts: of a file that holds several clips, what became of each.
         seconds: [s] the clip took; only what is told of a run may hold it, never an output of the clip.
     """
 
@@ -76,6 +84,7 @@ class FileResult:
     offenders: tuple[Offender, ...] = ()
     skipped: bool = False
     bug: bool = False
+    parts: tuple[FileResult, ...] = ()
     seconds: float = 0.0
 
 

@@ -1,39 +1,30 @@
-"""One clip of a batch, from its file to its output files; the same here, in a worker process and on a cluster."""
+"""One file of a batch, from the disk to its output files; the same here, in a worker process and on a cluster."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from footfix.batch.cleanings import contacts_it_was_cleaned_by
-from footfix.batch.files import STDIN, read_whole, sync_folder, write_whole
-from footfix.batch.outputs import is_within
-from footfix.batch.task import CONTACTS, REPORT, FileResult, Task, beside
-from footfix.errors import FootfixError, InputError, OutputError
-from footfix.version import __version__
+from footfix.batch.clips import beside_of, parts_of, spread, together
+from footfix.batch.ending import ended
+from footfix.batch.files import STDIN, read_whole
+from footfix.batch.making import made, write
+from footfix.batch.skins import skin_for
+from footfix.batch.task import CONTACTS, EVENTS, FileResult, Task
+from footfix.errors import InputError, OutputError
+from footfix.formats.suffixes import STDIN_NAME, in_file
 
 if TYPE_CHECKING:
-    from footfix.formats.contacts import Labels
     from footfix.job import Outputs
-    from footfix.settings import Settings
+    from footfix.report.again import Again
 
-
-def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
-    """What an output depends on, as one hash: the input's bytes, the settings, given labels and the version."""
-    from footfix.settings import plain
-
-    digest = hashlib.sha256()
-    for part in (hashlib.sha256(data).digest(), json.dumps(plain(settings), sort_keys=True).encode(),
-                 repr(labels).encode("utf-8", "surrogateescape"), __version__.encode()):  # fmt: skip
-        digest.update(hashlib.sha256(part).digest())
-    return digest.hexdigest()
+Work = Callable[[Task, bytes], FileResult]
 
 
 def clean_one(task: Task) -> FileResult:
@@ -53,7 +44,7 @@ def detect_one(task: Task) -> FileResult:
 
 def inspect_one(task: Task) -> FileResult:
     """Looks into one file."""
-    return _guarded(task, _inspect)
+    return _guarded(task, _each(_inspect))
 
 
 def repair_one(task: Task) -> FileResult:
@@ -63,33 +54,42 @@ def repair_one(task: Task) -> FileResult:
 
 def check_one(task: Task) -> FileResult:
     """Measures one clip and holds it against `extra["gates"]`."""
-    return _guarded(task, _check)
+    return _guarded(task, _each(_check))
 
 
-def _guarded(task: Task, work: Any) -> FileResult:
-    """The result of some work and the time it took, whatever happens: one clip's failure is never that of others."""
+def _guarded(task: Task, work: Work) -> FileResult:
+    """The result of some work and the time it took."""
     begun = time.perf_counter()
-    return replace(_ended(task, work), seconds=time.perf_counter() - begun)
+
+    def done() -> FileResult:
+        data = _read(task)
+        return work(_as_it_is(task, data), data)
+
+    result = ended(task, done)
+    return replace(result, seconds=time.perf_counter() - begun)
 
 
-def _ended(task: Task, work: Any) -> FileResult:
-    source = task.job.source
-    try:
-        result: FileResult = work(task)
-        return result
-    except InputError as error:
-        return FileResult(source, "failed", error=str(error), line=error.line)
-    except FootfixError as error:
-        return FileResult(source, "failed", error=str(error))
-    except MemoryError:
-        return FileResult(source, "failed", error=f"{source}: not enough memory for this clip")
-    except OSError as error:
-        return FileResult(source, "failed", error=f"{source}: {error.strerror or error}")
-    except Exception as error:
-        if os.environ.get("FOOTFIX_DEBUG"):
-            raise
-        said = f"{source}: a bug in footfix, not in your file: {type(error).__name__}: {error}"
-        return FileResult(source, "failed", error=said, bug=True)
+def _as_it_is(task: Task, data: bytes) -> Task:
+    """The task with a name for what standard input holds, where that is no BVH."""
+    job = task.job
+    if job.source != STDIN or not data.startswith(b"glTF"):
+        return task
+    target = job.target
+    if target is not None and target.name == STDIN_NAME:
+        target = target.with_suffix(".glb")
+    return replace(task, job=replace(job, source="stdin.glb", target=target))
+
+
+def _each(work: Work) -> Work:
+    """Does some work on every clip of a file."""
+
+    def done(task: Task, data: bytes) -> FileResult:
+        parts = parts_of(task, data)
+        if parts is None:
+            return work(task, data)
+        return together(task, [ended(part, partial(work, part, data)) for part in parts])
+
+    return done
 
 
 def _read(task: Task) -> bytes:
@@ -103,151 +103,69 @@ def _read(task: Task) -> bytes:
         raise error.within(source) from None
 
 
-def _clean(task: Task) -> FileResult:
+def _clean(task: Task, data: bytes) -> FileResult:
     from footfix.job import clean_file
-    from footfix.report.again import clean_again
 
-    job, again = task.job, None
-    if job.target is not None and job.source != STDIN:
-        here = Path(task.folder)
-        again = clean_again(here / job.source, here / job.target, here / job.beside(CONTACTS), task.settings)
-
-    def make(data: bytes, name: str, settings: Settings, *, labels: Labels | None, output: str | None) -> Outputs:
-        own, leave = contacts_it_was_cleaned_by(task, data), ""
+    def make(part: Task) -> Outputs:
+        own, leave, labels = contacts_it_was_cleaned_by(part, data), "", part.labels
         if own is not None:
             labels = own
             leave = f"footfix wrote this file, as {own.source} says, so it stays as it is; --anew cleans it again"
-        return clean_file(data, name, settings, labels=labels, output=output, again=again, leave=leave)
+        return clean_file(
+            data, part.job.source, part.settings, labels=labels, output=_output(part), again=_again(part),
+            leave=leave, beside=beside_of(part), skin=skin_for(part.settings, part.folder),
+        )  # fmt: skip
 
-    return _made(task, make)
+    return made(task, data, make)
 
 
-def _loop(task: Task) -> FileResult:
+def _loop(task: Task, data: bytes) -> FileResult:
     from footfix.looping import loop_file
-    from footfix.report.again import clean_loop_again
 
-    job, again = task.job, None
-    if job.target is not None:
-        here = Path(task.folder)
-        again = clean_loop_again(here / job.target, here / job.beside(CONTACTS), task.settings)
-    return _made(task, partial(loop_file, again=again), "loop")
+    def make(part: Task) -> Outputs:
+        again = _again(part, loop=True)
+        return loop_file(
+            data, part.job.source, part.settings, labels=part.labels, output=_output(part), again=again,
+            beside=beside_of(part), skin=skin_for(part.settings, part.folder),
+        )  # fmt: skip
 
-
-def _made(task: Task, make: Callable[..., Outputs], what: str = "") -> FileResult:
-    """What `make` makes of a clip's bytes, written; `what` tells it from what cleaning makes of the same bytes."""
-    job = task.job
-    data = _read(task)
-    key = what + fingerprint(data, task.settings, task.labels)
-    done = _finished(task, key) if task.resume else None
-    if done is not None:
-        return done
-    output = None if job.target is None else job.target.name
-    outputs = make(data, job.source, task.settings, labels=task.labels, output=output)
-    report = {**outputs.report, "fingerprint": key, "output_sha256": hashlib.sha256(outputs.motion).hexdigest()}
-    files = {} if job.target is None or task.dry_run else _files(task, outputs, report)
-    _write(task, files)
-    return FileResult(
-        job.source,
-        outputs.status,
-        report=report if task.keep_report else digest(report),
-        written=tuple(map(str, files)),
-        hashes={path.name: hashlib.sha256(content).hexdigest() for path, content in files.items()},
-        data=outputs.motion if job.target is None and not task.dry_run else b"",
-        offenders=outputs.offenders,
-    )
+    return made(task, data, make, "loop")
 
 
-def _files(task: Task, outputs: Outputs, report: Mapping[str, Any]) -> dict[Path, bytes]:
-    """Every output of a clip and its bytes, in the order in which they are written."""
-    job = task.job
-    assert job.target is not None
-    files = {job.beside(CONTACTS): outputs.contacts}
-    files |= {job.beside(suffix): page for suffix, page in outputs.pages.items()}
-    files[job.target] = outputs.motion
-    if task.settings.report.kind != "none":
-        text = json.dumps(report, indent=1, ensure_ascii=False) + "\n"
-        files[job.beside(REPORT)] = text.encode("utf-8", "surrogateescape")
-    return files
+def _output(task: Task) -> str | None:
+    return None if task.job.target is None else task.job.target.name
 
 
-def _write(task: Task, files: Mapping[Path, bytes]) -> None:
-    """Writes the outputs, the last one only when the others are safe on disk."""
-    paths = [(Path(task.folder, path), path, data) for path, data in files.items()]
-    if not paths:
-        return
-    folder = paths[0][0].parent
-    folder.mkdir(parents=True, exist_ok=True)
-    if task.job.within is not None and not is_within(paths[0][0], Path(task.folder, task.job.within)):
-        raise OutputError(f"{paths[0][1]} would lie outside {task.job.within}: a part of its path is a link")
-    for path, shown, data in paths:
-        _keep_edits(task, path, shown, data)
-    new = [path for path, _, _ in paths if not os.path.lexists(path)]
-    try:
-        for k, (path, _, data) in enumerate(paths):
-            if k == len(paths) - 1:
-                sync_folder(folder)
-            write_whole(path, data, tag=task.tag)
-    except OutputError:  # a set that is not whole would only be in the way of the next try
-        for path in new:
-            path.unlink(missing_ok=True)
-        raise
+def _again(task: Task, *, loop: bool = False) -> Again | None:
+    """How a clip is cleaned again from edited contacts; not known where it has no place on the disk."""
+    from footfix.report.again import clean_again, clean_loop_again
 
-
-def _keep_edits(task: Task, path: Path, shown: Path, data: bytes) -> None:
-    """Raises where a resumed run would overwrite what is not its own, or what a person has changed since."""
-    if not task.resume or not path.exists():
-        return
-    if task.wrote is None:
-        raise OutputError(f"{shown}: is there already, made of another input or settings; --force overwrites it")
-    before = task.wrote.get(path.name)
-    if before is None:  # begun, not ended: whatever lies there, the interrupted run wrote it
-        return
-    now = hashlib.sha256(path.read_bytes()).hexdigest()
-    if now not in (before, hashlib.sha256(data).hexdigest()):
-        raise OutputError(f"{shown}: was changed since footfix wrote it; --force overwrites it")
-
-
-def _finished(task: Task, key: str) -> FileResult | None:
-    """What an earlier run made of a clip, if it is whole and of the same input, settings and version."""
-    job = task.job
-    if job.target is None or task.settings.report.kind == "none":
+    job, here = task.job, Path(task.folder)
+    if job.target is None or (job.source == STDIN and not loop):
         return None
-    if task.wrote is not None and not task.wrote:
-        return None  # begun, and its end not recorded: what the index shows of it is lost, so it is done again
-    try:
-        report = json.loads(Path(task.folder, job.beside(REPORT)).read_bytes())
-    except (OSError, ValueError):
-        return None
-    if not isinstance(report, dict) or report.get("fingerprint") != key:
-        return None
-    wanted = [job.target, *(job.beside(suffix) for suffix in beside(task.settings) if suffix != REPORT)]
-    if not all(Path(task.folder, path).is_file() for path in wanted):
-        return None
-    return FileResult(
-        job.source,
-        str(report["status"]),
-        report=report if task.keep_report else digest(report),
-        written=(*map(str, wanted), str(job.beside(REPORT))),
-        skipped=True,
-    )
+    contacts, target = here / job.beside(CONTACTS), here / job.target
+    if loop:
+        return clean_loop_again(target, contacts, task.settings, several=bool(job.end))
+    return clean_again(here / in_file(job.source)[0], target, contacts, task.settings, several=bool(job.end))
 
 
-def digest(report: Mapping[str, Any]) -> dict[str, Any]:
-    """What summaries and indexes need of a report, so that ten thousand of them fit in memory."""
-    kept = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "outcome", "reason")
-    return {
-        **{key: report[key] for key in ("source", "status", "method", "before", "after", "correction", "notes")},
-        **({"loop": report["loop"]} if "loop" in report else {}),
-        "plants": [{key: plant[key] for key in kept} for plant in report["plants"]],
-    }
+def _detect(task: Task, data: bytes) -> FileResult:
+    """Finds the contacts of every clip of a file; events go beside them, and into a copy of it that has a place."""
+    result = _each(_detect_clip)(task, data)
+    wanted = task.extra.get("events") and task.job.target is not None and not task.dry_run
+    return _annotated(task, data, result) if wanted else result
 
 
-def _detect(task: Task) -> FileResult:
+def _detect_clip(task: Task, data: bytes) -> FileResult:
     from footfix.formats.contacts import ENCODERS
+    from footfix.formats.events import encode, events_of
     from footfix.job import contacts_json, detect_file
 
-    job, kind = task.job, task.extra["kind"]
-    contacts, entry, rig, notes = detect_file(_read(task), job.source, task.settings, labels=task.labels)
+    kind, target = task.extra["kind"], _labels_of(task)
+    contacts, entry, rig, notes, start = detect_file(
+        data, task.job.source, task.settings, labels=task.labels, beside=beside_of(task),
+        skin=skin_for(task.settings, task.folder),
+    )  # fmt: skip
     if kind == "json":
         encoded = contacts_json(contacts, entry, rig, task.settings)
     else:
@@ -258,31 +176,76 @@ def _detect(task: Task) -> FileResult:
         "coverage": float(contacts.mask().mean()) if contacts.effectors else 0.0,
         "notes": notes,
     }
-    if job.target is None or task.dry_run:
-        return FileResult(job.source, "done", report=report, data=encoded)
-    _write(task, {job.target: encoded})
-    return FileResult(job.source, "done", report=report, written=(str(job.target),))
+    if task.extra.get("events"):
+        report["events"] = events_of(contacts, start=start)
+    if target is None or task.dry_run:
+        return FileResult(task.job.source, "done", report=report, data=encoded)
+    files = {target: encoded}
+    if task.extra.get("events"):
+        files[task.job.beside(EVENTS)] = encode(contacts, entry, start=start)
+    write(task, files)
+    return FileResult(task.job.source, "done", report=report, written=tuple(map(str, files)))
 
 
-def _inspect(task: Task) -> FileResult:
+def _labels_of(task: Task) -> Path | None:
+    """Where the labels of a clip go; of one among several, whose names only its file tells, it is looked at now."""
+    from footfix.formats.contacts import ENDS
+
+    job, one = task.job, bool(task.extra.get("one_file"))
+    if job.target is None:
+        return None
+    if job.end and one and len(task.animations) != 1:
+        raise InputError("it holds several clips, and -o names one file", file=job.source, hint="name a folder")
+    target = job.beside(ENDS[task.extra["kind"]]) if job.end and not one else job.target
+    new = [target] if job.end else []
+    for path in [*new, *([job.beside(EVENTS)] if task.extra.get("events") else [])]:
+        if os.path.lexists(Path(task.folder, path)) and not (task.force or task.dry_run):
+            raise OutputError(f"{path} is there already; --force overwrites it")
+    return target
+
+
+def _inspect(task: Task, data: bytes) -> FileResult:
     from footfix.inspection import inspect_file
 
-    return FileResult(task.job.source, "done", report=inspect_file(_read(task), task.job.source, task.settings))
+    skin = skin_for(task.settings, task.folder)
+    found = inspect_file(data, task.job.source, task.settings, beside=beside_of(task), skin=skin)
+    return FileResult(task.job.source, "done", report=found)
 
 
-def _repair(task: Task) -> FileResult:
+def _repair(task: Task, data: bytes) -> FileResult:
     from footfix.inspection import repair_file
 
-    job = task.job
-    mended, notes = repair_file(_read(task), job.source, task.settings)
+    job, parts = task.job, parts_of(task, data)
+    name = job.source if not parts else parts[0].job.source
+    mended, notes = repair_file(data, name, task.settings, beside=beside_of(task))
     report = {"notes": notes}
     if job.target is None:
         return FileResult(job.source, "done", report=report, data=mended)
-    _write(task, {job.target: mended})
+    write(task, {job.target: mended})
     return FileResult(job.source, "done", report=report, written=(str(job.target),))
 
 
-def _check(task: Task) -> FileResult:
+def _check(task: Task, data: bytes) -> FileResult:
     from footfix.batch.gates import check
 
-    return check(task, _read(task))
+    return check(task, data)
+
+
+def _annotated(task: Task, data: bytes, result: FileResult) -> FileResult:
+    """Writes a copy of a file whose animations say when feet strike and lift, where its format has a place for that."""
+    from footfix.formats.document import annotated, clips_of
+
+    job = task.job
+    assert job.target is not None and job.stem is not None
+    names = clips_of(data, name=job.source, limits=task.settings.limits, beside=beside_of(task))
+    good = [part for part in spread(result) if "events" in part.report]
+    if names is None or not good:
+        return result
+    extras = {in_file(part.source)[1] or names[0]: {"footfix_events": part.report["events"]} for part in good}
+    path = job.stem.with_name(f"{job.stem.name}.events{Path(in_file(job.source)[0]).suffix.lower()}")
+    if os.path.lexists(Path(task.folder, path)) and not task.force:
+        raise OutputError(f"{path} is there already; --force overwrites it")
+    whole = annotated(data, extras, name=job.source, beside=beside_of(task))
+    assert whole is not None
+    write(task, {path: whole})
+    return replace(result, written=(*result.written, str(path)))

@@ -25,6 +25,9 @@ from footfix.version import __version__
 COMMANDS = {
     "clean": "Take the foot skate out of clips.",
     "loop": "Cut a seamless cycle out of a captured walk or run.",
+    "stream": "Take the foot skate out of a live figure, row by row, with a fixed look-ahead.",
+    "follow": "Lead captured walks along a path, one style handed over to the next.",
+    "cycles": "Learn how a figure walks and runs from its clips; make locomotion of any speed.",
     "detect": "Find contacts only, as labels.",
     "check": "Measure clips and hold them against gates; change nothing.",
     "inspect": "Say what is in a file: rig, units, floor, and everything odd about it.",

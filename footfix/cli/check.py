@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from footfix.batch.clips import spread
 from footfix.batch.journal import Journal
 from footfix.batch.work import check_one
 from footfix.cli.options import Common, Given, Many, given, many, shared
@@ -74,7 +75,8 @@ def checked(
     for task in tasks:
         gates.known(task.settings.gates)
     outcome = run_tasks(check_one, tasks, many, common, style, Journal(), lambda result, say: None)
-    rows = [checking.row(each.source, each.status, each.report, each.error, each.seconds) for each in outcome.results]
+    clips = [each for result in outcome.results for each in spread(result)]
+    rows = [checking.row(each.source, each.status, each.report, each.error, each.seconds) for each in clips]
     if common.as_json:
         print_json(checking.document(rows))
     elif style == "csv":
@@ -89,4 +91,4 @@ def checked(
     if junit is not None:
         write_file(junit, checking.junit(rows))
     ended = code(outcome)
-    return ExitCode.OVER_BUDGET if not ended and any(result.status == "over" for result in outcome.results) else ended
+    return ExitCode.OVER_BUDGET if not ended and any(each.status == "over" for each in clips) else ended

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from footfix.batch import outputs
+from footfix.batch.clips import spread, spread_pairs
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal, Past, journal_in, recall
 from footfix.batch.outputs import Job
@@ -57,7 +58,7 @@ class Whole:
 @click.command()
 @click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
-              help="Folder for the outputs; with one clip also the name of the corrected file, ending in .bvh.")
+              help="Folder for the outputs; with one file also the name of the corrected one, ending as it does.")
 @click.option("--in-place", is_flag=True, help="Put the corrected file in the input's place.")
 @click.option("--method", type=click.Choice(["ik", "root", "both"]), help="How plants are held (enforce.method).")
 @given("Contacts to use in place of detection")
@@ -79,12 +80,13 @@ def clean(
 ) -> int:  # fmt: skip
     """Take the foot skate out of clips.
 
-    SRC is a BVH file, a folder, or - for standard input.
+    SRC is a BVH or glTF file (.glb, .gltf, .vrm, .vrma), a folder, or - for standard input.
 
     Of one clip, walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html are written beside it;
-    -o FOLDER puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Of one
-    folder, index.html and summary.json are written too: into that folder, or into the one that -o names. Several
-    files or folders get those two with -o only.
+    -o FOLDER puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Every
+    animation of a glTF file is a clip: character.glb gives character.clean.glb, character.Walk.contacts.json, and so
+    on for each. Of one folder, index.html and summary.json are written too: into that folder, or into the one that -o
+    names. Several files or folders get those two with -o only.
     """
     options: dict[str, Any] = {}
     if method:
@@ -133,7 +135,8 @@ def cleaned(
         raise UsageError("--json and a clip on standard output exclude each other; say where the clip goes with -o")
     few = len(jobs) == 1 or common.as_json
     tasks = [
-        replace(task, extra={"anew": anew}, dry_run=dry_run, resume=resume and not force, keep_report=few, tag=many.tag,
+        replace(task, extra={"anew": anew}, dry_run=dry_run, force=force, resume=resume and not force,
+                keep_report=few, tag=many.tag,
                 wrote=past.hashes.get(task.job.name, {}) if task.job.name in past.begun else None)
         for task in tasks_for(jobs, found, config, given)
     ]  # fmt: skip
@@ -158,17 +161,19 @@ def _close_clean(
     from footfix.report.summary import table
 
     if common.as_json:
-        print_json({"format": "footfix-run", "version": 1, "files": [plain(each) for each in outcome.results]})
+        files = [plain(each) for result in outcome.results for each in spread(result)]
+        print_json({"format": "footfix-run", "version": 1, "files": files})
     if outcome.interrupted:
         return ExitCode.INTERRUPTED
-    entries = [_entry(task, result, whole) for task, result in zip(tasks, outcome.results, strict=True)]
+    clips = spread_pairs(tasks, outcome.results)
+    entries = [_entry(task, result, whole) for task, result in clips]
     if whole.files:
-        _write_whole_run(entries, outcome.results, tasks, whole.files, past)
+        _write_whole_run(entries, [result for _, result in clips], whole.files, past)
     if junit is not None:
-        _write_junit(f"footfix {ending}", junit, entries, outcome.results)
+        _write_junit(f"footfix {ending}", junit, entries, [result for _, result in clips])
     if common.quiet or common.as_json:
         return code(outcome)
-    if len(tasks) > 1 and style == "text":
+    if len(entries) > 1 and style == "text":
         say(table(entries))
     hint = "" if len(tasks) == 1 else "-o FOLDER adds index.html and summary.json"
     said = wrote(outcome.results, extra=whole.files.values(), hint="" if whole.files else hint, every=common.verbose)
@@ -223,10 +228,12 @@ def _told_cleaned(common: Common, few: bool) -> Callable[[FileResult, Say], None
     def told(result: FileResult, say: Say) -> None:
         from footfix.report.text import summarize
 
-        if result.data:
-            sys.stdout.buffer.write(result.data)
-        if not result.error and not common.quiet and not common.as_json and (few or common.verbose):
-            say(summarize(result.report, verbose=common.verbose and few))
+        for each in spread(result):
+            if each.data:
+                sys.stdout.buffer.write(each.data)
+            shown = (few and not result.parts) or common.verbose
+            if not each.error and not common.quiet and not common.as_json and shown:
+                say(summarize(each.report, verbose=common.verbose and few))
 
     return told
 
@@ -238,10 +245,10 @@ def _entry(task: Task, result: FileResult, whole: Whole) -> Entry:
     base = task.job.within or whole.folder
     written: dict[str, str] = {}
     for path in map(Path, result.written):
-        kind = next((kinds[suffix] for suffix in kinds if path.name.endswith(suffix)), "bvh")
+        kind = next((kinds[suffix] for suffix in kinds if path.name.endswith(suffix)), path.suffix[1:].lower())
         written[kind] = path.as_posix() if base is None else _from(base, path)
-    order: tuple[str, ...] = ("bvh", "contacts", "report", "page", "picture")
-    outputs_of = {kind: written[kind] for kind in order if kind in written}
+    motion = [kind for kind in written if kind not in kinds.values()]
+    outputs_of = {kind: written[kind] for kind in (*motion, *kinds.values()) if kind in written}
     return Entry(task.job.name, result.status, result.error, result.line, result.report, outputs_of)
 
 
@@ -253,8 +260,7 @@ def _from(base: Path, path: Path) -> str:
 
 
 def _write_whole_run(
-    entries: Sequence[Entry], results: Sequence[FileResult], tasks: Sequence[Task], whole: Mapping[str, Path],
-    past: Past,
+    entries: Sequence[Entry], results: Sequence[FileResult], whole: Mapping[str, Path], past: Past
 ) -> None:  # fmt: skip
     from footfix.report.offenders import Offender
     from footfix.report.summary import summarize_run

@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from footfix.batch import outputs
+from footfix.batch.clips import spread
 from footfix.batch.journal import Journal
 from footfix.batch.task import FileResult
 from footfix.batch.work import detect_one
@@ -41,13 +42,15 @@ from footfix.errors import ExitCode
               "intervals; npy: the mask (F, 4) alone. By default as -o ends, else json.")
 @click.option("--method", type=click.Choice(["auto", "threshold", "adaptive", "lyard"]),
               help="Detector (detect.method).")
+@click.option("--events", is_flag=True, help="Also write when feet strike and lift, as walk.events.json; a glTF file "
+              "gets a copy, too: character.events.glb has them as extras of its animations.")  # fmt: skip
 @given("Contacts to keep; the rest is detected")
 @click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
 @many
 @shared
 def detect(
-    src: tuple[str, ...], output: Path | None, kind: str | None, method: str | None, given: Given, force: bool,
-    many: Many, common: Common,
+    src: tuple[str, ...], output: Path | None, kind: str | None, method: str | None, events: bool, given: Given,
+    force: bool, many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Find contacts only, as labels.
 
@@ -56,13 +59,14 @@ def detect(
     """
     options = {"detect": {"method": method}} if method else {}
     return detected(
-        src, output=output, kind=kind, options=options, given=given, force=force, many=many, common=common
+        src, output=output, kind=kind, options=options, given=given, force=force, many=many, common=common,
+        events=events,
     )  # fmt: skip
 
 
 def detected(
     src: tuple[str, ...], *, output: Path | None, kind: str | None, options: Mapping[str, Any], given: Given,
-    force: bool, many: Many, common: Common,
+    force: bool, many: Many, common: Common, events: bool = False,
 ) -> int:  # fmt: skip
     """`footfix detect`."""
     from footfix.formats.contacts import ENDS
@@ -78,16 +82,18 @@ def detected(
         found, output=output, suffix=ENDS[kind], force=force or common.as_json, one_file=one_file
     )  # fmt: skip
     tasks = [
-        replace(task, extra={"kind": kind}, dry_run=common.as_json, tag=many.tag)
+        replace(task, extra={"kind": kind, "one_file": one_file, "events": events}, dry_run=common.as_json,
+                force=force, tag=many.tag)
         for task in tasks_for(jobs, found, config, given)
-    ]
+    ]  # fmt: skip
     outcome = run_tasks(detect_one, tasks, many, common, "text", Journal(), _told_detected(common, len(tasks) == 1))
+    clips = [each for result in outcome.results for each in spread(result)]
     if common.as_json:
-        print_json(one_or_many([_document(result, kind) for result in outcome.results]))
+        print_json(one_or_many([_document(result, kind) for result in clips]))
     if outcome.interrupted:
         return ExitCode.INTERRUPTED
-    if len(tasks) > 1 and not common.quiet and not common.as_json:
-        click.echo(_table(outcome.results))
+    if len(clips) > 1 and not common.quiet and not common.as_json:
+        click.echo(_table(clips))
         say(wrote(outcome.results, every=common.verbose) or "nothing was written")
     return code(outcome)
 
@@ -100,9 +106,11 @@ def _told_detected(common: Common, alone: bool) -> Callable[[FileResult, Say], N
     def told(result: FileResult, say: Say) -> None:
         if common.as_json:
             return
+        for part in result.parts:
+            told(part, say)
         if result.data:
             sys.stdout.buffer.write(result.data)
-        elif not common.quiet and not result.error and alone:
+        elif not common.quiet and not result.error and alone and not result.parts and result.written:
             say(f"{result.source}: {result.report['contacts']} contacts -> {', '.join(result.written)}")
         for note in result.report.get("notes", ()) if not common.quiet else ():
             if common.verbose or note["severity"] != "note":

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from footfix.batch import outputs
+from footfix.batch.clips import spread
 from footfix.batch.files import STDIN
 from footfix.batch.journal import Journal
 from footfix.batch.task import FileResult
@@ -51,10 +52,11 @@ def inspected(src: tuple[str, ...], *, many: Many, common: Common) -> int:
     config = config_for(src, many, common, {})
     tasks = tasks_for([reading(source) for source in found], found, config)
     outcome = run_tasks(inspect_one, tasks, many, common, "text", Journal(), lambda result, say: None)
+    clips = [each for result in outcome.results for each in spread(result)]
     if common.as_json:
-        print_json(one_or_many([dict(each.report) if each.report else plain(each) for each in outcome.results]))
+        print_json(one_or_many([dict(each.report) if each.report else plain(each) for each in clips]))
     else:
-        for result in outcome.results:
+        for result in clips:
             if result.report:
                 click.echo(describe(result.report, quiet=common.quiet))
     return ExitCode.INTERRUPTED if outcome.interrupted else code(outcome)

@@ -16,7 +16,7 @@ from footfix.errors import UsageError
 @click.command()
 @click.argument("src", nargs=-1, type=click.Path(allow_dash=True))
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
-              help="Folder for the outputs; with one clip also the name of the loop's file, ending in .bvh.")
+              help="Folder for the outputs; with one clip also the name of the loop's file, ending as it does.")
 @click.option("--strides", type=click.IntRange(1), metavar="N", help="Strides of one round; by default as few as tell "
               "the style of the walk.")  # fmt: skip
 @click.option("--start", type=click.IntRange(0), metavar="FRAME", help="The frame that becomes the first.")
@@ -44,9 +44,9 @@ def loop(
 ) -> int:  # fmt: skip
     """Cut a seamless cycle out of captured walks and runs.
 
-    SRC is a BVH file, a folder, or - for standard input. walk.bvh becomes walk.loop.bvh beside it, or keeps its name
-    in the folder of -o; -o NAME.bvh gives the loop of one clip a name of its own. The loop is closed: its last frame is
-    its first one, moved on by one round.
+    SRC is a BVH or glTF file, a folder, or - for standard input. walk.bvh becomes walk.loop.bvh beside it, or keeps
+    its name in the folder of -o; -o NAME.bvh gives the loop of one clip a name of its own. Of a glTF file every
+    animation that holds a cycle is cut. The loop is closed: its last frame is its first one, moved on by one round.
     """
     if start is not None and end is not None and start >= end:
         raise UsageError(f"--start {start} is not before --end {end}")

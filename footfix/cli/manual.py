@@ -28,6 +28,9 @@ def page() -> str:
         command = cli.get_command(top, name)
         assert command is not None
         lines += [f".SH FOOTFIX {name.upper()}", *_paragraphs(command.help or ""), *_options(command, top)]
+        for sub, inner in getattr(command, "commands", {}).items():
+            heading = f".SS FOOTFIX {name.upper()} {sub.upper()}"
+            lines += [heading, *_paragraphs(inner.help or ""), *_options(inner, top)]
     lines.append(".SH EXIT STATUS")
     for code, meaning in _ENDINGS.items():
         lines += [".TP", f".B {code}", _plain(meaning)]

@@ -60,19 +60,21 @@ def shared(command: Command) -> Command:
 
 @dataclass(frozen=True)
 class Given:
-    """Contacts that are given.
+    """Contacts and soles that are given.
 
     Args:
         labels: a label file, or a folder of them; None for none.
         order: effector names of the columns of an array, () for the usual ones.
+        skin: a character from whose mesh the soles are taken; None for none.
     """
 
     labels: Path | None = None
     order: tuple[str, ...] = ()
+    skin: Path | None = None
 
 
 def given(purpose: str) -> Callable[[Command], Command]:
-    """The options for contacts that are given, for a purpose in words; they arrive together as `given: Given`."""
+    """The options for what is given, contacts for a purpose in words; they arrive together as `given: Given`."""
 
     def decorate(command: Command) -> Command:
         return _gathered(
@@ -82,6 +84,8 @@ def given(purpose: str) -> Callable[[Command], Command]:
             click.option("--order", default="", metavar="NAMES", callback=_order,
                          help="Effectors of the columns of an array, left to right; by default "
                          "left_heel,left_toe,right_heel,right_toe, as HumanML3D and LAFAN1 have them."),
+            click.option("--skin", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CHARACTER",
+                         help="Take the soles from the mesh of this character: .glb, .gltf or .vrm (rig.skin)."),
         )  # fmt: skip
 
     return decorate
@@ -102,6 +106,7 @@ class Many:
     Args:
         from_file: lists of inputs.
         include, exclude: globs over what folders hold.
+        animation: of files that hold several clips, those that are meant; none for all.
         shard: (part, parts), part from 1; None for all.
         jobs: processes; 0 for as many as pay.
         timeout: [s] for one clip.
@@ -111,6 +116,7 @@ class Many:
     from_file: tuple[str, ...] = ()
     include: tuple[str, ...] = ()
     exclude: tuple[str, ...] = ()
+    animation: tuple[str, ...] = ()
     shard: tuple[int, int] | None = None
     jobs: int = 0
     timeout: float | None = None
@@ -133,6 +139,8 @@ def many(command: Command) -> Command:
         click.option("--from-file", multiple=True, metavar="LIST", help="Inputs, one a line; - for standard input."),
         click.option("--include", multiple=True, metavar="GLOB", help="Of folders, only files that match."),
         click.option("--exclude", multiple=True, metavar="GLOB", help="Of folders, no files that match."),
+        click.option("--animation", multiple=True, metavar="NAME",
+                     help="Of glTF files only this animation; file.glb#NAME means the same. May be repeated."),
         click.option("--shard", metavar="PART/PARTS", callback=_shard,
                      help="Only this part of the inputs, such as 3/16, for job arrays."),
         click.option("-j", "--jobs", type=click.IntRange(0), default=0, metavar="N",

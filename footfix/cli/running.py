@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from glob import escape as glob_escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from footfix.batch import inputs
+from footfix.batch.clips import spread
 from footfix.batch.files import STDIN, read_whole, write_whole
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal
@@ -24,6 +27,7 @@ from footfix.errors import ExitCode, UsageError
 if TYPE_CHECKING:
     from footfix.config import Config
     from footfix.formats.contacts import Labels
+    from footfix.settings import Settings
 
 Say = Callable[[str], None]
 
@@ -47,9 +51,10 @@ def print_json(document: Any) -> None:
 
 def code(outcome: Outcome) -> ExitCode:
     """The exit code that results stand for."""
-    if any(result.bug for result in outcome.results):
+    results = [part for result in outcome.results for part in spread(result)]
+    if any(result.bug for result in results):
         return ExitCode.BUG
-    return ExitCode.FAILED if any(result.status == "failed" for result in outcome.results) else ExitCode.DONE
+    return ExitCode.FAILED if any(result.status == "failed" for result in results) else ExitCode.DONE
 
 
 def found_inputs(
@@ -90,14 +95,21 @@ def tasks_for(
     jobs: Sequence[Job], found: Sequence[Source], config: Config, given: Given | None = None
 ) -> list[Task]:  # fmt: skip
     labels = labels_for(given or Given(), found)
+    skin = None if given is None or given.skin is None else str(given.skin)
+
+    def settings_for(job: Job) -> Settings:
+        settings = config.settings(None if job.source == STDIN else Path(job.source))
+        return replace(settings, rig=replace(settings.rig, skin=skin)) if skin else settings
+
     return [
         Task(
             job,
-            config.settings(None if job.source == STDIN else Path(job.source)),
+            settings_for(job),
             labels=labels.get(job.source),
+            clip_labels=clip_labels_for(given or Given(), source),
             folder=str(Path.cwd()),
         )
-        for job in jobs
+        for job, source in zip(jobs, found, strict=True)
     ]
 
 
@@ -122,10 +134,28 @@ def labels_for(given: Given, found: Sequence[Source]) -> dict[str, Labels]:
         places = [(path / folder / stem.name) for folder in dict.fromkeys((stem.parent, Path()))]
         names = (place.with_name(place.name + end) for place in places for end in ends)
         file = next((each for each in names if each.is_file()), None)
+        if file is None and clip_labels_for(given, source):
+            continue
         if file is None:
             raise UsageError(f"{path} holds no {stem.as_posix()}.contacts.json (.csv, .npz, .npy) for {source.path}")
         labels[source.path] = read(file)
     return labels
+
+
+def clip_labels_for(given: Given, source: Source) -> dict[str, Labels]:
+    """The labels in a folder for the clips of a file that may hold several: character.Walk.contacts.json and so on."""
+    path, stem = given.labels, source.below.with_suffix("").name
+    if path is None or not path.is_dir() or source.below.suffix.lower() in ("", ".bvh"):
+        return {}
+    from footfix.formats.contacts import ENDS, decode
+
+    found: dict[str, Labels] = {}
+    for end in (*ENDS.values(), ".npy", ".npz"):
+        for folder in dict.fromkeys((path / source.below.parent, path)):
+            for file in sorted(folder.glob(f"{glob_escape(stem)}.*{end}")):
+                clip = file.name[len(stem) + 1 : -len(end)]
+                found.setdefault(clip, decode(read_whole(file, 1 << 30), name=str(file), order=given.order))
+    return found
 
 
 def run_tasks(
@@ -138,18 +168,19 @@ def run_tasks(
     progress = Progress(len(tasks), shown=not common.quiet and not common.as_json)
 
     def ended(result: FileResult) -> None:
-        if result.error:
-            progress.say(f"footfix: {printable(result.error)}")
+        for each in (part for part in spread(result) if part.error):
+            progress.say(f"footfix: {printable(each.error)}")
             if style == "github":
                 from footfix.report.annotations import annotation
 
-                click.echo(annotation("error", result.source, result.error, line=result.line))
+                click.echo(annotation("error", result.source, each.error, line=each.line))
         told(result, progress.say)
         progress.step(failed=result.status == "failed", skipped=result.skipped)
 
     def asked_to_stop(running: int) -> None:
         progress.say("footfix: finishing the clips that are being worked on; once more stops at once")
 
+    tasks = [replace(task, animations=many.animation) for task in tasks]
     crew = Crew(many.jobs, many.timeout, many.dask)
     try:
         return run(work, tasks, crew=crew, told=ended, journal=journal, asked_to_stop=asked_to_stop)
@@ -168,4 +199,4 @@ def one_or_many(documents: list[Any]) -> Any:
 
 def reading(source: Source) -> Job:
     """A job that writes nothing."""
-    return Job(source.path, None, None, source.below.as_posix())
+    return Job(source.path, None, None, source.below.as_posix(), clip=source.clip)

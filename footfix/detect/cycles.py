@@ -10,6 +10,9 @@ from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
+_AROUND = 0.5  # [s] before and after a moment, in which a foot that stands then is not lower
+_HALF = 0.52  # of a cycle: where feet stand for less than half there is a flight; one just over the floor counts, too
+
 
 @dataclass(frozen=True, kw_only=True)
 class CycleParams:
@@ -21,6 +24,7 @@ class CycleParams:
         shortest, longest: [s] a cycle lasts, at the least and at most.
         lopsided: how far from the middle of the cycle the left foot may strike, of its length [share].
         uneven: how much longer a cycle may be than the one before it [factor].
+        low: [leg lengths] over its lowest, up to which a foot may stand.
     """
 
     smooth: float = 0.15
@@ -29,6 +33,7 @@ class CycleParams:
     longest: float = 2.2
     lopsided: float = 0.2
     uneven: float = 1.5
+    low: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class Cycle:
 
     Args:
         start, end: frames of a right strike and of the next.
-        run: whether it is run.
+        run: whether it is run: each foot stands for less than half of it.
         step: [leg lengths] from the one foot to the other, where they are farthest apart.
     """
 
@@ -57,14 +62,15 @@ def find_cycles(tracks: Tracks, left: Foot, right: Foot, params: CycleParams) ->
     apart = np.sum((right.ankle - left.ankle)[:, ::2] * forward, axis=1) / tracks.leg_length
     apart = savgol(apart, tracks.frame_time, seconds=params.smooth, degree=2)
     turns = zigzag(apart, params.stride)
-    height = savgol(tracks.pelvis[:, 1], tracks.frame_time, seconds=params.smooth, degree=2)
+    standing = [_standing(tracks, foot, forward, params.low) for foot in (left, right)]
     cycles: list[Cycle] = []
     for a, b, c in zip(turns[:-2], turns[1:-1], turns[2:], strict=True):
         period = (c - a) * tracks.frame_time
         centred = abs((b - a) / (c - a) - 0.5) <= params.lopsided
         if apart[a] > apart[b] and params.shortest <= period <= params.longest and centred:
             step = 0.5 * (apart[a] - apart[b])
-            cycles.append(Cycle(float(a), float(c), _runs(height, a, b, c), float(step)))
+            duty = float(np.mean([each[a:c].mean() for each in standing]))
+            cycles.append(Cycle(float(a), float(c), duty < _HALF, float(step)))
     return _even(cycles, params.uneven)
 
 
@@ -113,9 +119,16 @@ def zigzag(curve: Floats, least: float) -> list[int]:
     return list(inside)
 
 
-def _runs(height: Floats, a: int, b: int, c: int) -> bool:
-    """Whether a cycle is run: over the standing leg the pelvis is lower than between, on springs, not stilts."""
-    middles = [height[a + (b - a) * 2 // 5], height[b + (c - b) * 2 // 5]]
-    # in a run the foot lands at once after the pelvis was highest; in a walk the pelvis is lowest about then
-    between = [height[a], height[b], height[c]]
-    return bool(np.mean(middles) < np.mean(between))
+def _standing(tracks: Tracks, foot: Foot, forward: Floats, low: float) -> Floats:
+    """(F,) 1 where a foot stands: it goes backwards under the pelvis, and is about as low as it gets around then.
+
+    This needs no floor, and no root that tells the truth: on a treadmill, or under a root that is pinned, a foot that
+    stands moves.
+    """
+    ahead = np.sum((foot.ankle - tracks.pelvis)[:, ::2] * forward, axis=1)
+    backwards = np.gradient(savgol(ahead, tracks.frame_time, seconds=0.05, degree=2)) < 0.0
+    height = np.minimum(foot.heel[:, 1], foot.toe[:, 1]) / tracks.leg_length
+    around = max(1, round(_AROUND / tracks.frame_time))
+    padded = np.pad(height, around, mode="edge")
+    lowest = np.lib.stride_tricks.sliding_window_view(padded, 2 * around + 1).min(axis=1)
+    return np.asarray(backwards & (height - lowest <= low), dtype=np.float64)

@@ -20,6 +20,7 @@ _OFF = 0.1  # [leg lengths] over the floor: a foot that is higher is off it
 _FEWEST = 6  # frames of a leap
 _HOP = 0.03  # [m] by which the pelvis rises and falls in one, and
 _PARABOLA = 0.08  # of that is how near to a parabola it stays
+_PACE = 0.25  # [s] over which velocities are taken where their rhythm counts
 _RATES = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 150.0, 200.0, 240.0, 250.0, 300.0)
 
 
@@ -33,6 +34,9 @@ class DoubtParams:
         floating: who falls no faster than this while both feet are off the floor falls in slow motion [g].
         slow_fall: how many times longer steps last, at the least, of somebody who comes down that slowly [factor].
         slow_few: the same, of fewer cycles than say something by themselves [factor].
+        dull: feet whose motion is slower than this, as its accelerations stand to its speeds, move in slow motion [Hz],
+        travelling: if they are as quick as this now and then [m/s]
+        long: and the clip lasts so long [s].
         stride: steps of that are no shorter than this [m].
         shortest, longest: [s] cycles between these are plausible whatever the length of the steps.
         cycles: fewer than this many say nothing [count].
@@ -46,6 +50,9 @@ class DoubtParams:
     floating: float = 0.13
     slow_fall: float = 2.0
     slow_few: float = 2.6
+    dull: float = 0.4
+    travelling: float = 0.15
+    long: float = 4.0
     stride: float = 0.4
     shortest: float = 0.4
     longest: float = 3.0
@@ -73,7 +80,35 @@ def frame_rate(tracks: Tracks, params: DoubtParams) -> tuple[Note, ...]:
                 "of their length do"
             )
             return (_implausible(tracks, text, ratio),)
+    pace, top = _pace(tracks)
+    if pace < params.dull and top > params.travelling and len(tracks) * tracks.frame_time >= params.long:
+        text = (
+            f"at the declared {1.0 / tracks.frame_time:.4g} fps the feet speed up and slow down at {pace:.2f} Hz, "
+            "which is slow motion; unless it was meant so, the motion was made at a higher rate"
+        )
+        return (Note("frame-rate-implausible", text, "warning"),)
     return ()
+
+
+def _pace(tracks: Tracks) -> tuple[float, float]:
+    """[Hz] how quickly feet speed up and slow down, whatever the size of their motion, and [m/s] how quick they get.
+
+    It is the quotient of accelerations and velocities, root mean squares, which is 2 pi f of a foot that swings at f.
+    """
+    speeds, squares = [], []
+    for foot in tracks.feet:
+        place = _LEG * foot.ankle / tracks.leg_length
+        first, second = (
+            savgol(place, tracks.frame_time, seconds=_PACE, degree=2, derivative=order) for order in (1, 2)
+        )
+        speeds.append(np.linalg.norm(first, axis=1))
+        squares.append(np.sum(second**2, axis=1))
+    if not speeds or not len(tracks):
+        return np.inf, 0.0
+    speed = np.concatenate(speeds)
+    quick = float(np.sqrt(np.mean(speed**2)))
+    pace = float(np.sqrt(np.mean(np.concatenate(squares)))) / max(2.0 * np.pi * quick, 1e-9)
+    return pace, float(np.quantile(speed, 0.99))
 
 
 def _implausible(tracks: Tracks, what: str, slowness: float) -> Note:

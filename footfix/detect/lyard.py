@@ -10,6 +10,8 @@ from footfix.detect.tracks import GRAVITY, Finding, Tracks
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.smoothing import savgol
 
+_MOST_PAIRS = 1 << 18  # pairs of points that are looked at at once
+
 
 @dataclass(frozen=True, kw_only=True)
 class LyardParams:
@@ -34,21 +36,39 @@ class LyardParams:
 
 
 def lyard(tracks: Tracks, params: LyardParams) -> Finding:
-    """Detect one static sole point at a time (L §3.1), none in flight, all slow ones where the root stands still."""
-    points = np.stack([point for foot in tracks.feet for point in foot.soles])  # (E, F, 3)
+    """Detect one static point of the soles at a time (L §3.1), none in flight, all slow ones where the root stands still.
+
+    With a skin the points are the vertices of its soles, as in the paper; heel and toe of each foot stand in for them
+    without one. A vertex that is static plants the heel or the toe, whichever part of the foot it belongs to.
+    """
+    points, effectors = _points(tracks)  # (E, F, 3), (E,)
     speeds = _smooth_speeds(points, tracks, params)  # (E, F)
     hop = min(max(round(params.step / tracks.frame_time), 1), len(tracks) - 1)
     frames = np.arange(len(tracks))
     first = np.clip(frames - (hop - 1) // 2, 0, len(tracks) - 1 - hop)
-    agreement, way = _agreement(points, tracks.pelvis, first, hop)
-    foot = _follow(agreement, speeds) // 2  # (F,)
+    best, way = _best_next(points, tracks.pelvis, first, hop)
+    foot = (effectors // 2)[_follow(best, speeds)]  # (F,)
     # L §3.1.2: on that foot, the point of least speed
-    static = 2 * foot + np.argmin(np.stack([speeds[2 * foot, frames], speeds[2 * foot + 1, frames]]), axis=0)
-    mask = static[:, None] == np.arange(len(points))
+    static = np.argmin(np.where((effectors // 2)[:, None] == foot, speeds, np.inf), axis=0)
+    columns = np.arange(2 * len(tracks.feet))
+    mask = effectors[static][:, None] == columns
     still = way < params.still * tracks.froude_speed * hop * tracks.frame_time
-    slow = (speeds < params.still * tracks.froude_speed).T
-    mask = np.where(still[:, None], slow, mask)
+    least = np.stack([speeds[effectors == column].min(axis=0, initial=np.inf) for column in columns], axis=1)
+    mask = np.where(still[:, None], least < params.still * tracks.froude_speed, mask)
     return Finding(mask & ~_in_flight(points, tracks, params)[:, None])
+
+
+def _points(tracks: Tracks) -> tuple[Floats, Ints]:
+    """(E, F, 3) [m] the points of the soles, and (E,) the effector that each belongs to: 2 x foot, + 1 for the toe."""
+    points, effectors = [], []
+    for k, foot in enumerate(tracks.feet):
+        if foot.mesh is None or foot.of_toe is None:
+            points.append(np.stack(foot.soles))
+            effectors.append(2 * k + np.arange(2))
+        else:
+            points.append(foot.mesh)
+            effectors.append(2 * k + foot.of_toe.astype(np.intp))
+    return np.concatenate(points), np.concatenate(effectors)
 
 
 def _smooth_speeds(points: Floats, tracks: Tracks, params: LyardParams) -> Floats:
@@ -71,9 +91,19 @@ def _agreement(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Flo
     return dots, np.linalg.norm(way, axis=-1)
 
 
-def _follow(agreement: Floats, speeds: Floats) -> Ints:
+def _best_next(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Ints, Floats]:
+    """(F, E) the point that is best static next, by the last one (L §3.1.1), and |dR| (F,) [m]; in blocks of frames."""
+    size = max(1, _MOST_PAIRS // len(points) ** 2)
+    best, ways = [], []
+    for k in range(0, len(first), size):
+        dots, way = _agreement(points, root, first[k : k + size], hop)
+        best.append(np.argmax(dots, axis=2))
+        ways.append(way)
+    return np.concatenate(best), np.concatenate(ways)
+
+
+def _follow(best: Ints, speeds: Floats) -> Ints:
     """(F,) the static point of each frame: the first by speed alone, each next by what the last one allows."""
-    best = np.argmax(agreement, axis=2)  # (F, E): the next point, by the last
     static = np.empty(len(best), dtype=np.intp)
     point = static[0] = int(np.argmin(speeds[:, 0]))
     for t, following in enumerate(best[:-1].tolist(), start=1):

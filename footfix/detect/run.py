@@ -89,7 +89,7 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
     Returns:
         Contacts for each sole point of the rig, with notes on what is doubtful.
     """
-    finding = find(tracks_of(clip, rig), params)
+    finding = find(tracks_of(clip, rig, mesh=params.method == "lyard"), params)
     # detectors answer heel, toe for each leg; the rig may list its sole points in another order
     order = [2 * sole.leg + (sole.part == "toe") for sole in rig.soles]
     confidence = None if finding.confidence is None else finding.confidence[:, order]

@@ -3,10 +3,15 @@
 Skate is common to the figure: a root that drifts, or whose way is scaled, takes every planted foot along, and so
 does a treadmill. Two planted feet therefore go the same way at the same speed, whatever the root does. Where two
 feet that look planted part, one of them steps: the one that is the faster over the floor.
+
+Slow steps are told from what feet do at rest by their length: a foot that goes from one rest to another, planted all
+the while as it seems, has stepped where it ends far from where it began, more than it creeps at rest. A step lasts
+from rest to rest, also where only its middle is quick.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +20,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from footfix.detect.evidence import STEP, Sampled, floors
 from footfix.detect.network import HEEL, SWING
 from footfix.detect.tracks import Foot
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 
 WINDOW = 0.09  # [s] over which velocities are taken
@@ -32,6 +38,10 @@ class SteppingParams:
             before or after, whichever is worse: on a belt and in clips that shake feet are never still.
         rest: [s] that such a rest lasts at least.
         within: [s] that it is looked for, before and after.
+        length: [leg lengths] of a step from rest to rest that is one as likely as not, of a foot that is still at rest.
+        creeping: [factor] how much longer for each leg length that the foot would go meanwhile as it does at rest.
+        still: [leg lengths/s] a foot that parts from the other more slowly than this rests,
+        calm: [factor] or than so many times as fast as it moves where it rests.
         sharp: [factor] how steeply the odds rise with the speed; they are its power.
     """
 
@@ -40,6 +50,10 @@ class SteppingParams:
     noise: float = 10.0
     rest: float = 0.12
     within: float = 2.0
+    length: float = 0.035
+    creeping: float = 3.0
+    still: float = 0.03
+    calm: float = 2.0
     sharp: float = 6.0
 
 
@@ -52,24 +66,66 @@ def stepping(
     which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and
     the other's q.
     """
-    feet = sampled.tracks.feet
-    pelvis = _velocity(sampled.tracks.pelvis[part, ::2])
-    each = [velocities(foot, part) for foot in feet]
+    pelvis = velocity_of(sampled.tracks.pelvis[part, ::2])
+    each = [velocities(foot, part) for foot in sampled.tracks.feet]
+    return by_velocities(answers, sampled.mates, pelvis, each, params)
+
+
+def by_velocities(
+    answers: tuple[Floats, ...], mates: Sequence[int], pelvis: Floats, each: Sequence[Floats], params: SteppingParams
+) -> tuple[Floats, ...]:  # fmt: skip
+    """The same by velocities that are known.
+
+    Args:
+        answers: for each foot (n, 4) log probabilities.
+        mates: for each foot the other one of its pair.
+        pelvis: (m, 2) [leg lengths/s] velocity over the ground; m is n or more, and the answers are of the last n.
+        each: for each foot (m, 2, 2) [leg lengths/s] those of heel and toe.
+        params: when two feet part.
+    """
+    n = len(answers[0])
     speeds = [slowest(velocity) for velocity in each]
+    rests = [resting_speed(speed, params)[-n:] for speed in speeds]
+    speeds = [speed[-n:] for speed in speeds]
+    pelvis, each = pelvis[-n:], [velocity[-n:] for velocity in each]
     planted = [-np.expm1(answer[:, SWING]) for answer in answers]
     unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
     out = []
-    for k, mate in enumerate(sampled.mates):
+    for k, mate in enumerate(mates):
         if mate == k:
             out.append(answers[k])
             continue
         travel = _to_segment(pelvis, each[mate])
-        even = params.parting + params.travel * travel + params.noise * resting_speed(speeds[k], params)
-        parts = _probability(params.sharp * _log_ratio(parting(each[k], each[mate]), even))
+        rest = rests[k]
+        even = params.parting + params.travel * travel + params.noise * rest
+        apart = parting(each[k], each[mate])
+        parts = _probability(params.sharp * _log_ratio(apart, even))
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
-        steps = _probability(faster + unlikely[k] - unlikely[mate])
-        out.append(_stands(answers[k], planted[mate] * parts * steps))
+        steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
+        for a, b in _from_rest_to_rest(apart, speeds[k] > speeds[mate], rest, planted[k], params):
+            whole = _whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
+            whole *= float(planted[mate][a:b].min())
+            steps[a:b] = np.maximum(steps[a:b], max(whole, float(steps[a:b].max())))
+        out.append(_stands(answers[k], steps))
     return tuple(out)
+
+
+def _from_rest_to_rest(
+    apart: Floats, faster: Bools, rest: Floats, planted: Floats, params: SteppingParams
+) -> list[tuple[int, int]]:
+    """The stretches [start, end) in which a foot that looks planted throughout leaves the other, at rest beside it."""
+    moves = (apart > np.maximum(params.still, params.calm * rest)) & faster
+    return [(a, b) for a, b in runs(moves) if a > 0 and b < len(moves) and planted[a - 1 : b + 1].min() > 0.5]
+
+
+def _whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:
+    """The probability that a foot with velocities (n, 2, 2) steps meanwhile: by how far it leaves the other behind."""
+    ways = [velocity.sum(axis=0, keepdims=True) * STEP for velocity in (one, other)]  # (1, 2, 2) [leg lengths]
+    far = parting(ways[0], ways[1])
+    even = params.length + params.creeping * rest * len(one) * STEP
+    odds = params.sharp * _log_ratio(far, np.array([even]))
+    odds = np.minimum(odds, params.sharp * _log_ratio(slowest(ways[0]), slowest(ways[1])))
+    return float(_probability(odds)[0])
 
 
 def _log_ratio(a: Floats, b: Floats) -> Floats:
@@ -109,10 +165,11 @@ def _stands(answer: Floats, steps: Floats) -> Floats:
 def velocities(foot: Foot, part: slice = slice(None)) -> Floats:
     """(n, 2, 2) [leg lengths/s] over the ground, of heel and toe."""
     both = np.stack([foot.heel[part, ::2], foot.toe[part, ::2]], axis=1)
-    return _velocity(both)
+    return velocity_of(both)
 
 
-def _velocity(places: Floats) -> Floats:
+def velocity_of(places: Floats) -> Floats:
+    """(n, ...) [leg lengths/s] of places on the grid."""
     return np.asarray(savgol(places, STEP, seconds=WINDOW, degree=2, derivative=1))
 
 

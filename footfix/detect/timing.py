@@ -88,7 +88,11 @@ def timed(found: list[Stretch], sampled: Sampled, k: int, timing: Timing) -> lis
 
     A plant never starts before the last one ended or after its own first part, and so for its end.
     """
-    brakes, tips = braking(sampled, k), tipping(sampled, k)
+    return timed_by(found, braking(sampled, k), tipping(sampled, k), timing)
+
+
+def timed_by(found: list[Stretch], brakes: Floats, tips: Floats, timing: Timing) -> list[Stretch]:
+    """The same by the accelerations (n,) of one foot's `braking` and `tipping` that are known."""
     out = list(found)
     first = 0
     for last in range(len(found)):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.notes import Note
+from footfix.rig.mesh import FootMesh
 from footfix.rig.rig import Rig
 
 GRAVITY = 9.81  # [m/s^2]
@@ -23,6 +24,8 @@ class Foot:
         side: "left", "right", or the leg's own name.
         hip, ankle, heel, toe: (F, 3) [m] tracks in the world, y up.
         knee: the same, None where it is not looked at.
+        mesh: (V, F, 3) [m] the same of the vertices of its sole, where they are looked at.
+        of_toe: (V,) which of these belong to the toe, the others to the heel.
     """
 
     side: str
@@ -31,6 +34,8 @@ class Foot:
     heel: Floats
     toe: Floats
     knee: Floats | None = None
+    mesh: Floats | None = None
+    of_toe: Bools | None = None
 
     @property
     def soles(self) -> tuple[Floats, Floats]:
@@ -71,10 +76,18 @@ class Finding(NamedTuple):
     notes: tuple[Note, ...] = ()
 
 
-def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None) -> Tracks:
-    """Compute the tracks of a clip by forward kinematics (or from a pose that is already known)."""
+def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None, *, mesh: bool = False) -> Tracks:
+    """Compute the tracks of a clip by forward kinematics (or from a pose that is already known).
+
+    Args:
+        clip: in metres, y up.
+        rig: its legs and soles.
+        pose: of it, where that is known.
+        mesh: whether the vertices of soles are looked at, too, where the rig has some.
+    """
     pose = rig.pose(clip) if pose is None else pose
     soles = {(sole.leg, sole.part): pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles}
+    meshes = {each.leg: each for each in rig.meshes if mesh and each.sole.any()}
     feet = tuple(
         Foot(
             leg.side,
@@ -83,7 +96,13 @@ def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None) -> Tracks:
             heel=soles[k, "heel"],
             toe=soles[k, "toe"],
             knee=pose.position(leg.knee),
+            **(_of_mesh(meshes[k], pose) if k in meshes else {}),
         )
         for k, leg in enumerate(rig.legs)
     )
     return Tracks(pose.position(rig.pelvis), feet, rig.leg_length, clip.frame_time)
+
+
+def _of_mesh(mesh: FootMesh, pose: Pose) -> dict[str, Any]:
+    sole = np.flatnonzero(mesh.sole)
+    return {"mesh": mesh.tracks(pose, sole).transpose(1, 0, 2), "of_toe": mesh.toe[sole]}

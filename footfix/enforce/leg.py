@@ -203,9 +203,9 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
     return tuple(found)
 
 
-def raise_leg(leg: LegTracks, lift: float) -> LegTracks:
-    """Raise a leg as captured by `lift` [m]."""
-    up = np.array([[0.0], [lift], [0.0]])
+def raise_leg(leg: LegTracks, lift: float | Floats) -> LegTracks:
+    """Raise a leg as captured by `lift` [m], the same or one for each of its frames."""
+    up = np.array([[0.0], [1.0], [0.0]]) * lift
     return replace(leg, hip=leg.hip + up, ankle=leg.ankle + up)
 
 

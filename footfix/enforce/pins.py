@@ -174,11 +174,11 @@ def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, par
         if len(leg.points) > 2:
             frames = flat if np.any(flat) else on[k, 1] if np.any(on[k, 1]) else np.ones_like(flat)
             tips[k] = np.median(leg.place(TIP)[1, frames])
-    heights = tuple(_height(own[p.id], float(rest[p.effector]), nominal(rig, p.effector), near) for p in plants)
+    heights = tuple(height(own[p.id], float(rest[p.effector]), nominal(rig, p.effector), near) for p in plants)
     return Floors(rest, tips, heights)
 
 
-def _height(own: float, rest: float, floor: float, near: float) -> float:
+def height(own: float, rest: float, floor: float, near: float) -> float:
     """[m] the height a plant stands at: its own on a step, the usual one of its joint near that.
 
     Where a joint usually is below the rig's floor, no plant that came in higher is drawn below the floor with it.
@@ -228,7 +228,7 @@ def pins(
     """
     own = [plant for plant in plants if plant.leg == k]
     effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
-    step = _floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
+    step = floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
     found: list[Pins] = []
     for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
         part = POINTS[min(point, TOE)]
@@ -319,7 +319,7 @@ def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParam
     return ramp
 
 
-def _floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
+def floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
     """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
     step = np.zeros(frames)
     steps = [floors.plants[p.id] - floors.rest[p.effector] for p in plants]

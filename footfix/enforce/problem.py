@@ -107,6 +107,7 @@ class Problem:
         root_moves: whether the root may.
         fault: (F,) [m] how far what is to stand nearby slides, or is from its floor.
         cut: whether a T-pose was cut off before the first frame, and after the last.
+        onward: whether the motion goes on after the last frame, in a stream.
     """
 
     legs: tuple[LegTracks, ...]
@@ -119,6 +120,7 @@ class Problem:
     fault: Floats
     root_moves: bool = True
     cut: tuple[bool, bool] = (False, False)
+    onward: bool = False
 
     @property
     def frames(self) -> int:
@@ -329,7 +331,21 @@ def _near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
     for end, frame in zip(problem.cut, (0, F - 1), strict=True):
         if end:
             near[0, :, frame] += 1.0 / sigma**2
+    if problem.onward and F > 2:
+        _go_on(near, s0, s2, dt)
     return near, 0.5 * float(np.sum(x[rows] * product(near, x[rows])))
+
+
+def _go_on(near: Floats, s0: Floats, s2: Floats, dt: float) -> None:
+    """Add what the way back from the last frame's state x and speed v costs, where nothing is planted any more.
+
+    The least integral of r ((x / s0)^2 + (x'' / s2)^2) from then on is r (s2/s0 p x^2 + 2 x v / (s0 s2) + p v^2),
+    p = sqrt(2 / (s0 s2)) / s2. Source: the linear-quadratic regulator of a double integrator (Riccati's equation).
+    """
+    both, fast = 1.0 / (s0 * s2) / dt, np.sqrt(2.0 / (s0 * s2)) / s2 / dt**2
+    near[0, :, -1] += _RATE * (s2 / s0 * fast * dt**2 + 2.0 * both + fast)
+    near[0, :, -2] += _RATE * fast
+    near[1, :, -2] -= _RATE * (both + fast)
 
 
 def product(bands: Floats, x: Floats) -> Floats:

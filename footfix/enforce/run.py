@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from footfix.enforce import ground as grounds
+from footfix.enforce import mesh as meshes
 from footfix.enforce import pins as pinning
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.cycle import correction_back, cycle_note, plants_back
@@ -34,16 +35,17 @@ from footfix.enforce.problem import CostParams, Problem
 from footfix.enforce.solve import solve
 from footfix.enforce.style import StyleParams, styled
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
-from footfix.rig.followers import Follower, find_followers
+from footfix.rig.followers import Follower, find_followers, left_behind
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
 _SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
+_ROUNDS = 5  # times at most that a clip is solved again because a mesh is in the floor
 _FEWEST = 4  # frames, of which accelerations can be told
 
 
@@ -55,7 +57,8 @@ class EnforceParams:
         method: "ik" bends the legs, "root" moves the root alone, "both" gives the root what planted feet share and
             the legs the rest.
         solver: "whole_clip" is one least squares, "glardon" and "kim_neff" the papers' own ways.
-        cycle: whether the last frame leads to the first, over a closed seam: "find", "yes" or "no".
+        cycle: whether the last frame leads to the first, over a closed seam: "find", "yes" or "no"; "likely" is content
+            with ends that nearly meet, in place, as in animations of games. For glTF files "find" means that.
         heights: "floor" draws plants to their floor, "keep" leaves them the height they have.
         strength: how much of the correction is applied, 0 to 1 [share].
         pins: when a plant is corrected, and what of it is held.
@@ -69,7 +72,7 @@ class EnforceParams:
 
     method: Literal["ik", "root", "both"] = "ik"
     solver: Literal["whole_clip", "glardon", "kim_neff"] = "whole_clip"
-    cycle: Literal["find", "yes", "no"] = "find"
+    cycle: Literal["find", "likely", "yes", "no"] = "find"
     heights: Literal["floor", "keep"] = "floor"
     strength: float = 1.0
     pins: PinParams = field(default_factory=PinParams)
@@ -150,14 +153,14 @@ def enforce(
     rounds = None if by_paper or any(cut) else rounds_of(clip, rig, params.cycle)
     if rounds:
         return _as_cycle(rounds, rig, contacts, params, leave)
-    task = _task(clip, rig, contacts, params)
+    task = task_of(clip, rig, contacts, params)
     if leave:
         stays = tuple(replace(plant, asked=None, force=False) for plant in task.plants)
         task = replace(task, plants=stays, keep=(True,) * len(stays))
     done, after = (_by_paper if by_paper else _by_least_squares)(clip, rig, task, params, cut)
     followers = find_followers(clip, rig)
     done = replace(done, followers=followers)
-    task = replace(task, notes=(*task.notes, *_followers_note(followers, clip)))
+    task = replace(task, notes=(*task.notes, *_followers_note(followers, clip), *left_behind(clip, rig, followers)))
     plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
     return Enforcement(plants, done, task.notes, task.ground)
 
@@ -184,7 +187,8 @@ def ground_of(clip: Clip, rig: Rig, contacts: Contacts, params: GroundParams) ->
     return grounds.belt(rig, rig.pose(clip), contacts, clip.frame_time, params)
 
 
-def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Task:
+def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Task:
+    """What is to stand where in a clip of F frames, by its contacts."""
     pose = pose_of(clip, rig)
     calibration = calibrate(rig, pose, clip)
     legs = tracks(clip, rig, pose, calibration)
@@ -204,6 +208,9 @@ def _task(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Ta
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
         heights=params.heights == "floor", params=params.pins,
     )  # fmt: skip
+    if rig.meshes and params.heights == "floor":
+        deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)
+        keep = tuple(stays and not sinks for stays, sinks in zip(keep, deep.tolist(), strict=True))
     by_hand = tuple(pinning.given(contacts, plant) for plant in plants)
     return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)
 
@@ -255,12 +262,31 @@ def _by_least_squares(
     x = np.zeros((problem.unknowns, len(clip)))
     wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
     if wanted and len(clip) >= _FEWEST:
-        x = _faded(solve(problem), problem)
+        x = faded(solve(problem), problem)
+        if rig.meshes and params.heights == "floor":
+            x = _out_of_floor(clip, rig, task, params, problem, x)
     x = params.strength * x
     less = (params.strength - 1.0) * task.lift * np.array([[0.0], [1.0], [0.0]])  # the legs are raised by all of it
     after = [CorrectedLeg.of_state(leg, x[:3] + less, x[own]) for leg, own in zip(task.legs, columns, strict=True)]
     shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
+
+
+def _out_of_floor(
+    clip: Clip, rig: Rig, task: Task, params: EnforceParams, problem: Problem, x: Floats
+) -> Floats:
+    """Solve again while the mesh is in the floor, each foot held as much higher as it was too deep."""
+    columns = [problem.columns(k) for k in range(len(task.legs))]
+    steps = [_step(task, k, rig, params.pins) for k in range(len(task.legs))]
+    lift = np.array([0.0, task.lift, 0.0])
+    for _ in range(_ROUNDS):
+        done = apply(clip, correction(clip, rig, task.pose, task.legs, x, columns, x[:3].T + lift))
+        pins, deepest = meshes.raised(problem.pins, rig, pose_of(done, rig), steps)
+        if deepest <= 0.0:
+            break
+        problem = replace(problem, pins=pins)
+        x = faded(solve(problem), problem)
+    return x
 
 
 def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams, leave: bool) -> Enforcement:
@@ -276,10 +302,7 @@ def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParam
 
 def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:
     """Lay out the objective of a clip."""
-    costs, heights = params.costs, params.heights == "floor"
-    if params.method == "both":
-        wider = ("root", "root_height", "root_acceleration", "root_farthest")
-        costs = replace(costs, **{name: _SHARED * getattr(costs, name) for name in wider})
+    costs, heights = costs_of(params), params.heights == "floor"
     pins = tuple(
         pinning.pins(
             task.plants, leg, k, rig, task.ground, task.floors, task.keep, task.by_hand, clip.frame_time,
@@ -287,11 +310,10 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         )
         for k, leg in enumerate(task.legs)
     )  # fmt: skip
-    own = [noise_of(task.pose.position(rig.root))] * 3
-    for each in task.calibration:
-        line, knee, foot = each.noise
-        own += [line, line, line, knee, foot, foot, foot, Noise(0.0, False)]
-    noise, white = np.array([each.sigma for each in own]), np.array([each.white for each in own])
+    if rig.meshes and heights:
+        steps = [_step(task, k, rig, params.pins) for k in range(len(pins))]
+        pins = meshes.over_floor(pins, rig, task.pose, steps)
+    noise, white = noises(task, rig)
     moves = bool(clip.skeleton.translates[rig.root])
     fault = faults(
         task.plants, task.legs, task.ground, task.floors, task.keep, clip.frame_time, heights=heights,
@@ -300,7 +322,30 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
     return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut)
 
 
-def _faded(x: Floats, problem: Problem) -> Floats:
+def _step(task: Task, number: int, rig: Rig, params: PinParams) -> Floats:
+    """(F,) [m] how much higher than the rig's the floor under the foot of a leg is."""
+    own = [plant for plant in task.plants if plant.leg == number]
+    return pinning.floor_steps(own, task.floors, len(task.pose.positions), params.near * rig.leg_length)
+
+
+def costs_of(params: EnforceParams) -> CostParams:
+    """What departures cost: less of the root where it shares the correction with the legs."""
+    if params.method != "both":
+        return params.costs
+    wider = ("root", "root_height", "root_acceleration", "root_farthest")
+    return replace(params.costs, **{name: _SHARED * getattr(params.costs, name) for name in wider})
+
+
+def noises(task: Task, rig: Rig) -> tuple[Floats, Bools]:
+    """(U,) [m, rad] noise of the capture in each unknown, and (U,) whether it is all of the quickest changes."""
+    own = [noise_of(task.pose.position(rig.root))] * 3
+    for each in task.calibration:
+        line, knee, foot = each.noise
+        own += [line, line, line, knee, foot, foot, foot, Noise(0.0, False)]
+    return np.array([each.sigma for each in own]), np.array([each.white for each in own])
+
+
+def faded(x: Floats, problem: Problem) -> Floats:
     """(U, F) a state without what is too small to be seen, so that frames which nothing needs keep their numbers."""
     out = x.copy()
     blocks = [(slice(0, 3), problem.leg_length), *((problem.columns(k), 1.0) for k in range(len(problem.legs)))]

@@ -1,19 +1,23 @@
 """The seam between files and clips: what the rest of the house asks of a file of motion, whatever its format.
 
 A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
-`footfix.formats.suffixes`; it may have `legible`, too.
+`footfix.formats.suffixes`; it may have `legible`, too. One whose files hold several clips has `clips_of` and `joined`,
+and where they may name other files, `neighbours_of`: its functions take `beside`, which reads such a file.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import PurePath
 from typing import Any, Protocol
 
 from footfix.formats.bvh.text import Limits
-from footfix.formats.suffixes import MOTION
+from footfix.formats.suffixes import MOTION, in_file
 from footfix.motion.clip import Clip, Ints
 from footfix.notes import Note
+
+Beside = Callable[[str], bytes]  # the bytes of a file that another one names, relative to its folder
 
 _LIMITS = Limits()
 _DEFAULT = ".bvh"
@@ -47,6 +51,10 @@ class Document(Protocol):
         """[s] of one frame."""
 
     @property
+    def start(self) -> float:
+        """[s] the time of the first frame."""
+
+    @property
     def unit_m(self) -> float:
         """[m] one unit of the file."""
 
@@ -58,23 +66,81 @@ class Document(Protocol):
     def clip(self) -> Clip:
         """The motion in metres, y up, by the unit and axis it is believed to have."""
 
+    @property
+    def metric(self) -> bool:
+        """Whether its format says metres and y up, so that the figure's size hardly counts against it."""
+
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
         """Give the same file another belief about its unit and its upward axis."""
 
 
-def open_document(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document:
+def open_document(
+    data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None
+) -> Document:  # fmt: skip
     """Read a file of motion; its name says which format it has, and BVH is taken where it does not.
 
     Args:
         data: the file.
-        name: what it is called.
+        name: what it is called; of one that holds several clips, the clip's after a "#": character.glb#Walk.
         limits: beyond these it is refused.
+        beside: reads a file that this one names.
 
     Raises:
         InputError: it is not of its format, or damaged beyond reading; with line and column.
     """
-    document: Document = _format(name).decode(data, name=name, limits=limits)
+    kind = _format(name)
+    document: Document = kind.decode(data, name=name, limits=limits, **_fetching(kind, beside))
     return document
+
+
+def clips_of(
+    data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None
+) -> tuple[str, ...] | None:  # fmt: skip
+    """List the clips that a file holds by name; None where its format holds one, which needs no name.
+
+    Raises:
+        InputError: it can't be read, or holds none.
+    """
+    kind = _format(name)
+    if not hasattr(kind, "clips_of"):
+        return None
+    names: tuple[str, ...] = kind.clips_of(data, name=name, limits=limits, **_fetching(kind, beside))
+    return names
+
+
+def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Beside | None = None) -> bytes:
+    """Join the changes of two files into one.
+
+    Args:
+        data: the file that both were made of.
+        so_far: it with some of its clips changed.
+        written: it with others changed.
+        name: what it is called.
+        beside: reads a file that it names.
+    """
+    kind = _format(name)
+    whole: bytes = kind.joined(data, so_far, written, name=name, **_fetching(kind, beside))
+    return whole
+
+
+def annotated(data: bytes, extras: Mapping[str, Any], *, name: str, beside: Beside | None = None) -> bytes | None:
+    """Write a file with more at some of its clips, by their names; None where its format has no place for that."""
+    kind = _format(name)
+    if not hasattr(kind, "annotated"):
+        return None
+    written: bytes = kind.annotated(data, extras, name=name, **_fetching(kind, beside))
+    return written
+
+
+def neighbours_of(
+    data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None
+) -> tuple[str, ...]:  # fmt: skip
+    """List the files that a file names, relative to its folder: without them it is not whole."""
+    kind = _format(name)
+    if not hasattr(kind, "neighbours_of"):
+        return ()
+    names: tuple[str, ...] = kind.neighbours_of(data, name=name, limits=limits, **_fetching(kind, beside))
+    return names
 
 
 def legible(data: bytes, *, name: str = "") -> tuple[bytes, tuple[Note, ...]]:
@@ -116,6 +182,28 @@ def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Doc
     return selected
 
 
+def write_motion(document: Document, frames: Ints, clip: Clip, *, limits: Limits = _LIMITS) -> tuple[bytes, Clip]:
+    """Write a BVH file of a new motion of a document's skeleton; that of a BVH file keeps its header.
+
+    Args:
+        document: the file.
+        frames: (F,) which of its frames are most like those of the clip.
+        clip: F frames [m], y up.
+        limits: beyond these it can't be read again.
+
+    Returns:
+        The file, and the motion that reading it finds [m].
+    """
+    own = getattr(_format(document.name), "with_motion", None)
+    unit_m, up = (document.unit_m, document.up) if own else (0.01, "y")
+    if own:
+        written: bytes = own(document, frames, clip)
+    else:
+        written = import_module(MOTION[_DEFAULT]).compose(clip, unit_m=unit_m)
+    again = open_document(written, name=_DEFAULT, limits=limits)
+    return written, again.placed(unit_m=unit_m, up=up).clip
+
+
 def glance(head: bytes, *, name: str = "", limits: Limits = _LIMITS) -> None:
     """Look at the first bytes of a large file, so that gigabytes of something else need not be read.
 
@@ -132,4 +220,13 @@ def repair(document: Document) -> tuple[bytes, tuple[Note, ...]]:
 
 
 def _format(name: str) -> Any:
-    return import_module(MOTION.get(PurePath(name).suffix.lower(), MOTION[_DEFAULT]))
+    return import_module(MOTION.get(PurePath(in_file(name)[0]).suffix.lower(), MOTION[_DEFAULT]))
+
+
+def one_format(name: str, other: str) -> bool:
+    """Whether two files' names are of one format, as far as they say."""
+    return _format(name) is _format(other)
+
+
+def _fetching(kind: Any, beside: Beside | None) -> dict[str, Beside]:
+    return {"beside": beside} if beside is not None and hasattr(kind, "neighbours_of") else {}

@@ -1,7 +1,20 @@
 """The formats of motion that are read, by the ends of their names: the one table of them."""
 
+from __future__ import annotations
+
+from pathlib import PurePath
+
 # Suffix, in lower case -> the module that reads and writes it (see `footfix.formats.document`).
-MOTION: dict[str, str] = {".bvh": "footfix.formats.bvh"}
+MOTION: dict[str, str] = {
+    ".bvh": "footfix.formats.bvh",
+    ".glb": "footfix.formats.gltf",
+    ".gltf": "footfix.formats.gltf",
+    ".vrm": "footfix.formats.gltf",
+    ".vrma": "footfix.formats.gltf",
+}
+
+# What outputs beside their inputs have before that.
+_OWN = (".clean", ".loop", ".events")
 
 # Formats that people may ask for by a name, and that are not written.
 OTHERS = frozenset({".fbx", ".c3d", ".trc", ".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc"}) - set(MOTION)
@@ -15,9 +28,28 @@ def is_motion(name: str) -> bool:
     return name.lower().endswith(tuple(MOTION))
 
 
+def in_file(name: str) -> tuple[str, str]:
+    """Part the name of a clip into that of its file and what it is called in it, as in character.glb#Walk.
+
+    Returns:
+        The file, and the clip in it; "" where the name is that of a file.
+    """
+    file, mark, clip = name.partition("#")
+    while mark and not is_motion(file):  # a folder's or a file's own name may have one, too
+        more, mark, clip = clip.partition("#")
+        file = f"{file}#{more}"
+    return (file, clip) if mark else (name, "")
+
+
+def bare(name: str) -> str:
+    """A clip's name without the folders of its file."""
+    file, clip = in_file(name)
+    return PurePath(file).name + (f"#{clip}" if clip else "")
+
+
 def is_cleaned(name: str) -> bool:
     """Whether a file's name is one that an output has: walk.clean.bvh, walk.loop.bvh."""
-    return name.lower().endswith(tuple(f"{ending}{suffix}" for suffix in MOTION for ending in (".clean", ".loop")))
+    return name.lower().endswith(tuple(f"{ending}{suffix}" for suffix in MOTION for ending in _OWN))
 
 
 def cleaned_name(name: str, ending: str = "clean") -> str:

@@ -35,8 +35,8 @@ class Seam:
         changed_deg: largest angle by which closing turned a joint in its parent's frame.
         median_ratio, worst_ratio: of the joints, the largest acceleration beside the seam over the 99th percentile
             elsewhere; 1 is a seam like any other frame.
-        slide_mm: farthest that a toe (its joint, else the ball of the sole) planted over the seam strays from its median
-            place; None where none is.
+        slide_mm: farthest that a toe (its joint, else the ball of the sole) planted over the seam strays from its
+            median place; None where none is.
     """
 
     gap_mm: float

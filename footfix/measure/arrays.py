@@ -74,7 +74,7 @@ def physdiff(points: ArrayLike, *, floor: float = 0.0, tolerance: float = 0.005)
         tolerance: [m] what is no farther from the floor is on it.
     """
     tracks = _points("points", points, 1.0)
-    return PhysDiff(*whole.physdiff(list(tracks.transpose(1, 0, 2)), floor, tolerance))
+    return PhysDiff(*whole.physdiff(list(tracks.transpose(1, 0, 2)), floor, tolerance=tolerance))
 
 
 def jitter(positions: ArrayLike, frame_time: float) -> float:

@@ -131,7 +131,7 @@ def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> di
     figures = (
         skating_ratio(toes, rests, frame_time),
         weighted_skate(tracks, floor, frame_time),
-        *physdiff(tracks, floor),
+        *physdiff(tracks, floor, rig.lowest(pose) if rig.meshes else None),
     )
     return dict(zip(WORLD, figures, strict=True))
 
@@ -191,18 +191,27 @@ def weighted_skate(tracks: Sequence[Floats], floor: float, frame_time: float, he
     return 100.0 * total / len(tracks) / frame_time
 
 
-def physdiff(tracks: Sequence[Floats], floor: float, tolerance: float = 0.005) -> tuple[float, float, float]:
+def physdiff(
+    tracks: Sequence[Floats], floor: float, lowest: Sequence[Floats] | None = None, tolerance: float = 0.005
+) -> tuple[float, float, float]:  # fmt: skip
     """Measure penetrate, float and skate [mm] of PhysDiff (Yuan 2023), over the sole points in place of vertices.
 
     Penetrate and float are the mean depth and height of the lowest point beyond the tolerance [m], skate
     the mean horizontal step of points at or below the floor in both of two frames.
+
+    Args:
+        tracks: (F, 3) [m] of each sole point.
+        floor: [m] its height.
+        lowest: (F,) [m] heights of the lowest vertices near each sole point, of which the lowest counts in its place;
+            none without a skin.
+        tolerance: [m].
     """
     if not tracks or not len(tracks[0]):
         return 0.0, 0.0, 0.0
     heights = np.stack([track[:, 1] for track in tracks]) - floor  # (E, F) [m]
-    lowest = heights.min(axis=0)
-    penetrate = float(np.mean(np.where(lowest < -tolerance, -lowest, 0.0)))
-    floating = float(np.mean(np.where(lowest > tolerance, lowest, 0.0)))
+    least = heights.min(axis=0) if lowest is None else np.min(lowest, axis=0) - floor
+    penetrate = float(np.mean(np.where(least < -tolerance, -least, 0.0)))
+    floating = float(np.mean(np.where(least > tolerance, least, 0.0)))
     steps = np.stack([_horizontal_steps(track) for track in tracks])
     on = (heights[:, :-1] <= tolerance) & (heights[:, 1:] <= tolerance)
     count = on.sum(axis=0)

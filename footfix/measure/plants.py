@@ -39,8 +39,9 @@ class PlantMeasure:
         sole_slide_mm: the same of the sole point.
         travel_mm: horizontal distance of what is seen from its first place to its last.
         yaw_deg: farthest turn of the foot about the vertical from its median heading.
-        penetration_mm: deepest that the sole point is below the floor under the plant, 0 if never.
-        float_mm: highest that it is above it, 0 if never.
+        penetration_mm: deepest that the sole point is below the floor under the plant, 0 if never; with a skin, the
+            deepest vertex of the foot.
+        float_mm: highest that the sole point is above it, 0 if never; with a skin, the lowest vertex of its part.
         speed_cm_s: mean horizontal speed of what is seen.
         peak_speed_cm_s: its highest horizontal speed between two frames.
     """
@@ -126,26 +127,42 @@ def measure_plants(
     """
     ground = np.zeros((len(clip), 3)) if belt is None else belt
     found: list[PlantMeasure] = []
+    lowest = rig.lowest(pose) if rig.meshes else ()
     for k, seen in enumerate(seen_of(clip, rig, contacts, pose, ground)):
         if len(seen.plants):
             whole = [(c.start, c.end) for c in contacts.effectors[k].contacts if c.wish != "forbid"]
-            rows = _columns(seen, pose.rotation(rig.soles[k].joint), rig, clip.frame_time)
+            if lowest:
+                foot = [low for low, sole in zip(lowest, rig.soles, strict=True) if sole.leg == rig.soles[k].leg]
+                heights, deepest = lowest[k] - ground[:, 1], np.min(foot, axis=0) - ground[:, 1]
+            else:
+                heights = deepest = seen.sole[:, 1]
+            rows = _columns(seen, heights, deepest, pose.rotation(rig.soles[k].joint), rig, clip.frame_time)
             found.extend(PlantMeasure(rig.soles[k].name, *span, *row) for span, row in zip(whole, rows, strict=True))
     return tuple(found)
 
 
-def _columns(seen: Seen, turns: Floats, rig: Rig, frame_time: float) -> list[tuple[Any, ...]]:
-    """Work out, for each plant of a sole point, what `PlantMeasure` holds after its frames."""
+def _columns(
+    seen: Seen, heights: Floats, deepest: Floats, turns: Floats, rig: Rig, frame_time: float
+) -> list[tuple[Any, ...]]:
+    """Work out, for each plant of a sole point, what `PlantMeasure` holds after its frames.
+
+    Args:
+        seen: the plants of a sole point.
+        heights, deepest: (F,) [m] of what stands on the floor, and of the lowest point of the foot.
+        turns: (F, 4) of the joint that carries the sole point.
+        rig: its floor.
+        frame_time: [s].
+    """
     plants = seen.plants
-    heights = seen.sole[:, 1]  # (F,) [m]
-    above = heights[plants.frames] - floor_levels(heights, plants, rig)[plants.owner]  # (N,) [m]
+    level = floor_levels(heights, plants, rig)[plants.owner]  # (N,) [m]
+    above, below = heights[plants.frames] - level, level - deepest[plants.frames]  # (N,) [m]
     mean, peak = speeds(seen.track, seen.parts, frame_time)  # [m/s]
     columns = [
         1000.0 * slide(seen.track, seen.parts),
         1000.0 * slide(seen.sole, plants),
         1000.0 * travel(seen.track, seen.parts),
         np.degrees(yaw(turns, plants)),
-        1000.0 * np.maximum(plants.largest(-above), 0.0),
+        1000.0 * np.maximum(plants.largest(below), 0.0),
         1000.0 * np.maximum(plants.largest(above), 0.0),
         100.0 * mean,
         100.0 * peak,

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from footfix.settings import Settings, flat, plain
 
-_NOT_REPEATED = ("gates", "limits", "loop", "report")  # they change nothing of how a clip is cleaned
+_NOT_REPEATED = ("follow", "gates", "limits", "loop", "report")  # they change nothing of how a clip is cleaned
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,9 @@ class Again:
     command: str
 
 
-def clean_again(source: Path, target: Path, contacts: Path, settings: Settings) -> Again:
+def clean_again(
+    source: Path, target: Path, contacts: Path, settings: Settings, *, several: bool = False
+) -> Again:  # fmt: skip
     """The command that cleans a clip again, for the folder in which its contacts file and its page lie.
 
     It names no place of this machine but how clip and outputs lie to each other, so that it holds when all are moved.
@@ -38,6 +40,7 @@ def clean_again(source: Path, target: Path, contacts: Path, settings: Settings) 
         target: path of the corrected clip.
         contacts: path of the contacts file.
         settings: those that held; what differs from the defaults is repeated.
+        several: whether the file holds several clips: all are cleaned again, each from its contacts file in the folder.
     """
     folder = contacts.parent
     words = ["footfix", "clean", _seen_from(folder, source), *_where(folder, source, target)]
@@ -45,19 +48,20 @@ def clean_again(source: Path, target: Path, contacts: Path, settings: Settings) 
     for path, value in flat(settings):
         if path.split(".")[0] not in _NOT_REPEATED and value != defaults[path]:
             words += ["--set", f"{path}={json.dumps(plain(value), ensure_ascii=False)}"]
-    words += ["--labels", contacts.name, "--force"]
+    words += ["--labels", "." if several else contacts.name, "--force"]
     return Again(contacts.name, quoted(words))
 
 
-def clean_loop_again(target: Path, contacts: Path, settings: Settings) -> Again:
+def clean_loop_again(target: Path, contacts: Path, settings: Settings, *, several: bool = False) -> Again:
     """The command that cleans a loop itself from edited contacts, which are of its frames, into a folder beside it.
 
     Args:
         target: path of the loop.
         contacts: path of its contacts file.
         settings: those that held when it was made.
+        several: whether its file holds several clips.
     """
-    return clean_again(target, target.parent / "cleaned" / target.name, contacts, settings)
+    return clean_again(target, target.parent / "cleaned" / target.name, contacts, settings, several=several)
 
 
 def _seen_from(folder: Path, path: Path) -> str:

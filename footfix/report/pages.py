@@ -9,7 +9,7 @@ from typing import Any
 from footfix.enforce.run import ground_of
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
-from footfix.formats.document import open_document
+from footfix.formats.document import Beside, open_document
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.report.again import Again
@@ -19,6 +19,7 @@ from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
 from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig, joined
+from footfix.rig.skin import Skin
 from footfix.settings import Layer, ReportParams, Settings, compose
 
 PAGE, PICTURE = ".report.html", ".report.png"
@@ -64,7 +65,7 @@ def draw(
 
 def redraw(
     report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
-    again: Again | None = None,
+    again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
 ) -> dict[str, bytes]:  # fmt: skip
     """Draw the pages of a clip whose report is there already.
 
@@ -75,10 +76,14 @@ def redraw(
         written: the bytes of the corrected one.
         params: which pages.
         again: how the clip is cleaned again from edited contacts, where that is known.
+        beside: reads files that the clip names.
+        skin: the character that the report's `rig.skin` names, where it is at hand.
 
     Raises:
         InputError: the files do not belong together.
     """
+    if report.get("follow"):
+        raise InputError("a walk along a path is drawn when it is made; footfix follow draws it again")
     rig = report.get("rig") or {}
     try:
         unit_m, up = float(rig["unit_m"]), str(rig["up"])
@@ -86,7 +91,7 @@ def redraw(
         raise InputError("the report does not say the clip's unit and up axis") from None
     name = str((report.get("source") or {}).get("file", ""))
     clip, after = (
-        open_document(data, name=name).placed(unit_m=unit_m, up=up).clip for data in (source, written)
+        open_document(data, name=name, beside=beside).placed(unit_m=unit_m, up=up).clip for data in (source, written)
     )
     loop = report["loop"] if isinstance(report.get("loop"), Mapping) else None
     before = clip if loop is None else captured(clip, loop)
@@ -95,7 +100,7 @@ def redraw(
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params, again)[0]
     told = _told(report)
-    rigs = find_rigs(clip, told.rig)
+    rigs = find_rigs(clip, told.rig, skin=skin)
     whole = joined(rigs)
     belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
     if loop is not None:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 
 from footfix.measure.plants import NOTICED_MM
+from footfix.report.follows import follow_lines
 from footfix.report.loops import loop_lines
 from footfix.report.verdict import (
     Report,
@@ -39,7 +40,7 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
     """
     verdict = judge(report)
     lines = [f"{printable(source_name(report))}: {verdict.text}"]
-    lines += [f"  {line}" for line in loop_lines(report)]
+    lines += [f"  {line}" for line in (*loop_lines(report), *follow_lines(report))]
     rows = [row for row in measure_rows(report) if row.headline or verbose]
     if max(verdict.worst_before, verdict.worst_after) >= 0.5:
         lines.append(f"  longest slide {verdict.worst_before:.0f} -> {verdict.worst_after:.0f} mm{_travel(report)}")

@@ -16,9 +16,14 @@ from footfix.rig.rig import Rig
 
 _SAME = 0.3  # of the clip's usual step, root mean square over the joints: poses that differ by less are one
 _ALIKE = 0.45  # the same of two steps, one of them over the seam: the feet of a cycle that was cut by hand may jerk
+_ERRS = 0.6  # or this much of what that guess is off in the clip itself, in the worst of ten frames
 _MOVES = 0.2  # of the usual step: less than this at the seam is a pause, not a stride
 _TILT = 3.0  # [degrees] by which the root may lean otherwise
 _HEIGHT = 0.02  # [leg lengths] by which its height may differ
+_NEAR = 1.5  # of the usual step: less over the seam of an animation in place, which is likely to be a cycle,
+_NEAR_HEIGHT = 0.04  # [leg lengths]
+_IN_PLACE = 0.15  # [leg lengths] that its root ends from where it begins, at most,
+_IN_PLACE_YAW = 10.0  # [degrees] and is turned
 _EQUAL = 2e-4  # [rad, leg lengths] frames that differ by less are the same to the digits of a file
 _LONGEST = 12.0  # [s] of one round, or where the first frame stands at the end once more,
 _LONGEST_SAME = 120.0  # [s]
@@ -43,7 +48,7 @@ def may_be_cycle(clip: Clip) -> bool:
     return len(clip) >= _FEWEST and len(clip) * clip.frame_time <= _LONGEST_SAME
 
 
-def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
+def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cycle | None:
     """Find whether a clip is a cycle.
 
     Its last frame is the first one, moved over the floor and turned about the vertical; or a step before that, and
@@ -54,6 +59,8 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
         clip: F frames.
         rig: its root.
         pose: of the clip, with the root.
+        likely: whether the clip is of a kind that mostly is one, as animations of games are. In place, its ends need
+            only be about a step apart, and it may pause there.
     """
     frames = len(clip)
     if not may_be_cycle(clip) or _tilt(pose.rotation(rig.root)[[0, -1]]) > np.radians(_TILT):
@@ -66,7 +73,8 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
         return rotation.to_rotation_vector(rotation.multiply(rotation.inverse(before), after))
 
     every = np.arange(0, frames - 1, 1 if frames * clip.frame_time <= _LONGEST else 1 + frames // 200)
-    usual = _size(step(every, every + 1))
+    steps = step(every, every + 1)
+    usual = _size(steps)
     first, last, over = step(np.array([0, frames - 2, frames - 1]), np.array([1, frames - 1, 0]))
     height, turn = pose.position(rig.root)[:, 1], pose.rotation(rig.root)
     low, yaw = _HEIGHT * rig.leg_length, _yaw(turn)
@@ -74,15 +82,31 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose) -> Cycle | None:
         return None
     if _size(over) < _EQUAL and abs(height[-1] - height[0]) < _EQUAL * rig.leg_length:
         return Cycle(frames - 1, yaw)
+    beside = 0.5 * (first + last)
+    if likely and _near(pose, rig, yaw) and _size(over) < _NEAR * usual:
+        closed = _size(over) < max(_SAME * usual, _size(over - beside))
+        return Cycle(frames - 1 if closed else frames, yaw)
     if frames * clip.frame_time > _LONGEST or min(_size(first), _size(last)) < _MOVES * usual:
         return None
     if _size(over) < _SAME * usual and abs(height[-1] - height[0]) < low:
         return Cycle(frames - 1, yaw)
-    beside = 0.5 * (first + last)
     rise = 0.5 * (height[1] - height[0] + height[-1] - height[-2])
-    if _size(over - beside) < _ALIKE * usual and abs(height[0] - height[-1] - rise) < low:
+    if _size(over - beside) < max(_ALIKE * usual, _ERRS * _errs(steps)) and abs(height[0] - height[-1] - rise) < low:
         return Cycle(frames, yaw + 0.5 * (_yaw(turn[:2]) + _yaw(turn[-2:])))
     return None
+
+
+def _errs(steps: Floats) -> float:
+    """[rad] by how much a step (n, J, 3) differs from the mean of those beside it, in the worst of ten."""
+    off = steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])
+    return float(np.quantile(np.sqrt(np.mean(np.sum(off**2, axis=2), axis=1)), 0.9))
+
+
+def _near(pose: Pose, rig: Rig, yaw: float) -> bool:
+    """Tell whether the root ends where it begins, by and large."""
+    way = (pose.position(rig.root)[-1] - pose.position(rig.root)[0]) / rig.leg_length
+    level = float(np.hypot(way[0], way[2]))
+    return level < _IN_PLACE and abs(float(way[1])) < _NEAR_HEIGHT and abs(yaw) < np.radians(_IN_PLACE_YAW)
 
 
 def said_to_be_one(pose: Pose, rig: Rig) -> Cycle:

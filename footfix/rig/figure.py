@@ -17,7 +17,7 @@ from footfix.rig.sample import Sample
 from footfix.rig.toes import ball, balls
 
 _LEAST = 1.2  # score below which a pair of limbs is no pair of legs
-_LEAST_FRONT = -1.2  # shape below which it is no pair of front legs; they hang far out from the spine
+_LEAST_FRONT = -1.2  # shape, and what names say of sides, below which a pair is none of front legs; these hang far out
 _ALIKE = (0.75, 1.35)  # front legs against hind legs in length; a man's arms have 0.63 of his legs
 _BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
 _HIGH = 0.45  # [leg lengths] of hips and shoulders over the lowest joint, at least, when it stands up
@@ -116,11 +116,12 @@ def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figu
 def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
     """Find the second pair of legs of an animal that stands on four for most of the clip."""
     taken = {joint for limb in hind.limbs for joint in seen.below(limb.branch)}
-    for pair in sorted(others, key=lambda pair: -pair.shape):
+    judged = [(pair.shape + _mirrored(seen.skeleton, pair), pair) for pair in others]
+    for worth, pair in sorted(judged, key=lambda each: -each[0]):
         apart = all(limb.branch not in taken for limb in pair.limbs) and not any(
             limb.branch in seen.skeleton.ancestors(hind.pelvis) for limb in pair.limbs
         )
-        if not apart or pair.shape < _LEAST_FRONT:
+        if not apart or worth < _LEAST_FRONT:
             continue
         if (
             _ALIKE[0] <= pair.length / hind.length <= _ALIKE[1]
@@ -129,6 +130,12 @@ def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
         ):
             return pair
     return None
+
+
+def _mirrored(skeleton: Skeleton, pair: Pair) -> float:
+    """Weigh what names say of sides: one each, for a pair; a side and none, as of a leg and a neck, against it."""
+    one, other = (_named_side(skeleton, limb, None) for limb in pair.limbs)
+    return 0.0 if one == other == "" else 1.0 if one and other and one != other else -1.0
 
 
 def _apart(seen: Sample, hind: Pair, front: Pair) -> bool:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from footfix.errors import UsageError
+from footfix.errors import InputError, UsageError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.leadin import motion_proper
@@ -18,31 +18,41 @@ from footfix.rig.figure import Figure, figures, joint
 from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
 from footfix.rig.sample import Sample, sample
+from footfix.rig.skin import Skin
+from footfix.rig.skin_fit import Fitted, fit_skin
 from footfix.rig.zero_plane import on_zero_plane
 
+_ON_ZERO = 0.012  # [leg lengths] from the file's zero plane, up to which soles of a skin that rest rest on it
 
-def find_rig(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> Rig:
+
+def find_rig(
+    clip: Clip, params: RigParams | None = None, proper: slice | None = None, skin: Skin | None = None
+) -> Rig:  # fmt: skip
     """Find the rig of a clip's figure; of the first one where there are several.
 
     Args:
         clip: metres, y up.
         params: what is known beforehand.
         proper: the frames that are motion; found where they are not given.
+        skin: a character whose feet these are, for its soles.
 
     Raises:
         NoLegsError: nothing in the skeleton could be a pair of legs.
         UsageError: the parameters name a joint that is not there.
     """
-    return find_rigs(clip, params, proper)[0]
+    return find_rigs(clip, params, proper, skin)[0]
 
 
-def find_rigs(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> tuple[Rig, ...]:
+def find_rigs(
+    clip: Clip, params: RigParams | None = None, proper: slice | None = None, skin: Skin | None = None
+) -> tuple[Rig, ...]:  # fmt: skip
     """Find the rigs of all figures of a clip, in the order of the file: one for each root that has legs.
 
     Args:
         clip: metres, y up.
         params: what is known beforehand.
         proper: the frames that are motion; found where they are not given.
+        skin: a character whose feet these are, for the soles of each figure.
 
     Raises:
         NoLegsError: no figure has legs.
@@ -51,10 +61,10 @@ def find_rigs(clip: Clip, params: RigParams | None = None, proper: slice | None 
     params = params or RigParams()
     seen = sample(clip, motion_proper(clip) if proper is None else proper)
     found = figures(seen, params, y_up=True)
-    return tuple(_rig(seen, figure, params).of_figure(number) for number, figure in enumerate(found, start=1))
+    return tuple(_rig(seen, figure, params, skin).of_figure(number) for number, figure in enumerate(found, start=1))
 
 
-def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
+def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = None) -> Rig:
     legs, sides_origin = _legs(seen, figure)
     facing = _facing(seen, legs)
     on_four = any(leg.name.startswith("front") for leg in legs)
@@ -69,8 +79,12 @@ def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
     seek_zero = not on_four and params.floor in (None, "zero")
     measured = on_zero_plane(seen, feet, joints, figure.length) if seek_zero else None
     feet = feet if measured is None else list(measured)
-    points, given = _points(seen, legs, feet, params.soles)
-    level, others, floor_origin = _floor(seen, points, figure.length, params.floor, measured is not None)
+    fitted, unfit = (None, ()) if skin is None else _fitted(skin, seen, legs, feet)
+    points, given = _points(seen, legs, feet, params.soles, () if fitted is None else fitted.points)
+    on_zero = measured is not None and fitted is None
+    level, others, floor_origin = _floor(seen, points, figure.length, params.floor, on_zero)
+    if fitted is not None and params.floor is None and abs(level) < _ON_ZERO * figure.length:
+        level, floor_origin = 0.0, "the file's zero plane, on which the soles of the skin rest"
     root = _carrier(seen, figure) if params.root is None else _given_root(seen, params.root)
     origins = {
         "root": "geometry" if params.root is None else "config",
@@ -82,7 +96,8 @@ def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
         origins |= {f"leg.{leg.name}.{part}": figure.origin for part in ("hip", "knee", "ankle", "toe")}
         for point in points:
             if point.leg == index:
-                origins[f"sole.{point.name}"] = "config" if point.name in given else foot.origin
+                found = foot.origin if fitted is None else f"the skin of {fitted.name}, by {fitted.how}"
+                origins[f"sole.{point.name}"] = "config" if point.name in given else found
     return Rig(
         root=root,
         pelvis=figure.pelvis,
@@ -90,9 +105,21 @@ def _rig(seen: Sample, figure: Figure, params: RigParams) -> Rig:
         soles=points,
         leg_length=figure.length,
         floor=level,
-        notes=_notes(legs, feet, level, others, given) + _fixed(seen, root),
+        notes=_notes(legs, feet, level, others, given) + unfit + _fixed(seen, root),
         origins=origins,
+        meshes=() if fitted is None else fitted.meshes,
     )
+
+
+def _fitted(
+    skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot]
+) -> tuple[Fitted | None, tuple[Note, ...]]:
+    """Put the feet of a skin on the legs, if they go there; say what does not fit."""
+    try:
+        fitted = fit_skin(skin, seen, legs, feet)
+    except InputError as error:
+        return None, (Note("skin-not-used", f"the skin of {skin.name} is not used: {error.what}", "warning"),)
+    return fitted, fitted.notes
 
 
 def _notes(
@@ -175,7 +202,8 @@ def _facing(seen: Sample, legs: Sequence[Leg]) -> Floats:
 
 
 def _points(
-    seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], given: Mapping[str, SoleParams]
+    seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], given: Mapping[str, SoleParams],
+    from_skin: Sequence[SolePoint] = (),
 ) -> tuple[tuple[SolePoint, ...], set[str]]:
     """Place heel and toe of each leg; list the names of those that the config placed."""
     points = []
@@ -187,6 +215,7 @@ def _points(
         else:
             carrier, ball = leg.ankle, -foot.ankle_height * foot.up + foot.reach * foot.ahead
         points.append(SolePoint(f"{leg.name}_toe", index, "toe", carrier, _triple(ball)))
+    points = list(from_skin) or points
     names = [point.name for point in points]
     for name, sole in given.items():
         if name not in names:

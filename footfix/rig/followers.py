@@ -5,6 +5,7 @@ Game rigs carry such joints beside the skeleton proper. They are found by where 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose, forward
+from footfix.notes import Note
 from footfix.rig.rig import Rig
 
 _FRAMES = 240  # looked at
@@ -64,14 +66,41 @@ def find_followers(clip: Clip, rig: Rig) -> tuple[Follower, ...]:
     return tuple(found)
 
 
-def _outside(clip: Clip, rig: Rig) -> list[int]:
-    """The joints that have a place of their own, and belong to no leg, nor to what the legs hang from."""
+def left_behind(clip: Clip, rig: Rig, followers: Sequence[Follower]) -> tuple[Note, ...]:
+    """Say which joints outside the legs are where a foot's joint is, but have no position channels to go along.
+
+    Args:
+        clip: F frames.
+        rig: its legs.
+        followers: those that can; what hangs from them goes along, too.
+    """
+    led = {each.joint for each in followers}
+    fixed = [j for j in _outside(clip, rig, movable=False) if not led & set(clip.skeleton.ancestors(j))]
+    if not fixed or len(clip) < 2:
+        return ()
+    at = np.unique(np.linspace(0, len(clip) - 1, min(_FRAMES, len(clip))).astype(np.intp))
+    feet = [joint for leg in rig.legs for joint in (leg.ankle, leg.toe) if joint is not None]
+    pose = forward(clip.frames(at), sorted({*fixed, *feet}))
+
+    def there(joint: int) -> bool:
+        far = [_apart(pose, joint, foot) / rig.leg_length for foot in feet]
+        return any(np.median(each) < _AT and each.max() < _NEVER for each in far)
+
+    names = tuple(clip.skeleton.names[joint] for joint in fixed if there(joint))
+    if not names:
+        return ()
+    text = f"outside the legs, where the feet are, but without position channels to go along: {', '.join(names)}"
+    return (Note("followers-fixed", text, "warning", joints=names),)
+
+
+def _outside(clip: Clip, rig: Rig, *, movable: bool = True) -> list[int]:
+    """The joints that have a place of their own, or have none, and belong to no leg, nor to what the legs hang from."""
     skeleton = clip.skeleton
     tops = {leg.hip for leg in rig.legs}
     bearing = {rig.root, rig.pelvis}
     for leg in rig.legs:
         bearing.update((leg.hip, *skeleton.ancestors(leg.hip)))
-    able = np.flatnonzero(skeleton.translates).tolist()
+    able = np.flatnonzero(skeleton.translates == movable).tolist()
     return [joint for joint in able if joint not in bearing and not tops & {joint, *skeleton.ancestors(joint)}]
 
 

@@ -69,7 +69,8 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
     """Find the pairs of alike limbs below a root, the likeliest legs first."""
     skeleton = sample.skeleton
     figure = [joint for joint in range(len(skeleton)) if root in skeleton.ancestors(joint)]
-    size = float(sample.reach[root])
+    fork = _fork(sample, root)
+    size = float(sample.reach[fork])  # how far the body is from the joints that carry it, is none of its size
     if size <= 0.0:
         return []
     found = []
@@ -90,7 +91,6 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
         return []
     best_score = max(pair.score for pair in found)
     longest = max(pair.length for pair in found if pair.score >= best_score - 8.0)
-    fork = _fork(sample, root)
     away = {pair.pelvis: _way(sample, fork, size, pair.pelvis) for pair in found}
     judged = [
         replace(

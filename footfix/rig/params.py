@@ -52,6 +52,8 @@ class RigParams:
         root: the joint that carries the figure through the world; found where it is not set.
         legs: leg name -> its joints. Given legs stand in place of the found ones; there may be any number.
         soles: sole point name (`left_heel`) -> its place; the others are found.
+        skin: a glTF file of the character whose feet these are (its own, or one it will be shown with): the soles are
+            taken from its mesh.
     """
 
     unit_m: float | None = None  # metres per unit of the file; none: from the length of the legs
@@ -60,3 +62,4 @@ class RigParams:
     root: str | None = None  # joint that carries the travel; none: found
     legs: Mapping[str, LegParams] = field(default_factory=dict)  # leg name -> joints; none: found
     soles: Mapping[str, SoleParams] = field(default_factory=dict)  # sole point name -> place; none: found
+    skin: str | None = None  # glTF file whose mesh has the soles; none: estimated from the clip

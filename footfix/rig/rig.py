@@ -11,6 +11,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts, Effector, Part
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
+from footfix.rig.mesh import FootMesh
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ class Rig:
         leg_length: [m] from hip joint to ankle along the bones, mean of the legs.
         floor: [m] height of the floor: the file's zero plane, or the lowest level that the feet often rest on.
         notes: how each of these was guessed, and what is doubtful.
+        origins: where each was found.
+        meshes: of each leg the foot of a character's skin, where one was given.
     """
 
     root: int
@@ -76,6 +79,7 @@ class Rig:
     floor: float
     notes: tuple[Note, ...] = ()
     origins: Mapping[str, str] = field(default_factory=dict)
+    meshes: tuple[FootMesh, ...] = ()
 
     def of_figure(self, number: int) -> Rig:
         """Name legs and soles for one of several figures (`figure2_left_heel`); the first keeps its names."""
@@ -86,13 +90,14 @@ class Rig:
         return replace(self, legs=legs, soles=soles)
 
     def joints(self) -> tuple[int, ...]:
-        """List the joints that detection and enforcement look at: root, pelvis, leg chains, toes, sole points."""
+        """List the joints that the stages look at: root, pelvis, leg chains, toes, and what carries soles."""
         wanted = {self.root, self.pelvis}
         for leg in self.legs:
             wanted.update(leg.chain)
             if leg.toe is not None:
                 wanted.add(leg.toe)
         wanted.update(sole.joint for sole in self.soles)
+        wanted.update(joint for mesh in self.meshes for joint in mesh.carriers)
         return tuple(sorted(wanted))
 
     def pose(self, clip: Clip) -> Pose:
@@ -102,6 +107,25 @@ class Rig:
     def tracks(self, pose: Pose) -> tuple[Floats, ...]:
         """Compute for each sole point its (F, 3) [m] track in the world."""
         return tuple(pose.point(sole.joint, np.array(sole.offset)) for sole in self.soles)
+
+    def mesh_of(self, sole: SolePoint) -> FootMesh | None:
+        """Get the mesh of the foot of a sole point; None where no skin was given."""
+        return next((mesh for mesh in self.meshes if mesh.leg == sole.leg), None)
+
+    def lowest(self, pose: Pose) -> tuple[Floats, ...]:
+        """Work out for each sole point (F,) [m] the height of the lowest vertex of its part of the foot.
+
+        Without a mesh it is the height of the sole point itself.
+        """
+        found = []
+        for sole, track in zip(self.soles, self.tracks(pose), strict=True):
+            mesh = self.mesh_of(sole)
+            part = None if mesh is None else mesh.toe == (sole.part == "toe")
+            if mesh is None or part is None or not part.any():
+                found.append(np.asarray(track[:, 1]))
+            else:
+                found.append(mesh.lowest(pose, part))
+        return tuple(found)
 
     def no_contacts(self, clip: Clip) -> Contacts:
         """Make the effectors of this rig, nothing in contact."""
@@ -115,8 +139,9 @@ class Rig:
 def joined(rigs: Sequence[Rig]) -> Rig:
     """Join the legs and soles of several rigs; root, size and floor are the first one's."""
     first, *others = rigs
-    legs, soles = first.legs, first.soles
+    legs, soles, meshes = first.legs, first.soles, first.meshes
     for rig in others:
+        meshes += tuple(replace(mesh, leg=mesh.leg + len(legs)) for mesh in rig.meshes)
         soles += tuple(replace(sole, leg=sole.leg + len(legs)) for sole in rig.soles)
         legs += rig.legs
-    return replace(first, legs=legs, soles=soles) if others else first
+    return replace(first, legs=legs, soles=soles, meshes=meshes) if others else first

@@ -154,7 +154,7 @@ class Rounds:
         return own - own[:1]
 
 
-def rounds_of(clip: Clip, rig: Rig, cycle: Literal["find", "yes", "no"]) -> Rounds | None:
+def rounds_of(clip: Clip, rig: Rig, cycle: Literal["find", "likely", "yes", "no"]) -> Rounds | None:
     """Lay the rounds of a clip that is a cycle end to end; None where it is none.
 
     Args:
@@ -162,10 +162,10 @@ def rounds_of(clip: Clip, rig: Rig, cycle: Literal["find", "yes", "no"]) -> Roun
         rig: its legs and root.
         cycle: whether it is one, or is to be looked at.
     """
-    if cycle == "no" or len(clip) < _FEWEST or (cycle == "find" and not may_be_cycle(clip)):
+    if cycle == "no" or len(clip) < _FEWEST or (cycle in ("find", "likely") and not may_be_cycle(clip)):
         return None
     pose = forward(clip, [rig.root])
-    found = find_cycle(clip, rig, pose)
+    found = find_cycle(clip, rig, pose, likely=cycle == "likely")
     if found is None and cycle == "yes":
         found = said_to_be_one(pose, rig)
     return None if found is None else Rounds(clip, found, rig.root, pose)

@@ -38,8 +38,7 @@ class Foot:
 
     Args:
         up, ahead: unit vectors in the ankle's frame.
-        ball: (3,) the toe joint in the ankle's frame; None without one.
-        up_at_toe: the unit vector up in the toe joint's frame.
+        up_at_toe: the unit vector up in the toe joint's frame; None without one.
         ankle_height, ball_height: above the floor, in the clip's units.
         behind: how far the heel is behind the ankle.
         reach: how far the ball is ahead of the ankle.
@@ -47,6 +46,8 @@ class Foot:
         usual: how high that joint or tip usually is over a floor.
         guessed: what the clip could not tell.
         measured: whether its heights are over the file's zero plane, not those of usual feet.
+        ball: (3,) the toe joint in the ankle's frame; None without one.
+        toe_turn: (4,) the toe joint's frame in the ankle's; None without one.
     """
 
     up: Floats
@@ -60,6 +61,8 @@ class Foot:
     usual: float
     guessed: tuple[str, ...]
     measured: bool = False
+    ball: Floats | None = None
+    toe_turn: Floats | None = None
 
     @property
     def origin(self) -> str:
@@ -102,7 +105,11 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
     ball = _BALL_HEIGHT * leg if below <= 0.0 else _within(below + _TIP_HEIGHT * leg, _BALL_HEIGHTS, leg)
     height = _within(deep + ball, _ANKLE_HEIGHTS, leg)
     usual = _BALL_HEIGHT * leg
-    return Foot(up, ahead, up_at_toe, height, ball, _behind(far, leg), far, deep, usual, guessed)
+    turns = rotation.multiply(back, sample.turns[flat, toe])
+    return Foot(
+        up, ahead, up_at_toe, height, ball, _behind(far, leg), far, deep, usual, guessed, ball=seen[0],
+        toe_turn=_usual(turns * np.sign(turns @ turns[len(turns) // 2] + 1e-12)[:, None]),
+    )  # fmt: skip
 
 
 def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float, guessed: tuple[str, ...]) -> Foot:

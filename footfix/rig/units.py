@@ -27,6 +27,7 @@ _UNITS = (
     ("CMU units, 17.7 to the metre", 1.0 / 17.7, 0.7, 1.12),
     ("metres, of a small figure", 1.0, 0.12, 0.35),
 )
+_MISTAKEN = (0.0254, 0.01, 0.001)  # units in which files that ought to be in metres are written
 _TYPICAL_LEG = 0.9  # [m]
 _GROWN_UP = (0.7, 1.05)  # [m] length of most grown-ups' legs
 _CLEAR = 0.25  # evidence by which one up axis must lead
@@ -49,13 +50,17 @@ class FileUnits:
     origins: Mapping[str, str] = field(default_factory=dict)
 
 
-def infer_units(clip: Clip, params: RigParams | None = None, proper: slice | None = None) -> FileUnits:
+def infer_units(
+    clip: Clip, params: RigParams | None = None, proper: slice | None = None, *, metric: bool = False
+) -> FileUnits:  # fmt: skip
     """Find metres per unit and the up axis of a clip.
 
     Args:
         clip: in the units and axes of its file.
         params: what is known beforehand.
         proper: the frames that are motion; found where they are not given.
+        metric: whether the file's format says metres, y up. Then only a figure as large as those in centimetres,
+            millimetres or inches are is taken for one of these.
 
     Raises:
         NoLegsError: without legs there is nothing to measure by, and nothing to clean.
@@ -66,12 +71,15 @@ def infer_units(clip: Clip, params: RigParams | None = None, proper: slice | Non
     seen = sample(clip, motion_proper(clip) if proper is None else proper)
     figure = figures(seen, params, y_up=False)[0]
     unit, unit_notes, unit_origin = _unit(figure.length)
-    up, up_notes = _up(seen, figure)
+    if metric and unit not in _MISTAKEN:
+        unit, unit_notes, unit_origin = 1.0, (), "the file's format"
+    up, up_notes = ("y", ()) if metric else _up(seen, figure)
+    up_origin = "config" if params.up else "the file's format" if metric else "motion"
     return FileUnits(
         unit_m=params.unit_m or unit,
         up=params.up or up,
         notes=(() if params.unit_m else unit_notes) + (() if params.up else up_notes),
-        origins={"unit_m": "config" if params.unit_m else unit_origin, "up": "config" if params.up else "motion"},
+        origins={"unit_m": "config" if params.unit_m else unit_origin, "up": up_origin},
     )
 
 

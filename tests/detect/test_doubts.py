@@ -56,3 +56,16 @@ def test_who_falls_slower_than_gravity_was_made_at_another_rate(size: float) -> 
     (note,) = frame_rate(sized(leap(2.0, 30.0, 9.81 / 16.0)), DoubtParams())
     assert "16 times slower than gravity" in note.text and "about 120 fps" in note.text
     assert frame_rate(sized(leap(2.0, 30.0, 9.81 / 16.0, lift=0.05)), DoubtParams()) == ()  # the feet hardly leave
+
+
+@pytest.mark.parametrize(("hertz", "told"), [(0.25, True), (0.35, True), (0.6, False), (1.5, False)])
+def test_feet_that_speed_up_and_slow_down_as_nobodys_do_move_in_slow_motion(hertz: float, told: bool) -> None:
+    t = np.arange(300) / 24.0
+    swing = 0.3 * np.sin(2.0 * np.pi * hertz * t)[:, None] * np.array([0.0, 0.0, 1.0])
+    still = np.zeros((len(t), 3))
+    feet = tuple(
+        Foot(side, still + [x, 0.9, 0.0], swing + [x, 0.1, 0.0], swing + [x, 0.0, 0.0], swing + [x, 0.0, 0.2])
+        for side, x in (("left", 0.1), ("right", -0.1))
+    )
+    notes = frame_rate(Tracks(still + [0.0, 1.0, 0.0], feet, 0.88, 1.0 / 24.0), DoubtParams())
+    assert bool(notes) == told

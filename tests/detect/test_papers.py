@@ -6,11 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from conftest import SHARED
 from hypothesis import given
 from hypothesis import strategies as st
+from skinmaker import skin_of
 from walker import Walk, make
 from walker_plan import Gait
 
+from footfix.api.clips import load
 from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.cycles import CycleParams, find_cycles, zigzag
 from footfix.detect.lyard import LyardParams, lyard
@@ -158,6 +161,24 @@ def test_all_points_are_static_where_the_figure_stands_still() -> None:
     assert lyard(tracks_of(still, find_rig(walk.clip)), LyardParams()).mask.all()
 
 
+def test_vertices_of_soles_find_a_walk_as_well_as_heel_and_toe_do() -> None:
+    walk, points = walked()
+    rig = find_rig(walk.clip, skin=skin_of(walk.clip))
+    vertices = tracks_of(walk.clip, rig, mesh=True)
+    assert all(foot.mesh is not None and len(foot.mesh) > 2 for foot in vertices.feet)
+    found = lyard(vertices, LyardParams())
+    assert feet_f1(found, walk) >= feet_f1(lyard(points, LyardParams()), walk) - 0.03
+    assert np.mean(found.mask.sum(axis=1) == 1) > 0.95
+
+
+def test_pairs_of_vertices_are_compared_alike_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    walk, _ = walked()
+    tracks = tracks_of(walk.clip, find_rig(walk.clip, skin=skin_of(walk.clip)), mesh=True)
+    whole = lyard(tracks, LyardParams()).mask
+    monkeypatch.setattr("footfix.detect.lyard._MOST_PAIRS", 1)
+    assert np.array_equal(lyard(tracks, LyardParams()).mask, whole)
+
+
 @pytest.mark.parametrize("name", ["walk", "run"])
 @pytest.mark.parametrize("size", [0.5, 2.0])
 def test_size_does_not_matter_to_any_of_them(name: str, size: float) -> None:
@@ -172,3 +193,18 @@ def test_size_does_not_matter_to_any_of_them(name: str, size: float) -> None:
     )
     for one, other in pairs:  # windows are in seconds, so not to the frame
         assert np.mean(agreement.feet(one.mask) != agreement.feet(other.mask)) < 0.04
+
+
+@pytest.mark.parametrize(
+    ("clip", "run"),
+    [("bandai/dataset-1_run_normal_001.bvh", True), ("pybvh/cmu_12_01_walk.bvh", False),
+     ("marcojr_cmu/running.bvh", True), ("accad/Male1_B15_WalkTurnAround.bvh", False)],
+)  # fmt: skip
+def test_duty_tells_captured_runs_from_walks(clip: str, run: bool) -> None:
+    path = next(iter((SHARED / "clips").glob(clip)), None)
+    if path is None:
+        pytest.skip("the shared clips are not here")
+    document = load(path)
+    tracks = tracks_of(document.clip, find_rig(document.clip))
+    cycles = find_cycles(tracks, tracks.feet[0], tracks.feet[1], CycleParams())
+    assert all(cycle.run == run for cycle in cycles)

@@ -24,7 +24,7 @@ from footfix.rig.find import find_rig
 
 FPS = 60.0
 SECONDS = 4.0
-BLIND = AutoParams(stepping=SteppingParams(parting=1e6))
+BLIND = AutoParams(stepping=SteppingParams(parting=1e6, length=1e6))
 
 
 @cache
@@ -79,6 +79,37 @@ def test_a_foot_moved_beside_a_still_figure_is_two_plants(distance: float, secon
     left = mask[:, 0] | mask[:, 1]
     assert len(runs(left)) == 2
     assert np.mean(left) > 1.0 - (seconds + 0.2) / SECONDS, "it stands before and after"
+
+
+def swaying(amount: float) -> Tracks:
+    """The same figure alive: each foot creeps by some [m] to and fro, slowly and by itself."""
+    t = np.arange(len(standing())) / FPS
+    left, right = standing().feet
+    ways = [amount * np.sin(2.0 * np.pi * rate * t)[:, None] * np.array([0.6, 0.0, 0.8]) for rate in (0.7, 0.9)]
+    return replace(standing(), feet=(shift(left, ways[0]), shift(right, ways[1])))
+
+
+@pytest.mark.parametrize(("distance", "seconds"), [(0.06, 0.7), (0.07, 1.4), (0.12, 2.0)])
+def test_a_slow_step_of_a_figure_that_sways_is_a_step(distance: float, seconds: float) -> None:
+    tracks = swaying(0.002)
+    way = eased(seconds)[:, None] * np.array([0.6 * distance, 0.0, 0.8 * distance])
+    stepped = replace(tracks, feet=(shift(tracks.feet[0], way), tracks.feet[1]))
+    mask = _found(stepped)
+    assert len(runs(mask[:, 0] | mask[:, 1])) == 2
+    assert max(slides(stepped, mask)) < 0.021
+    assert _found(tracks).all(), "swaying is no step"
+
+
+def test_feet_that_creep_as_far_at_rest_do_not_step() -> None:
+    np.testing.assert_array_equal(_found(swaying(0.03)), _found(swaying(0.03), BLIND))
+
+
+def test_a_step_lasts_from_rest_to_rest() -> None:
+    tracks = shuffled(0.3, 0.8, 0.0)
+    mask = _found(tracks)
+    gap = ~(mask[:, 0] | mask[:, 1])
+    moved = np.linalg.norm(np.diff(tracks.feet[0].toe[gap], axis=0), axis=1).sum()
+    assert moved > 0.95 * 0.3, "all of the way is the step's"
 
 
 def _found(tracks: Tracks, params: AutoParams | None = None) -> Bools:

@@ -65,6 +65,16 @@ def test_a_round_is_found_with_its_turn(closed: bool, yaw: float) -> None:
         assert found.frames == FRAMES and found.yaw == pytest.approx(yaw, abs=1e-3)  # type: ignore[attr-defined]
 
 
+def test_a_round_of_few_frames_is_found_and_a_round_that_lacks_more_than_one_is_none() -> None:
+    clip = striding(0.1, closed=False)[0].frames(slice(None, None, 6))
+    shin = clip.skeleton.names.index("LeftLeg")
+    kick = rotation.from_axis_angle(X, 0.6 * np.sin(6.0 * np.pi * np.arange(len(clip)) / len(clip) + 3.0))
+    clip = clip.with_joints({}, {shin: rotation.multiply(clip.turn(shin), kick)})
+    found = found_in(clip)
+    assert found is not None and found.frames == len(clip)  # type: ignore[attr-defined]
+    assert found_in(clip.frames(slice(0, -2))) is None
+
+
 def test_what_is_no_cycle_is_none() -> None:
     assert found_in(striding(rounds=1.3)[0]) is None
     assert found_in(walk().clip) is None

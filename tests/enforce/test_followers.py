@@ -13,7 +13,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
-from footfix.rig.followers import Follower, find_followers
+from footfix.rig.followers import Follower, find_followers, left_behind
 from footfix.rig.rig import Rig
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -124,6 +124,9 @@ def test_what_is_near_for_a_while_or_cannot_be_moved_is_none() -> None:
     assert find_followers(replace(still, positions=places), rig_below()) == ()
     bound = replace(still.skeleton, translates=np.append(still.skeleton.translates[:-1], False))
     assert find_followers(replace(still, skeleton=bound), rig_below()) == ()
+    (note,) = left_behind(replace(still, skeleton=bound), rig_below(), ())
+    assert note.joints == ("left",) and "position channels" in note.text
+    assert left_behind(still, rig_below(), find_followers(still, rig_below())) == ()
     stand = clip.frames(np.zeros(50, dtype=np.intp))  # all is fixed to all where nothing moves
     beside = on(stand, "beside", "world", "LeftFoot", offset=np.array([0.0, 0.1, 0.1]))
     assert find_followers(beside, rig_below()) == ()

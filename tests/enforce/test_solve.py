@@ -39,7 +39,7 @@ def skating(fps: float = 60.0, frames: int = 150) -> Problem:
     rig = rig_of(made)
     clip = artefacts.wander(made.clip, 0.04, slowest=1.0).frames(slice(0, frames))
     contacts = replace(made.contacts, frames=frames).with_mask(made.contacts.mask()[:frames])
-    return run.problem_of(clip, rig, run._task(clip, rig, contacts, EnforceParams()), EnforceParams(), (False, False))
+    return run.problem_of(clip, rig, run.task_of(clip, rig, contacts, EnforceParams()), EnforceParams(), (False, False))
 
 
 def least(of: Problem, fixed: Floats | None = None, x: Floats | None = None) -> Floats:

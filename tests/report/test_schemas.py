@@ -19,7 +19,7 @@ from walker_plan import Gait
 from footfix.measure.clip import Measures
 
 FOLDER = resources.files("footfix.report") / "schemas"
-NAMES = ("contacts", "report", "summary", "check", "inspect", "run")
+NAMES = ("contacts", "report", "summary", "check", "inspect", "run", "events", "cycles-fit")
 
 
 def schema(name: str) -> Any:

@@ -17,6 +17,7 @@ from footfix.enforce.papers.hand_over import hand_over, offset_at
 from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.papers.targets import TargetParams, near_floor, usual_place
 from footfix.motion.clip import Bools, Clip, Floats, Ints
+from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
@@ -53,7 +54,8 @@ def correct(
 
     Over the floor the root takes the steps with which what is planted is static, one point at a time; in flight it
     keeps its own velocity. The path drifts by that: it is as long as the feet say. Its height gets one offset and one
-    scale. Places that labels ask for are not looked at: the method says when a foot stands, not where.
+    scale. With a skin the points are the vertices of its soles, as in the paper. Places that labels ask for are not
+    looked at: the method says when a foot stands, not where.
 
     Args:
         clip: F frames, metres, y up.
@@ -73,8 +75,26 @@ def correct(
     shift = np.zeros((len(clip), 3))
     if clip.skeleton.translates[rig.root] and not _stand_well(points, soles, plants, levels, rig.leg_length, params):
         root = pose.position(rig.root) - moved
-        shift = _shift(root, points, soles, plants, levels, clip.frame_time, rig.leg_length, params)
+        vertices, owners = _vertices(rig, pose, moved)
+        heights = [sole[:, 1] for sole in soles]
+        if len(owners):
+            points, heights = vertices, list(vertices[..., 1].T)
+        else:
+            owners = np.arange(len(soles))
+        shift = _shift(root, points, heights, owners, plants, levels, clip.frame_time, rig.leg_length, params)
     return Correction(rig.root, shift, (), np.zeros((len(clip), 0, 4)))
+
+
+def _vertices(rig: Rig, pose: Pose, moved: Floats) -> tuple[Floats, Ints]:
+    """Track (F, V, 3) [m] the vertices of all soles over the ground, and say which sole point each belongs to (V,)."""
+    effector = {(sole.leg, sole.part): e for e, sole in enumerate(rig.soles)}
+    tracked, owners = [np.zeros((len(moved), 0, 3))], [np.zeros(0, np.intp)]
+    for mesh in rig.meshes:
+        which = np.flatnonzero(mesh.sole)
+        tracked.append(mesh.tracks(pose, which) - moved[:, None])
+        heel, toe = effector[mesh.leg, "heel"], effector[mesh.leg, "toe"]
+        owners.append(np.where(mesh.toe[which], toe, heel))
+    return np.concatenate(tracked, axis=1), np.concatenate(owners)
 
 
 def _levels(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[float]:
@@ -101,15 +121,16 @@ def _stand_well(
 
 
 def _shift(
-    root: Floats, points: Floats, soles: Sequence[Floats], plants: Sequence[Footplant], levels: Sequence[float],
-    frame_time: float, leg_length: float, params: LyardRootParams,
+    root: Floats, points: Floats, heights: Sequence[Floats], owners: Ints, plants: Sequence[Footplant],
+    levels: Sequence[float], frame_time: float, leg_length: float, params: LyardRootParams,
 ) -> Floats:  # fmt: skip
-    """Compute (F, 3) [m] the shift of the root (F, 3) [m]."""
+    """Compute (F, 3) [m] the shift of the root (F, 3) [m], from points, their heights, and whose effectors they are."""
     planted = np.zeros(points.shape[:2], dtype=np.bool_)
-    above = np.stack([sole[:, 1] for sole in soles], axis=1)  # (F, E) [m] over each one's floor
+    above = np.stack(heights, axis=1)  # (F, E) [m] over each one's floor
     for plant, level in zip(plants, levels, strict=True):
-        planted[plant.frames, plant.effector] = True
-        above[plant.frames, plant.effector] -= level
+        own = np.flatnonzero(owners == plant.effector)
+        planted[plant.start : plant.end, own] = True
+        above[plant.start : plant.end, own] -= level
     smooth = _speeds(points, frame_time, params.speed_window)
     static = static_points(smooth, planted, frame_time, params.hand_over * leg_length)
     shift = np.zeros_like(root)

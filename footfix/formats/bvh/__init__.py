@@ -1,5 +1,6 @@
 """BVH files: read without loss, written with only those numbers new that had to change."""
 
+from footfix.formats.bvh.anew import with_motion
 from footfix.formats.bvh.compose import compose
 from footfix.formats.bvh.document import Document
 from footfix.formats.bvh.glued import legible
@@ -9,4 +10,7 @@ from footfix.formats.bvh.select import select
 from footfix.formats.bvh.text import Limits
 from footfix.formats.bvh.write import encode, rewrite
 
-__all__ = ["Document", "Limits", "compose", "decode", "encode", "glance", "legible", "repair", "rewrite", "select"]
+__all__ = [
+    "Document", "Limits", "compose", "decode", "encode", "glance", "legible", "repair", "rewrite", "select",
+    "with_motion",
+]  # fmt: skip

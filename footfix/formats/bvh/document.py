@@ -51,6 +51,9 @@ class Document:
     unit_m: float = 1.0
     up: str = "y"
 
+    metric = False  # nothing says what a BVH is in
+    start = 0.0  # [s]
+
     @property
     def values(self) -> Floats:
         """(F, C) the numbers of the rows, in the file's units and degrees."""

@@ -32,18 +32,25 @@ def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits =
     """
     which = np.asarray(frames, dtype=np.intp)
     text, rows = document.text, document.rows
-    newline = b"\r\n" if b"\r\n" in text[:1000] else b"\n" if b"\n" in text[:1000] else b"\r"
-    head = text[: document.motion_at] + _FRAMES.sub(
-        lambda found: found[1] + b"%d" % len(which), text[document.motion_at : rows.start], count=1
-    )
+    head, newline = header_for(document, len(which))
     pieces = []
     for run in np.split(which, np.flatnonzero(np.diff(which) != 1) + 1):
         start, last = offset_of(rows, int(run[0]), 0), int(run[-1]) + 1
         stop = offset_of(rows, last, 0) if last < document.frames else rows.stop
         pieces.append(text[start:stop].strip())
     body = newline.join(pieces)
-    new = decode(head.rstrip() + newline + body + newline, name=document.name, limits=limits)
+    new = decode(head + body + newline, name=document.name, limits=limits)
     return replace(
         new, encoding=document.encoding, notes=document.notes, base=document.base, frame_time=document.frame_time,
         unit_m=document.unit_m, up=document.up,
     )  # fmt: skip
+
+
+def header_for(document: Document, frames: int) -> tuple[bytes, bytes]:
+    """The header of a file as it stands, for another number of frames, with the end of its last line; its newline."""
+    text = document.text
+    newline = b"\r\n" if b"\r\n" in text[:1000] else b"\n" if b"\n" in text[:1000] else b"\r"
+    head = text[: document.motion_at] + _FRAMES.sub(
+        lambda found: found[1] + b"%d" % frames, text[document.motion_at : document.rows.start], count=1
+    )
+    return head.rstrip() + newline, newline

@@ -19,7 +19,7 @@ _STRANGERS = (
     (b"version https://git-lfs", "this is a Git LFS pointer, not the file itself", "fetch it with `git lfs pull`"),
     (b"Kaydara FBX Binary", "this is a binary FBX file under the name of a BVH", "export it as BVH"),
     (b"; FBX", "this is an FBX text file under the name of a BVH", "export it as BVH"),
-    (b"glTF", "this is a glTF file under the name of a BVH", "export it as BVH"),
+    (b"glTF", "this is a glTF file under the name of a BVH", "let its name end in .glb"),
     (b"PK\x03\x04", "this is a ZIP archive", "unpack it first"),
     (b"\x1f\x8b", "this is a gzip archive", "unpack it first"),
     (b"7z\xbc\xaf", "this is a 7z archive", "unpack it first"),

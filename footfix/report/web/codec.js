@@ -43,6 +43,7 @@ function readMotion(packed) {
   if (!drawn.length) drawn.push(...packed.parents.keys());
   return {
     ...packed,
+    meshes: packed.meshes || [], // the soles of a skin
     ground: packed.ground === null ? null : unpack(packed.ground, shown, 3, quantum.points),
     drawn, // the joints that a bone goes to: of what stays behind at the origin there is none
     joints: { before, after: corrected(before, packed.joints, shown, joints, quantum.joints) },

@@ -13,6 +13,7 @@ from footfix.motion.clip import Bools, Clip, Floats, Ints, frozen
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
 from footfix.report.web.bones import bones_of
+from footfix.report.web.feet import SolePart, sole_parts
 from footfix.report.web.pack import pack, quantize
 from footfix.rig.rig import Rig
 
@@ -65,6 +66,7 @@ class Motion:
         soles_before, soles_after: (D, E, 3) [m].
         speeds_before, speeds_after: (D, E) [m/s] horizontal speed of what measures look at, over the ground.
         floor: [m] height of the floor.
+        meshes: the soles of a skin, where one was given.
     """
 
     frames: int
@@ -90,6 +92,7 @@ class Motion:
     speeds_before: Floats
     speeds_after: Floats
     floor: float
+    meshes: tuple[SolePart, ...] = ()
 
     def __post_init__(self) -> None:
         for key in ("joints", "soles", "speeds"):
@@ -131,6 +134,7 @@ def film(
         seen=seen, by_sole=by_sole[shown], counts=counts[shown], ground=moved[shown],
         joints_before=first[0], joints_after=second[0], soles_before=first[1], soles_after=second[1],
         speeds_before=was, speeds_after=now, floor=rig.floor,
+        meshes=sole_parts(before, rig),
     )  # fmt: skip
 
 
@@ -240,6 +244,7 @@ def packed(motion: Motion, lines: Lines) -> dict[str, Any]:
         "soles": list(motion.soles),
         "seen": list(motion.seen),
         "floor": motion.floor,
+        **({"meshes": [part.packed() for part in motion.meshes]} if motion.meshes else {}),
         "ground": pack(quantize(motion.ground, _POINT)) if motion.ground.any() else None,
         "lines": {"height": lines.height, "speed": lines.speed},
         "quantum": {"joints": _JOINT, "points": _POINT, "speeds": _SPEED},

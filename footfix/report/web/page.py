@@ -12,8 +12,10 @@ from functools import cache
 from string import Template
 from typing import Any
 
+from footfix.formats.suffixes import in_file, is_motion
 from footfix.report import words
 from footfix.report.again import Again, quoted
+from footfix.report.follows import path_of
 from footfix.report.loops import round_of
 from footfix.report.verdict import Report, entries, judge, number, source_name
 from footfix.report.web import sections
@@ -24,9 +26,9 @@ from footfix.report.web.motion import Lines, Motion, packed
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "seen.js", "floor.js",
-    "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js", "pointer.js", "editor.js",
-    "table.js", "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "seen.js", "mesh.js",
+    "floor.js", "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js", "pointer.js",
+    "editor.js", "table.js", "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
 )  # fmt: skip
 
 
@@ -116,7 +118,8 @@ def _viewer(data: PageData) -> str:
     if data.motion is None:
         return ""
     file = source_name(data.report).replace("\\", "/").rsplit("/", 1)[-1]
-    stem = file[:-4] if file.lower().endswith(".bvh") else file
+    stem = in_file(file)[0]
+    stem = stem.rpartition(".")[0] if is_motion(stem) else stem
     return Template(asset("viewer.html")).substitute(
         chart=chart(data.motion, data.contacts),
         file=text(f"{stem}.contacts.json"),
@@ -137,7 +140,7 @@ def _data(data: PageData) -> str:
         return ""
     document = {
         "contacts": _finite(data.contacts),
-        "motion": {**packed(data.motion, data.lines), "round": round_of(data.report)},
+        "motion": {**packed(data.motion, data.lines), "round": round_of(data.report), "path": path_of(data.report)},
         "plants": [_fate(plant) for plant in entries(data.report, "plants")],
     }
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'

@@ -1,4 +1,4 @@
-// From above: the way of the root before and after, and by how far they differ over time.
+// From above: the way of the root before and after, the path it was led along, and by how far they differ over time.
 
 /** A line through places [x, y] of the canvas. */
 function drawLine(context, places, color, width, dash) {
@@ -19,9 +19,10 @@ class PathMap {
     });
     this.before = this.track(motion.joints.before);
     this.after = this.track(motion.joints.after);
+    this.asked = motion.path || []; // [x, z] of the path that was to be walked
     const span = (k) => {
       let [low, high] = [Infinity, -Infinity];
-      for (const track of [this.before, this.after]) {
+      for (const track of [this.before, this.after, this.asked]) {
         for (const place of track) [low, high] = [Math.min(low, place[k]), Math.max(high, place[k])];
       }
       return [low, high];
@@ -62,6 +63,7 @@ class PathMap {
     this.still.show(context, (still) => {
       still.lineJoin = still.lineCap = "round";
       this.drawPlants(still, theme, spot);
+      if (this.asked.length) drawLine(still, this.asked.map(spot), theme.muted, 5, []);
       drawLine(still, this.before.map(spot), theme.was, 1.6, [5, 4]);
       drawLine(still, this.after.map(spot), theme.ink, 1.8, []);
       this.drawScale(still, theme, scale, width, height);

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from footfix.measure.plants import NOTICED_MM
 from footfix.report import words
+from footfix.report.follows import follow_lines
 from footfix.report.loops import loop_lines
 from footfix.report.text import released
 from footfix.report.verdict import (
@@ -120,8 +121,8 @@ def fate(report: Report) -> str:
 
 
 def loop_list(report: Report) -> str:
-    """Describe a loop in words."""
-    return "".join(f"<li>{text(line)}</li>" for line in loop_lines(report))
+    """Describe a loop or a walk along a path in words."""
+    return "".join(f"<li>{text(line)}</li>" for line in (*loop_lines(report), *follow_lines(report)))
 
 
 def released_list(report: Report) -> str:

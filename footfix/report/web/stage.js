@@ -197,9 +197,13 @@ class Stage {
     for (const [a, b] of motion.bones) {
       this.trace([this.joint(motion.joints.before, a), this.joint(motion.joints.before, b)], theme.was, width);
     }
-    for (const foot of this.feet) {
+    for (const foot of motion.meshes.length ? [] : this.feet) {
       const corners = this.footCorners(foot, "before");
       this.trace([...corners, corners[0]], theme.was, Math.max(1, width * 0.8));
+    }
+    for (const part of motion.meshes) {
+      const corners = soleCorners(this, part, "before");
+      this.trace([...corners, corners[0]], theme.was, 1, { alpha: 0.7 });
     }
     context.globalAlpha = 1;
   }
@@ -213,9 +217,14 @@ class Stage {
       const line = camera.segment(p, q);
       if (line) parts.push({ depth: (line[0][2] + line[1][2]) / 2, draw: () => this.drawBone(line, this.sides[b]) });
     }
-    for (const foot of this.feet) {
+    for (const foot of motion.meshes.length ? [] : this.feet) {
       const corners = this.footCorners(foot, when).map((p) => camera.project(...p));
       if (corners.every(Boolean)) parts.push({ depth: corners[0][2], draw: () => this.drawFoot(corners, foot) });
+    }
+    for (const part of motion.meshes) {
+      const corners = soleCorners(this, part, when).map((p) => camera.project(...p));
+      const middle = corners[corners.length >> 1];
+      if (corners.every(Boolean)) parts.push({ depth: middle[2], draw: () => this.drawFoot(corners, { heel: part.lane }) });
     }
     parts.sort((one, other) => other.depth - one.depth);
     for (const part of parts) part.draw();

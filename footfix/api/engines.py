@@ -1,0 +1,244 @@
+"""Locomotion from cycles, from Python: models fitted to clips, and engines that walk and run in real time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from footfix.api.clips import check_settings
+from footfix.batch.cycles import load_model as _load_model
+from footfix.batch.files import read_whole, write_whole
+from footfix.errors import ArgumentError, InputError
+from footfix.fitting import Fitted, cycles_of_file, fit_files
+from footfix.formats.models import encode_model
+from footfix.formats.plans import PlanRow
+from footfix.locomotion.engine import SOONEST, Postures, changed, foresee, postures
+from footfix.locomotion.model import CycleModel
+from footfix.locomotion.path import make_path
+from footfix.locomotion.plan import Plan, Point
+from footfix.making import plan_of
+from footfix.motion.clip import Clip, Floats, Skeleton, frozen
+from footfix.rig.rig import Rig
+from footfix.settings import Settings
+
+__all__ = ["Ahead", "Engine", "Frame", "fit_cycles", "load_model", "save_model"]
+
+_KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
+_LEAST = 0.45  # [s] and when this is left, foreseen anew,
+_LONG = 3.0  # [s] and farther, since nothing else was asked for
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One posture.
+
+    Args:
+        time: [s] since the engine began.
+        positions: (J, 3) [m] each joint's place in its parent's frame, as in a `Clip`; the root's in the world.
+        rotations: (J, 4) xyzw likewise.
+        contacts: effector -> whether it is planted.
+    """
+
+    time: float
+    positions: Floats
+    rotations: Floats
+    contacts: Mapping[str, bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """What comes next, if nothing else is asked for.
+
+    Args:
+        times: (T,) [s] since the engine began.
+        positions: (T, J, 3) [m] as in a `Clip`.
+        rotations: (T, J, 4) xyzw.
+        contacts: (T, E) whether each effector is planted.
+        effectors: their names.
+        plants: effector -> (start [s], end [s], (x, y, z) [m]) of its contacts, begun ones too.
+    """
+
+    times: Floats
+    positions: Floats
+    rotations: Floats
+    contacts: np.ndarray
+    effectors: tuple[str, ...]
+    plants: Mapping[str, tuple[tuple[float, float, tuple[float, float, float]], ...]]
+
+
+class Engine:
+    """Walks and runs, frame by frame, at any speed, and knows what comes next.
+
+    Args:
+        model: of `fit_cycles` or `load_model`, or the file of one.
+        speed: [m/s]; by default the middle of what the model's first gait was captured at.
+        run: 0 to walk, 1 to run, or between; by default what people do at that speed.
+        turn: [degrees/s] to the left.
+        style: a name, or weights by name.
+        path: points (N, 2) [m], x and z, to go along; it begins at the first of them, and `turn` is not looked at.
+    """
+
+    def __init__(
+        self, model: CycleModel | str | Path, *, speed: float | None = None, run: float | None = None,
+        turn: float = 0.0, style: str | Mapping[str, float] | None = None, path: ArrayLike | None = None,
+    ) -> None:  # fmt: skip
+        self.model = model if isinstance(model, CycleModel) else load_model(model)
+        self.time = 0.0
+        line = None if path is None else make_path(np.asarray(path, dtype=np.float64))
+        self._plan = self._row(speed, run, turn, style)
+        self._until = _KNOWN
+        self._foreseen = foresee(self.model, self._plan, line, Point(), self._until)
+        self._at_rest = frozen(self.model.skeleton.offsets)
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """The figure's joints."""
+        return self.model.skeleton
+
+    @property
+    def rig(self) -> Rig:
+        """Its legs and soles."""
+        return self.model.rig
+
+    def set(
+        self, *, speed: float | None = None, run: float | None = None, turn: float | None = None,
+        style: str | Mapping[str, float] | None = None, over: float = 1.0,
+    ) -> None:  # fmt: skip
+        """Ask for something else, from now on; what is not named goes to where it was going.
+
+        Args:
+            speed: [m/s].
+            run: 0 to walk, 1 to run, or between.
+            turn: [degrees/s] to the left.
+            style: a name, or weights by name; "" for the plain one.
+            over: [s] how long the change takes, a quarter of a second at least.
+        """
+        if not np.isfinite(over) or over < 0.0:
+            raise ArgumentError(f"over must be the seconds that a change takes, not {over!r}")
+        last = self._plan.at(self._plan.times[-1:])
+        new = self._row(speed, run, turn, style) if speed is not None else self._row(1.0, run, turn, style)
+        row = Plan(
+            last.times,
+            last.speed if speed is None else new.speed,
+            last.run if run is None else new.run,
+            last.turn if turn is None else new.turn,
+            last.style if style is None else new.style,
+        )
+        self._plan = self._plan.changed(self.time, max(over, SOONEST), row)
+        self._foresee(_KNOWN)
+
+    def step(self, dt: float) -> Frame:
+        """Go on by `dt` [s], and give the posture then."""
+        if not 0.0 <= dt < 10.0:
+            raise ArgumentError(f"dt must be the seconds since the last frame, not {dt!r}")
+        self.time += dt
+        if self._until - self.time < _LEAST:
+            self._foresee(_LONG)
+        found = postures(self.model, self._foreseen, np.array([self.time]))
+        down = dict(zip(found.names, found.contacts[0].tolist(), strict=True))
+        return Frame(self.time, self._places(found)[0], frozen(found.turns[0]), down)
+
+    def ahead(self, seconds: float, *, frames: int = 25) -> Ahead:
+        """What comes next: postures from now on, and where the feet are going to stand.
+
+        Args:
+            seconds: [s] how far.
+            frames: how many postures, at even times, the first of them now.
+        """
+        if not 0.0 < seconds <= 60.0 or frames < 1:
+            raise ArgumentError(f"ahead needs up to 60 seconds and a frame at least, not {seconds!r} and {frames!r}")
+        if self._until < self.time + seconds:
+            self._foresee(seconds + _LEAST)
+        times = np.linspace(self.time, self.time + seconds, frames)
+        found = postures(self.model, self._foreseen, times)
+        return Ahead(
+            times, self._places(found), frozen(found.turns), found.contacts, found.names, self._plants(seconds)
+        )  # fmt: skip
+
+    def clip(self, frames: Sequence[Frame], frame_time: float) -> Clip:
+        """Frames that were stepped through as a clip."""
+        positions = np.stack([each.positions for each in frames])
+        return Clip(self.skeleton, positions, np.stack([each.rotations for each in frames]), frame_time)
+
+    def _row(
+        self, speed: float | None, run: float | None, turn: float | None, style: str | Mapping[str, float] | None
+    ) -> Plan:
+        bounds = (("speed", speed, 0.0, 100.0), ("run", run, 0.0, 1.0), ("turn", turn, -720.0, 720.0))
+        for name, value, low, high in bounds:
+            if value is not None and not low <= value <= high:
+                raise ArgumentError(f"{name} must be {low:g} to {high:g}, not {value!r}")
+        weights = ({style: 1.0} if style else {}) if isinstance(style, str) else style
+        return plan_of([PlanRow(0.0, speed, run, turn, weights)], self.model)
+
+    def _foresee(self, seconds: float) -> None:
+        self._until = self.time + seconds
+        kept = np.append(self._plan.times[1:] > self.time - 4.0, True)  # what is long past is forgotten
+        names = ("times", "speed", "run", "turn", "style")
+        self._plan = Plan(*(getattr(self._plan, name)[kept] for name in names))
+        self._foreseen = changed(self.model, self._foreseen, self._plan, self.time, self._until)
+
+    def _places(self, found: Postures) -> Floats:
+        places = np.tile(self._at_rest, (len(found), 1, 1))
+        places[:, self.rig.root] = found.place
+        return frozen(places)
+
+    def _plants(self, seconds: float) -> dict[str, tuple[tuple[float, float, tuple[float, float, float]], ...]]:
+        out = {}
+        for sole in self.rig.soles:
+            own = []
+            for stance in self._foreseen.feet.stances[sole.leg]:
+                span = stance.span(sole.part)
+                if span is not None and span[1] > self.time and span[0] <= self.time + seconds:
+                    x, y, z = (stance.heel_place if sole.part == "heel" else stance.toe_place).tolist()
+                    own.append((*span, (x, y, z)))
+            out[sole.name] = tuple(own)
+        return out
+
+
+def fit_cycles(
+    files: Iterable[str | Path], settings: Settings | None = None, *, styles: Mapping[str, str] | None = None,
+    components: int | None = None,
+) -> Fitted:  # fmt: skip
+    """Fit a model to the straight walks and runs in clips of one skeleton.
+
+    Args:
+        files: the clips.
+        settings: how figures and contacts are found.
+        styles: file -> name of its style; files that are not named are plain.
+        components: the most principal components that a gait keeps.
+
+    Returns:
+        The model, the error of a file left out, and what was not used.
+
+    Raises:
+        InputError: there is too little to learn from; a clip that can't be read is passed over.
+    """
+    settings = check_settings(settings)
+    found, wrong = [], {}
+    names = {str(key): value for key, value in (styles or {}).items()}
+    for file in files:
+        try:
+            data = read_whole(file, settings.limits.bytes)
+            found.append(cycles_of_file(data, str(file), settings, style=names.get(str(file), "")))
+        except InputError as error:
+            wrong[str(file)] = str(error)
+    fitted = fit_files(found, components=components)
+    return Fitted(fitted.model, fitted.error, {**fitted.skipped, **wrong})
+
+
+def load_model(path: str | Path) -> CycleModel:
+    """Read a model of cycles.
+
+    Raises:
+        InputError: the file can't be read, or is none.
+    """
+    return _load_model(path)
+
+
+def save_model(path: str | Path, model: CycleModel) -> None:
+    """Write a model of cycles, whole or not at all."""
+    write_whole(Path(path), encode_model(model))

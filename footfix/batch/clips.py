@@ -1,0 +1,124 @@
+"""Files that hold several clips: each clip is a task of its own, and one result holds what came of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from footfix.batch.files import STDIN, read_whole
+from footfix.batch.task import FileResult, Task
+from footfix.errors import InputError
+from footfix.formats.suffixes import in_file
+
+if TYPE_CHECKING:
+    from footfix.formats.contacts import Labels
+
+_UNFIT = re.compile(r"[^\w\-+(). ]+")  # in a name of a file
+_LONGEST = 80  # letters of a clip's name in that of a file
+_NAMED = 12  # clips that a message lists
+
+
+def beside_of(task: Task) -> Callable[[str], bytes] | None:
+    """What reads files that a task's own file names; None for standard input, beside which there is nothing."""
+    if task.job.source == STDIN:
+        return None
+    folder = Path(task.folder, in_file(task.job.source)[0]).parent
+    return lambda path: read_whole(folder / path, task.settings.limits.bytes)
+
+
+def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
+    """The tasks of the clips that a file holds, those that are asked for; None where it holds one alone.
+
+    Args:
+        task: of the file.
+        data: its bytes.
+
+    Raises:
+        InputError: it can't be read, holds no clip, or not the one that is asked for.
+    """
+    from footfix.formats.document import clips_of
+
+    job = task.job
+    names = clips_of(data, name=job.source, limits=task.settings.limits, beside=beside_of(task))
+    asked = (job.clip,) if job.clip else task.animations
+    if names is None:
+        return None
+    chosen = [_chosen(names, each, job.source) for each in dict.fromkeys(asked)] or list(names)
+    if len(names) == 1:
+        return None
+    if task.labels is not None and len(chosen) > 1:
+        raise InputError(
+            f"the labels are of one clip, but {len(chosen)} are in the file", file=job.source,
+            hint="--animation NAME says which one, or name a folder with a label file for each",
+        )  # fmt: skip
+    ends = file_names(names)
+    return tuple(_part(task, name, ends[name]) for name in chosen)
+
+
+def file_names(names: Sequence[str]) -> dict[str, str]:
+    """What the names of clips become in names of files: each another one, even where case counts for nothing."""
+    found: dict[str, str] = {}
+    taken: set[str] = set()
+    count: dict[str, int] = {}
+    for name in names:
+        plain = _UNFIT.sub("_", name)[:_LONGEST].strip(". ") or "clip"
+        end = plain
+        while end.lower() in taken:
+            count[plain] = count.get(plain, 1) + 1
+            end = f"{plain}.{count[plain]}"
+        taken.add(end.lower())
+        found[name] = end
+    return found
+
+
+def together(task: Task, parts: Sequence[FileResult]) -> FileResult:
+    """The result of a file, of those of its clips."""
+    states = [part.status for part in parts]
+    order = ("over", "cleaned", "done", "unchanged", "failed")
+    return FileResult(
+        task.job.source,
+        next(each for each in order if each in states),
+        written=tuple(dict.fromkeys(path for part in parts for path in part.written)),
+        hashes={name: digest for part in parts for name, digest in part.hashes.items()},
+        skipped=all(part.skipped for part in parts),
+        bug=any(part.bug for part in parts),
+        parts=tuple(parts),
+    )
+
+
+def spread(result: FileResult) -> tuple[FileResult, ...]:
+    """The results of the clips of a file; its own where it holds one."""
+    return result.parts or (result,)
+
+
+def spread_pairs(tasks: Sequence[Task], results: Sequence[FileResult]) -> list[tuple[Task, FileResult]]:
+    """Tasks and results of every clip, those of files that hold several among them."""
+    return [
+        (replace(task, job=replace(task.job, name=named(task.job.name, part))) if result.parts else task, part)
+        for task, result in zip(tasks, results, strict=True)
+        for part in spread(result)
+    ]
+
+
+def named(name: str, part: FileResult) -> str:
+    """What a clip of a file is called in summaries."""
+    return f"{name}#{in_file(part.source)[1]}"
+
+
+def _part(task: Task, name: str, end: str) -> Task:
+    job, labels = task.job, task.labels
+    stem = None if job.stem is None else job.stem.with_name(f"{job.stem.name}.{end}")
+    own = replace(job, source=f"{job.source}#{name}", stem=stem, name=f"{job.name}#{name}", clip="", end=f".{end}")
+    given: Labels | None = task.clip_labels.get(end, labels)
+    return replace(task, job=own, labels=given)
+
+
+def _chosen(names: Sequence[str], wanted: str, file: str) -> str:
+    same = [name for name in names if name == wanted] or [name for name in names if name.lower() == wanted.lower()]
+    if len(same) == 1:
+        return same[0]
+    listed = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
+    raise InputError(f"it has no animation {wanted!r}", file=file, hint=f"there are {listed}")

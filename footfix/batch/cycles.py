@@ -1,0 +1,195 @@
+"""Cycles, from files to files: a model out of clips, and a clip out of a model."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from footfix.batch.ending import ended
+from footfix.batch.files import STDIN, read_whole, write_whole
+from footfix.batch.inputs import Source
+from footfix.batch.making import fingerprint, write_outputs
+from footfix.batch.outputs import plan as plan_outputs
+from footfix.batch.task import FileResult, Task, beside
+from footfix.errors import InputError, UsageError
+from footfix.formats.suffixes import STDIN_NAME
+
+if TYPE_CHECKING:
+    from footfix.fitting import FileCycles, Fitted
+    from footfix.formats.plans import PlanRow
+    from footfix.job import Outputs
+    from footfix.locomotion.model import CycleModel
+    from footfix.settings import Settings
+
+_MOST = 1 << 30  # [bytes] of a model
+_MOST_PLAN = 1 << 24  # [bytes]
+
+
+def run_fit(
+    found: Sequence[Source], output: Path, settings_of: Callable[[Path], Settings], *, styles: Mapping[str, str],
+    components: int | None, force: bool, told: Callable[[str, str, bool], None],
+) -> tuple[Fitted, tuple[str, ...]]:  # fmt: skip
+    """Fit a model to the clips of some files, and write it.
+
+    Args:
+        found: the files.
+        output: where the model goes.
+        settings_of: the settings for a file.
+        styles: glob -> name of the style of files that match; others have that of the folder they lie in.
+        components: the most of a gait.
+        force: whether a model that is there is overwritten.
+        told: hears of every file: its name, what was found or went wrong, and whether it went wrong.
+
+    Returns:
+        What was fitted, and the files that could not be used.
+
+    Raises:
+        UsageError: nothing can be done as it was asked for.
+        InputError: there is too little to learn from.
+    """
+    from footfix.fitting import cycles_of_file, fit_files
+    from footfix.formats.models import encode_model
+
+    check_output(output, (".npz",), [each.path for each in found], force=force)
+    files: list[FileCycles] = []
+    failed: list[str] = []
+    for each in found:
+        name = each.below.as_posix()
+        settings = settings_of(Path(each.path))
+        try:
+            data = _read(each.path, settings)
+            cycles = cycles_of_file(data, each.path, settings, style=_style(each, styles))
+        except InputError as error:
+            failed.append(each.path)
+            told(name, str(error), True)
+            continue
+        files.append(cycles)
+        told(name, cycles.told, False)
+    fitted = fit_files(files, components=components)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(output, encode_model(fitted.model))
+    return fitted, tuple(failed)
+
+
+def _style(source: Source, styles: Mapping[str, str]) -> str:
+    """The style of a file: by the first glob that it matches, else the folder it lies in, below the one named."""
+    for glob, name in styles.items():
+        if any(fnmatchcase(each, glob) for each in (source.below.as_posix(), source.below.name)):
+            return name
+    parts = source.below.parts[:-1]
+    return "" if styles or not parts or source.below.is_absolute() else parts[0]
+
+
+def check_output(output: Path, ends: Sequence[str], inputs: Sequence[str], *, force: bool) -> None:
+    """See that a file can be written.
+
+    Raises:
+        UsageError: it ends otherwise, is an input, or is there.
+    """
+    if output.suffix.lower() not in ends:
+        raise UsageError(f"-o {output}: end the name in {' or '.join(ends)}")
+    if os.path.realpath(output) in {os.path.realpath(each) for each in inputs}:
+        raise UsageError(f"{output} is itself an input; write elsewhere")
+    if output.exists() and not force:
+        raise UsageError(f"{output} is there already; --force overwrites it")
+
+
+def load_model(path: str | Path) -> CycleModel:
+    """Read a model.
+
+    Raises:
+        InputError: it can't be read.
+    """
+    from footfix.formats.models import decode_model
+
+    return decode_model(read_whole(path, _MOST), name=str(path))
+
+
+def load_plan(path: str | Path) -> tuple[PlanRow, ...]:
+    """Read a plan.
+
+    Raises:
+        InputError: it can't be read.
+    """
+    from footfix.formats.plans import decode_plan
+
+    return decode_plan(read_whole(path, _MOST_PLAN), name=str(path))
+
+
+def run_make(
+    model_file: str, rows: Sequence[PlanRow], output: Path, settings: Settings, *, seconds: float | None, fps: float,
+    path: str | None, force: bool, dry_run: bool,
+) -> FileResult:  # fmt: skip
+    """Make locomotion from a model, and write what came of it: all of it or nothing.
+
+    Args:
+        model_file: the file of the model.
+        rows: the plan.
+        output: the file to be written.
+        settings: what is written beside it.
+        seconds: [s] how long; None for as long as the plan, or the path.
+        fps: frames a second.
+        path: a file, or what names a shape.
+        force: whether outputs that are there are overwritten.
+        dry_run: whether nothing is written.
+
+    Raises:
+        UsageError: nothing can be done as it was asked for.
+    """
+    if output.suffix.lower() != ".bvh":
+        raise UsageError(f"-o {output}: what is written is BVH; end the name in .bvh")
+    (job,) = plan_outputs(
+        [Source(model_file, Path(model_file))], output=output, in_place=False, suffixes=lambda _: beside(settings),
+        force=force, dry_run=dry_run, one_file=True, ending="cycles",
+    )  # fmt: skip
+    task = Task(job, settings, dry_run=dry_run, folder=str(Path.cwd()))
+
+    def work() -> FileResult:
+        made = _made(model_file, rows, settings, seconds=seconds, fps=fps, path=path, output=output.name)
+        asked = f"{rows} {seconds} {fps} {path}".encode("utf-8", "surrogateescape")
+        return write_outputs(task, made, fingerprint(asked + read_whole(model_file, _MOST), settings, None))
+
+    begun = time.perf_counter()
+    return replace(ended(task, work), seconds=time.perf_counter() - begun)
+
+
+def _made(
+    model_file: str, rows: Sequence[PlanRow], settings: Settings, *, seconds: float | None, fps: float,
+    path: str | None, output: str,
+) -> Outputs:  # fmt: skip
+    import hashlib
+
+    import numpy as np
+
+    from footfix.making import make_file, plan_of
+
+    data = read_whole(model_file, _MOST)
+    model = load_model(model_file)
+    plan = plan_of(rows, model)
+    line = None
+    if path is not None:
+        from footfix.batch.follow import drawn
+        from footfix.locomotion.path import make_path
+
+        line = make_path(drawn(path).metres(settings.follow.unit))
+        if seconds is None and len(rows) == 1:
+            seconds = line.length / max(float(plan.speed[0]), 0.05)
+    if seconds is None:
+        seconds = float(np.max(plan.times)) if len(rows) > 1 else 10.0
+    source = {"file": Path(model_file).name, "sha256": hashlib.sha256(data).hexdigest()}
+    return make_file(model, plan, settings, seconds=seconds, fps=fps, source=source, line=line, output=output)
+
+
+def _read(name: str, settings: Settings) -> bytes:
+    from footfix.formats.document import glance
+
+    try:
+        return read_whole(name, settings.limits.bytes, partial(glance, name=name, limits=settings.limits))
+    except InputError as error:
+        raise error.within(name if name != STDIN else STDIN_NAME) from None

@@ -1,0 +1,125 @@
+"""Walks along a path, from files to files."""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from footfix.batch.ending import ended
+from footfix.batch.files import STDIN, read_whole
+from footfix.batch.inputs import Source
+from footfix.batch.making import fingerprint, write_outputs
+from footfix.batch.outputs import plan
+from footfix.batch.task import FileResult, Task, beside
+from footfix.errors import InputError, UsageError
+from footfix.formats.suffixes import STDIN_NAME
+
+if TYPE_CHECKING:
+    from footfix.formats.paths import DrawnPath
+    from footfix.settings import Settings
+
+_AT = re.compile(r"(.+)@((?:\d+\.?\d*|\.\d+)[sm])", re.IGNORECASE | re.DOTALL)
+_MOST = 1 << 26  # [bytes] of a path
+
+
+def named(text: str) -> tuple[str, str | None]:
+    """The file of a clip, and where it begins: walk.bvh@3s. What is a file's whole name is no more than that.
+
+    Raises:
+        UsageError: there is no such file.
+    """
+    if text == STDIN or Path(text).exists():
+        return text, None
+    found = _AT.fullmatch(text)
+    if found and (found[1] == STDIN or Path(found[1]).exists()):
+        return found[1], found[2]
+    name, sign, at = text.rpartition("@")
+    if sign and Path(name).exists():
+        raise UsageError(f"{text}: {at!r} is no place to begin; 3s and 8m are")
+    raise UsageError(f"{found[1] if found else text}: no such file")
+
+
+def drawn(text: str) -> DrawnPath:
+    """The path that a file holds, or that a text names.
+
+    Raises:
+        UsageError: it is neither.
+        InputError: the file holds no path.
+    """
+    from footfix.formats.paths import read_path, shape
+
+    if Path(text).is_file():
+        return read_path(read_whole(text, _MOST), text)
+    found = shape(text)
+    if found is None:
+        raise UsageError(
+            f"{text}: no such file, and no path; a CSV or SVG file is one, or line:10, circle:2, sine:1x6"
+        )
+    return found
+
+
+def run_follow(
+    path: str, clips: Sequence[tuple[str, str | None]], output: Path, settings: Settings, *, force: bool,
+    dry_run: bool,
+) -> FileResult:  # fmt: skip
+    """Lead the walks of some files along a path, and write what came of it: all of it or nothing.
+
+    Args:
+        path: a file, or what names a shape.
+        clips: files, and where each walk begins.
+        output: the file to be written.
+        settings: the parameters of all steps.
+        force: whether outputs that are there are overwritten.
+        dry_run: whether nothing is written.
+
+    Raises:
+        UsageError: nothing can be done as it was asked for.
+    """
+    from footfix.following import check_starts, start_of
+
+    ats = [start_of(at) for _, at in clips]
+    check_starts(ats, [name for name, _ in clips])
+    if output.suffix.lower() != ".bvh":
+        raise UsageError(f"-o {output}: what is written is BVH; end the name in .bvh")
+    for name, _ in clips:
+        if name != STDIN and Path(name).is_dir():
+            raise UsageError(f"{name} is a folder; name clips")
+    drawing = drawn(path)
+    source = Source(clips[0][0], Path(clips[0][0] if clips[0][0] != STDIN else STDIN_NAME))
+    inputs = {os.path.realpath(name) for name, _ in clips} | {os.path.realpath(path)}
+    if os.path.realpath(output) in inputs:
+        raise UsageError(f"{output} is itself an input; write elsewhere")
+    (job,) = plan(
+        [source], output=output, in_place=False, suffixes=lambda _: beside(settings), force=force, dry_run=dry_run,
+        one_file=True, ending="follow",
+    )  # fmt: skip
+    task = Task(job, settings, dry_run=dry_run, folder=str(Path.cwd()))
+
+    def work() -> FileResult:
+        from footfix.following import Part, follow_file
+
+        held: dict[str, bytes] = {}
+        for name, _ in clips:
+            held[name] = held[name] if name in held else _read(name, settings)
+        parts = [Part(held[name], name if name != STDIN else STDIN_NAME, at)
+                 for (name, _), at in zip(clips, ats, strict=True)]  # fmt: skip
+        made = follow_file(drawing, parts, settings, output=output.name)
+        return write_outputs(task, made, fingerprint(b"".join(held.values()), settings, None))
+
+    begun = time.perf_counter()
+    return replace(ended(task, work), seconds=time.perf_counter() - begun)
+
+
+def _read(name: str, settings: Settings) -> bytes:
+    from footfix.formats.document import glance
+
+    try:
+        return read_whole(name, settings.limits.bytes, partial(glance, name=name, limits=settings.limits))
+    except InputError as error:
+        raise error.within(name) from None

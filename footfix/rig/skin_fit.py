@@ -1,0 +1,326 @@
+"""A skin on the skeleton of a clip: which joints are which, how large it is, and where its soles are.
+
+The skeleton may be the skin's own, or another figure's with other names, other bone frames and other bone lengths.
+What they share is where joints are: so a foot is laid from ankle to toe joint, its sole level where the foot of the
+clip stands flat, and scaled by the length of the legs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.errors import InputError
+from footfix.motion import rotation
+from footfix.motion.clip import Floats, Ints
+from footfix.notes import Note
+from footfix.rig.mesh import FootMesh
+from footfix.rig.names import bare
+from footfix.rig.rig import Leg, SolePoint
+from footfix.rig.sample import Sample
+from footfix.rig.skin import Skin, SkinFoot, SkinLeg, feet_of, legs_of
+from footfix.rig.skin_vertices import LOW, kept, outline, spread, toes
+from footfix.rig.soles import Foot
+
+_SAME = float(np.cos(np.radians(4.0)))  # of bones in the same frames
+_SAME_SIZE = 0.01  # share by which bones differ that are the same but for the figure's size
+_SAME_UP = float(np.cos(np.radians(25.0)))  # of up in them; where they differ by more, they are other frames
+_MISMATCH = 0.05  # share by which the feet of skin and clip may differ
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """The feet of a skin on a clip.
+
+    Args:
+        meshes: of each leg.
+        points: heel and toe of each leg.
+        notes: what does not fit.
+        name: of the skin, for people.
+        how: by what the two skeletons were matched, for people.
+    """
+
+    meshes: tuple[FootMesh, ...]
+    points: tuple[SolePoint, ...]
+    notes: tuple[Note, ...]
+    name: str
+    how: str
+
+
+def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]) -> Fitted:
+    """Put a skin's feet on the legs of a clip.
+
+    Args:
+        skin: the character.
+        seen: frames of the clip [m], y up.
+        legs: of the clip.
+        feet: how each of its feet lies when it is flat.
+
+    Raises:
+        InputError: the skin has no such legs, or its feet move no vertices.
+    """
+    names = seen.skeleton.names
+    named = _by_names(skin, names, legs)
+    own = named or _by_shape(skin, legs)
+    soles = feet_of(skin, own)
+    # Straight from hip to knee to ankle in both, whatever joints lie between.
+    lengths = [seen.distance(leg.hip, leg.knee) + seen.distance(leg.knee, leg.ankle) for leg in legs]
+    scale = float(np.mean(lengths)) / soles[0].length
+    how = "joint names" if named else "the shape of its legs"
+    frames = _shared_frames(skin, seen, legs, own, feet, soles, named=bool(named))
+    meshes, points, notes = [], [], list[Note]()
+    for k, (leg, foot, sole) in enumerate(zip(legs, feet, soles, strict=True)):
+        if frames is None:
+            bound = _by_places(skin, sole, leg, foot, scale)
+        else:
+            bound = _by_frames(skin, sole, leg, frames, names, scale, named=bool(named))
+        meshes.append(_mesh(k, sole, bound, scale))
+        points += _points(k, leg, bound)
+    notes += _mismatch(skin, seen, legs, soles, scale)
+    return Fitted(tuple(meshes), tuple(points), tuple(notes), skin.name, how)
+
+
+def _by_names(skin: Skin, names: Sequence[str], legs: Sequence[Leg]) -> tuple[SkinLeg, ...] | None:
+    """Match joints by their names, without namespace and case; None where some are not there, or there twice."""
+    folded = [bare(name).casefold() for name in skin.names]
+
+    def find(joint: int) -> int | None:
+        hits = [k for k, name in enumerate(folded) if name == bare(names[joint]).casefold()]
+        # What hangs below a joint of its name is the mesh that moves with it.
+        return hits[0] if hits and skin.below(hits[0])[hits].all() else None
+
+    found = []
+    for leg in legs:
+        hip, knee, ankle = (find(joint) for joint in (leg.hip, leg.knee, leg.ankle))
+        if hip is None or knee is None or ankle is None:
+            return None
+        found.append(SkinLeg(leg.name, hip, knee, ankle, None if leg.toe is None else find(leg.toe)))
+    return tuple(found)
+
+
+def _by_shape(skin: Skin, legs: Sequence[Leg]) -> tuple[SkinLeg, ...]:
+    """Match legs by side and end of the body."""
+    found = {leg.name: leg for leg in legs_of(skin)}
+    if any(leg.name not in found for leg in legs):
+        mine, its = ", ".join(leg.name for leg in legs), ", ".join(found)
+        raise InputError(f"the clip's legs are {mine}, the skin's are {its}", file=skin.name)
+    return tuple(found[leg.name] for leg in legs)
+
+
+def _shared_frames(
+    skin: Skin, seen: Sample, legs: Sequence[Leg], own: Sequence[SkinLeg], feet: Sequence[Foot],
+    soles: Sequence[SkinFoot], *, named: bool,
+) -> Floats | None:  # fmt: skip
+    """Find the axes (J, 3, 3) of the skin's joints that the clip's frames are, if both have the same frames.
+
+    They do where the clip is the skin's own, or where it was exported with all frames as the world's in the pose of
+    binding. None where they differ: then only places of joints say anything.
+    """
+    local = np.median(seen.local, axis=0)  # (J, 3)
+    bones = [bone for leg, it in zip(legs, own, strict=True) for bone in _bones(skin, seen, leg, it)]
+    its = np.array([np.linalg.norm(skin.places[here] - skin.places[up]) for _, here, up in bones])
+    ratios = np.array([np.linalg.norm(local[there]) for there, _, _ in bones]) / np.maximum(its, 1e-12)
+    alike = len(ratios) > 0 and float(np.ptp(ratios)) < _SAME_SIZE * float(ratios.mean())
+    candidates = [skin.turns] if named else []
+    turn = _common_turn(skin, seen, legs, own)
+    if turn is not None:
+        candidates.append(np.broadcast_to(turn.T, skin.turns.shape))
+    for axes in candidates:
+        fits = all(
+            _alike(local[there], axes[up].T @ (skin.places[here] - skin.places[up]))
+            for there, here, up in bones
+        )
+        stands = all(
+            float((axes[sole.leg.ankle].T @ sole.up) @ foot.up) > _SAME_UP
+            for sole, foot in zip(soles, feet, strict=True)
+        )
+        if fits and (stands or (named and alike and axes is skin.turns)):
+            return axes
+    return None
+
+
+def _bones(skin: Skin, seen: Sample, leg: Leg, own: SkinLeg) -> list[tuple[int, int, int]]:
+    """List the bones into ankle and toe: (the clip's joint, the skin's joint, the skin's joint above it)."""
+    ends = [(leg.ankle, own.ankle)] + ([(leg.toe, own.toe)] if leg.toe is not None and own.toe is not None else [])
+    above = {leg.ankle: own.knee, leg.toe: own.ankle}
+    mine = {leg.ankle: leg.knee, leg.toe: leg.ankle}
+    return [
+        (there, here, above[there])
+        for there, here in ends
+        if int(seen.skeleton.parents[there]) == mine[there] and int(skin.parents[here]) == above[there]
+    ]
+
+
+def _common_turn(skin: Skin, seen: Sample, legs: Sequence[Leg], own: Sequence[SkinLeg]) -> Floats | None:
+    """Find the rotation (3, 3) from the skin's space to the clip's zero pose, in which all frames are the world's."""
+    skeleton = seen.skeleton
+    at = np.array(skeleton.offsets)
+    for joint, parent in enumerate(skeleton.parents.tolist()):
+        at[joint] += at[parent] if parent >= 0 else 0.0
+    pairs = [(leg.hip, leg.knee, leg.ankle, leg.toe) for leg in legs]
+    its = [(leg.hip, leg.knee, leg.ankle, leg.toe) for leg in own]
+    a, b = [], []
+    for mine, other in zip(pairs, its, strict=True):
+        for k in range(3):
+            if mine[k + 1] is not None and other[k + 1] is not None:
+                a.append(skin.places[other[k + 1]] - skin.places[other[k]])
+                b.append(at[mine[k + 1]] - at[mine[k]])
+    a.append(skin.places[its[0][0]] - skin.places[its[-1][0]])
+    b.append(at[pairs[0][0]] - at[pairs[-1][0]])
+    first, second = (np.array(each) / np.maximum(np.linalg.norm(each, axis=1, keepdims=True), 1e-12) for each in (a, b))
+    u, _, v = np.linalg.svd(second.T @ first)
+    turn = u @ np.diag([1.0, 1.0, float(np.sign(np.linalg.det(u @ v)))]) @ v
+    return turn if float(np.einsum("ni,ni->n", first @ turn.T, second).min()) > _SAME else None
+
+
+def _alike(one: Floats, other: Floats) -> bool:
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return size > 0.0 and float(one @ other) > _SAME * size
+
+
+@dataclass(frozen=True, eq=False)
+class _Bound:
+    """The vertices of a foot in the frames of the clip's joints: (V, k), (V, k), (V, k, 3); and its places likewise."""
+
+    joints: Ints
+    weights: Floats
+    offsets: Floats
+    heel: Floats  # (3,) in the ankle's frame
+    ball: Floats  # (3,) in the frame of the toe joint, or of the ankle where there is none
+
+
+def _by_frames(
+    skin: Skin, sole: SkinFoot, leg: Leg, axes: Floats, names: Sequence[str], scale: float, *, named: bool
+) -> _Bound:
+    """Bind a foot whose joints have the same frames in skin and clip (axes, (J, 3, 3)): as it is bound in the skin."""
+    to = _joints_in_clip(skin, sole.leg, leg, names, named=named)
+    own = np.flatnonzero(skin.moved_by(skin.below(sole.leg.ankle)) > 0.5)
+    which, weights = skin.joints[own], np.where(to[skin.joints[own]] >= 0, skin.weights[own], 0.0)
+    keep = np.maximum(weights.sum(axis=1, keepdims=True), 1e-9)
+
+    def seen_from(joint: int, points: Floats) -> Floats:
+        return np.asarray(scale * (points - skin.places[joint]) @ axes[joint])
+
+    # A joint that the clip does not have goes with the nearest one above it that it has.
+    anchors = _anchors(skin, to)
+    offsets = np.zeros((*which.shape, 3))
+    for joint in np.unique(which[weights > 0.0]).tolist():
+        rows = np.nonzero(which == joint)
+        offsets[rows] = seen_from(anchors[joint], skin.vertices[own[rows[0]]])
+    toe = sole.leg.ankle if leg.toe is None or sole.leg.toe is None else sole.leg.toe
+    joints = np.where(to[which] >= 0, to[which], leg.ankle)
+    return _Bound(
+        joints, weights / keep, offsets, seen_from(sole.leg.ankle, sole.heel), seen_from(toe, sole.ball)
+    )
+
+
+def _joints_in_clip(skin: Skin, own: SkinLeg, leg: Leg, names: Sequence[str], *, named: bool) -> Ints:
+    """Find (J,) the clip's joint that each of the skin's joints is or hangs on; -1 above the ankle or where unknown."""
+    folded = [bare(name).casefold() for name in names]
+    known = {own.ankle: leg.ankle}
+    if own.toe is not None and leg.toe is not None:
+        known[own.toe] = leg.toe
+    if named:
+        for joint, name in enumerate(skin.names):
+            if folded.count(bare(name).casefold()) == 1:
+                known.setdefault(joint, folded.index(bare(name).casefold()))
+    to = np.full(len(skin.names), -1, np.intp)
+    for joint, parent in enumerate(skin.parents.tolist()):
+        to[joint] = known.get(joint, to[parent] if parent >= 0 else -1)
+    return to
+
+
+def _anchors(skin: Skin, to: Ints) -> list[int]:
+    """For each joint of the skin the one, itself or above it, that stands for the clip's joint it hangs on."""
+    found: list[int] = []
+    for joint, parent in enumerate(skin.parents.tolist()):
+        found.append(found[parent] if parent >= 0 and to[joint] == to[parent] else joint)
+    return found
+
+
+def _by_places(skin: Skin, sole: SkinFoot, leg: Leg, foot: Foot, scale: float) -> _Bound:
+    """Bind a foot by where its ankle and toe joint are: level and straight ahead where the clip's foot lies flat."""
+    ankle = skin.places[sole.leg.ankle]
+    reach = None if sole.leg.toe is None else scale * float((skin.places[sole.leg.toe] - ankle) @ sole.ahead)
+    own = None if foot.ball is None else float(foot.ball @ foot.ahead)
+    longer = 0.0 if reach is None or own is None else own - reach
+
+    def in_ankle(points: Floats) -> Floats:
+        """(N, 3) in the frame of the clip's ankle; as much longer as the clip's foot is, up to the toe joint."""
+        from_it = scale * (points - ankle)
+        along, across, high = from_it @ sole.ahead, from_it @ sole.left, from_it @ sole.up
+        if reach is not None and reach > 0.0:
+            along = along + longer * np.clip(along / reach, 0.0, 1.0)
+        left = np.cross(foot.up, foot.ahead)
+        return np.asarray(np.outer(along, foot.ahead) + np.outer(across, left) + np.outer(high, foot.up))
+
+    at_ankle = in_ankle(sole.vertices)
+    heel, ball = in_ankle(np.stack([sole.heel, sole.ball]))
+    if leg.toe is None or foot.ball is None or foot.toe_turn is None:
+        ones = np.ones((len(at_ankle), 1))
+        return _Bound(np.full(ones.shape, leg.ankle, np.intp), ones, at_ankle[:, None], heel, ball)
+    ahead_of_it = at_ankle @ foot.ahead > float(foot.ball @ foot.ahead)
+    share = sole.share if sole.leg.toe is not None else ahead_of_it.astype(np.float64)
+    turn = rotation.inverse(foot.toe_turn)
+    at_toe = rotation.rotate(turn, at_ankle - foot.ball)
+    if sole.leg.toe is None:
+        ball = _below(foot, heel)
+    joints = np.broadcast_to(np.array([leg.ankle, leg.toe], np.intp), (len(share), 2))
+    weights, offsets = np.stack([1.0 - share, share], axis=1), np.stack([at_ankle, at_toe], axis=1)
+    return _Bound(joints, weights, offsets, heel, rotation.rotate(turn, ball - foot.ball))
+
+
+def _below(foot: Foot, heel: Floats) -> Floats:
+    """Find the place at the heel's level below the toe joint, in the ankle's frame."""
+    assert foot.ball is not None
+    return np.asarray(foot.ball + float((heel - foot.ball) @ foot.up) * foot.up)
+
+
+def _mesh(number: int, sole: SkinFoot, bound: _Bound, scale: float) -> FootMesh:
+    """Keep of a foot the vertices that can be its lowest, and those of its sole."""
+    part = toes(sole)
+    chosen = kept(sole, part)
+    number_of = {int(v): k for k, v in enumerate(chosen.tolist())}
+    low = sole.vertices @ sole.up - sole.level < LOW * sole.length
+    outlines = tuple(
+        tuple(number_of[v] for v in outline(sole, np.flatnonzero(low & own)))
+        for own in (sole.share <= 0.5, sole.share > 0.5)
+    )  # fmt: skip
+    whole = np.zeros(len(sole.vertices), np.bool_)
+    whole[spread(sole)] = True
+    return FootMesh(
+        number, bound.joints[chosen], bound.weights[chosen], bound.offsets[chosen], whole[chosen], part[chosen],
+        outlines,
+    )  # fmt: skip
+
+
+def _points(number: int, leg: Leg, bound: _Bound) -> list[SolePoint]:
+    def triple(vector: Floats) -> tuple[float, float, float]:
+        return float(vector[0]), float(vector[1]), float(vector[2])
+
+    toe = leg.ankle if leg.toe is None else leg.toe
+    return [
+        SolePoint(f"{leg.name}_heel", number, "heel", leg.ankle, triple(bound.heel)),
+        SolePoint(f"{leg.name}_toe", number, "toe", toe, triple(bound.ball)),
+    ]
+
+
+def _mismatch(
+    skin: Skin, seen: Sample, legs: Sequence[Leg], soles: Sequence[SkinFoot], scale: float
+) -> tuple[Note, ...]:  # fmt: skip
+    """Say how much longer the feet of the clip are than those of the skin, where that is more than it may be."""
+    ratios = []
+    for leg, sole in zip(legs, soles, strict=True):
+        if leg.toe is not None and sole.leg.toe is not None:
+            its = float(np.linalg.norm(skin.places[sole.leg.toe] - skin.places[sole.leg.ankle]))
+            ratios.append(seen.distance(leg.ankle, leg.toe) / max(scale * its, 1e-9))
+    ratio = float(np.mean(ratios)) if ratios else 1.0
+    if abs(ratio - 1.0) <= _MISMATCH:
+        return ()
+    text = (
+        f"the clip's feet are {abs(100.0 * (ratio - 1.0)):.0f} % {'longer' if ratio > 1.0 else 'shorter'} from ankle "
+        f"to toe joint than those of {skin.name}, scaled by the length of its legs; its soles may not be this figure's"
+    )
+    return (Note("skin-mismatch", text, "warning"),)

@@ -1,0 +1,153 @@
+"""Plants of a stream: what stands now, and where it stands for good."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
+from footfix.enforce.papers.ease import gamma
+from footfix.enforce.pins import Pins, height
+from footfix.motion.clip import Bools, Floats, Ints
+
+STANDING = (HEEL, TOE, ANKLE)  # the points that have plants; the ankle stands while heel and toe do
+_SETTLES = 0.2  # [s] in which a plant comes down to its floor
+_STRAYS = 0.25  # [leg lengths] a foot whose capture has gone so far from its place is let go
+_LANDS = 0.1  # [s] before that none is
+_SLIPS = 0.005  # [leg lengths] and so is one that could not be held
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """What plants stand on.
+
+    Args:
+        rest: (legs, 2) [m] usual height of heel and toe while planted.
+        nominal: (legs, 2) [m] height at which their soles are on the rig's floor.
+        tips: (legs,) [m] usual height of the toes' tips in a flat foot.
+        near: [m] what is nearer to the floor stands on it.
+        sink: [m] how deep a point may be in the floor.
+        leg_length: [m].
+        frame_time: [s].
+        heights: whether plants are drawn to their floor.
+    """
+
+    rest: Floats
+    nominal: Floats
+    tips: Floats
+    near: float
+    sink: float
+    leg_length: float
+    frame_time: float
+    heights: bool
+
+    def level(self, own: Floats, leg: int, point: int) -> float:
+        """[m] the height at which a point stands that was captured at heights (n,)."""
+        usual = float(np.median(own))
+        if point == ANKLE:
+            return usual
+        return height(usual, float(self.rest[leg, point]), float(self.nominal[leg, point]), self.near)
+
+    def step(self, level: float, leg: int, point: int) -> float:
+        """[m] how much higher than the rig's the floor is on which a point stands at a level [m]."""
+        up = level - float(self.rest[leg, point])
+        return up if abs(up) >= self.near else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A point of a foot that stands.
+
+    Args:
+        start: number of its first frame.
+        level: [m] the height it comes to stand at.
+        belt: (3,) [m] that its ground moves in a frame.
+        place: (3,) [m] where it stands in frame `at`, once that was shown; None while it still lands.
+        at: number of that frame.
+        free: whether it was let go.
+    """
+
+    start: int
+    level: float
+    belt: Floats
+    place: Floats | None = None
+    at: int = 0
+    free: bool = False
+
+    def places(self, frames: Ints, frame_time: float) -> Floats:
+        """(3, n) [m] where it stands in some frames; it comes to its level once and for all (G eq. 10, 11)."""
+        assert self.place is not None
+        gone = frames - self.at
+        out = self.place[:, None] + self.belt[:, None] * gone
+        fall = gamma(np.asarray(gone * frame_time / _SETTLES, dtype=np.float64))
+        out[1] = fall * self.place[1] + (1.0 - fall) * self.level
+        return np.asarray(out)
+
+
+@dataclass(frozen=True, eq=False)
+class Foot:
+    """What a stream knows of one foot.
+
+    Args:
+        plants: of heel, toe and ankle; None where one does not stand.
+        step: [m] how much higher than the rig's the floor is on which it last stood.
+    """
+
+    plants: tuple[Plant | None, ...] = (None, None, None)
+    step: float = 0.0
+
+
+def masks(on: Bools) -> tuple[Bools, ...]:
+    """Lay out when heel, toe, ankle and tip are to stand, of (n, 2) when heel and toe are planted."""
+    return on[:, 0], on[:, 1], on[:, 0] & on[:, 1], on[:, 1]
+
+
+def follow(
+    foot: Foot, leg: LegTracks, k: int, places: Sequence[Floats], pins: Sequence[Pins], on: Bools, window: Ints,
+    shown: slice, ground: Ground, belt: Floats,
+) -> Foot:  # fmt: skip
+    """Keep account of a foot's plants after frames were shown.
+
+    Args:
+        foot: before.
+        leg: as captured over the window, n frames.
+        k: which leg.
+        places: of its points over the window, (3, n) [m] each, as corrected.
+        pins: what was asked of them.
+        on: (n, 2) when heel and toe are planted.
+        window: (n,) numbers of its frames.
+        shown: which of them were shown just now.
+        ground: what plants stand on.
+        belt: (3,) [m] that the ground of new plants moves in a frame.
+    """
+    plants, step = list(foot.plants), foot.step
+    for point, mask in zip(STANDING, masks(on), strict=False):
+        plant = plants[point]
+        for t in range(shown.start, shown.stop):
+            if not mask[t]:
+                plant = None
+            elif plant is None:
+                level = ground.level(leg.place(point)[1, t : t + int(np.argmin(np.append(mask[t:], False)))], k, point)
+                step = step if point == ANKLE else ground.step(level, k, point)
+                plant = Plant(int(window[t]), level, belt)
+            if plant is not None and plant.place is None and window[t] > plant.start:
+                here = places[point][:, t].copy()
+                if pins[point].placed[t]:
+                    here[::2] = pins[point].place[::2, t]
+                keeps = point == ANKLE or not ground.heights
+                plant = replace(plant, place=here, at=int(window[t]), level=float(here[1]) if keeps else plant.level)
+        plants[point] = plant and _held(plant, leg.place(point), places[point], window, shown.stop - 1, ground)
+    return Foot(tuple(plants), step)
+
+
+def _held(plant: Plant, captured: Floats, place: Floats, window: Ints, last: int, ground: Ground) -> Plant:
+    """The plant, let go where its foot has left it or can't be held."""
+    if plant.place is None or plant.free:
+        return plant
+    stands = plant.places(window[last : last + 1], ground.frame_time)[:, 0]
+    strays, slips = (float(np.hypot(*(each[:, last] - stands)[[0, 2]])) for each in (captured, place))
+    settled = (window[last] - plant.start) * ground.frame_time > _LANDS
+    free = settled and (strays > _STRAYS * ground.leg_length or slips > _SLIPS * ground.leg_length)
+    return replace(plant, free=free)

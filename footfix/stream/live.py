@@ -1,0 +1,215 @@
+"""A live figure: frames in, frames out after a fixed look-ahead, its feet held where they are planted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from footfix.errors import UsageError
+from footfix.formats.bvh.channels import placed, position_base, to_clip
+from footfix.formats.bvh.document import Document
+from footfix.motion.clip import Clip, Floats, Skeleton, frozen
+from footfix.notes import Note
+from footfix.rig.units import infer_units
+from footfix.settings import Settings
+from footfix.stream.calibration import LEAST, calibrate
+from footfix.stream.codec import Arrays, Channels
+from footfix.stream.engine import HOP, Engine, Shown, frames_of
+from footfix.stream.part import Part, part_of
+
+Before = Literal["pass", "wait"]
+MOST = 5.0  # [s] of look-ahead; for more, wait for the end and clean the whole
+_FEWEST = 12  # frames of which a figure can be told
+_REMEMBERED = 2.0  # [s] that detection looks back
+
+
+@dataclass(frozen=True, kw_only=True)
+class StreamParams:
+    """How a stream waits.
+
+    Args:
+        look_ahead: for how long a frame waits for what follows it [s].
+        calibration: of the figure's first motion by which legs, floor and unit are told [s].
+        before: frames before that "pass" as they are, or "wait" and are corrected, too.
+    """
+
+    look_ahead: float = 0.15
+    calibration: float = 2.0
+    before: Before = "pass"
+
+
+class Live:
+    """A stream of rows of numbers, of a file's channels or of arrays."""
+
+    def __init__(
+        self, source: Document | Skeleton, frame_time: float, settings: Settings, params: StreamParams,
+        *, known: Document | Clip | None = None, told: Callable[[Note], None] | None = None,
+    ) -> None:  # fmt: skip
+        """Begin.
+
+        Args:
+            source: the header of a file, or the joints that arrays are of.
+            frame_time: [s].
+            settings: how the figure is found, and its contacts detected and enforced.
+            params: how frames wait.
+            known: a motion of the same figure to calibrate on; else the first seconds of the stream are.
+            told: is called with what calibration has to tell.
+
+        Raises:
+            UsageError: the settings ask for what only a whole clip can have.
+        """
+        enforce = settings.enforce
+        if enforce.method == "root" or enforce.solver != "whole_clip":
+            raise UsageError("a stream is corrected by enforce.method ik or both, with enforce.solver whole_clip")
+        if settings.detect.method != "auto":
+            raise UsageError("contacts of a stream are found by detect.method auto alone; the others need a whole clip")
+        if not 0.0 <= params.look_ahead <= MOST:
+            raise UsageError(f"look_ahead must be 0 to {MOST:g} seconds, not {params.look_ahead:g}")
+        self._source, self._frame_time, self._settings, self._params = source, frame_time, settings, params
+        self._told = told or (lambda note: None)
+        self._columns = len(source.channels) if isinstance(source, Document) else 7 * len(source)
+        self.effectors: tuple[str, ...] = ()
+        self._engine: Engine | None = None
+        self._figure: tuple[Part, Document | Skeleton] | None = None
+        self._held: list[Floats] = []  # rows before calibration, those that were given out among them
+        self._given = 0  # of these
+        self._out = 0  # frames that were given out, in all
+        self._base = self._offset = 0  # numbers of the first frame since the last start, and of the engine's
+        self._paced()
+        if known is not None:
+            self._begin(*self._measured(known))
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether the figure is known."""
+        return self._engine is not None
+
+    def _paced(self) -> None:
+        """Count waits in frames of the rate there is."""
+        ahead, hop = frames_of(self._params.look_ahead, self._frame_time), max(1, frames_of(HOP, self._frame_time))
+        self.delay = ahead + hop - 1
+        self._wanted = max(_FEWEST, round(self._params.calibration / self._frame_time))
+
+    def push(self, rows: Floats) -> list[Shown]:
+        """Take the next rows (n, C); give out those that are due."""
+        out = self._pushed(rows)
+        self._out += len(out)
+        return out
+
+    def close(self) -> list[Shown]:
+        """Give out all that is left; no frames follow."""
+        out = self._closed()
+        self._out += len(out)
+        return out
+
+    def _pushed(self, rows: Floats) -> list[Shown]:
+        if self._engine is not None:
+            return self._counted(self._engine.push(rows))
+        out: list[Shown] = []
+        for k, row in enumerate(rows):
+            self._held.append(np.array(row))
+            if len(self._held) >= self._wanted:
+                return out + self._calibrated() + self._pushed(rows[k + 1 :])
+            if self._params.before == "pass" and len(self._held) - self._given > self.delay:
+                out.append(self._as_it_is(self._given))
+                self._given += 1
+        return out
+
+    def _closed(self) -> list[Shown]:
+        out: list[Shown] = []
+        if self._engine is None and len(self._held) >= max(_FEWEST, LEAST / self._frame_time):
+            out += self._calibrated()
+        if self._engine is not None:
+            return out + self._counted(self._engine.close())
+        out += [self._as_it_is(number) for number in range(self._given, len(self._held))]
+        self._given = len(self._held)
+        return out
+
+    def restart(self, frame_time: float) -> list[Shown]:
+        """Give out all that is left, and go on with what is no continuation of it: another take, or another rate.
+
+        Args:
+            frame_time: [s] from now on.
+        """
+        out = self.close()
+        self._base, self._given, self._frame_time = self._out, 0, frame_time
+        self._held.clear()
+        self._paced()
+        if self._figure is not None:
+            self._start(*self._figure)
+        return out
+
+    def _as_it_is(self, number: int) -> Shown:
+        return Shown(self._base + number, self._held[number], np.zeros(len(self.effectors), dtype=np.bool_), ())
+
+    def _calibrated(self) -> list[Shown]:
+        """Calibrate on the rows that are held, and let the engine go on from there."""
+        rows = np.stack(self._held)
+        clip, source = self._clip(rows)
+        since = max(self._given - round(_REMEMBERED / self._frame_time), 0)
+        self._begin(clip, source, since)
+        self._held.clear()
+        assert self._engine is not None
+        return self._counted(self._engine.push(rows[since:]))
+
+    def _clip(self, rows: Floats) -> tuple[Clip, Document | Skeleton]:
+        """The motion of rows [m], y up, and the source with the unit, axis and bones it is found to have."""
+        source = self._source
+        if isinstance(source, Skeleton):
+            joints = len(source)
+            places, turns = rows[:, : 3 * joints], rows[:, 3 * joints :]
+            n = len(rows)
+            return Clip(source, places.reshape(n, joints, 3), turns.reshape(n, joints, 4), self._frame_time), source
+        base = position_base(source.skeleton, source.channels, lambda column: rows[:, column], len(rows))
+        in_file = to_clip(source.skeleton, source.channels, rows, base, self._frame_time)
+        found = infer_units(in_file, self._settings.rig)
+        for note in found.notes:
+            self._told(note)
+        document = replace(source, base=frozen(base)).placed(unit_m=found.unit_m, up=found.up)
+        return placed(in_file, document.unit_m, document.up), document
+
+    def _measured(self, known: Document | Clip) -> tuple[Clip, Document | Skeleton]:
+        """The motion of another recording of the figure, and the source with unit, axis and bones as there."""
+        if isinstance(known, Clip):
+            return known, self._source
+        if not isinstance(self._source, Document):
+            return known.clip, self._source
+        found = infer_units(known.clip, self._settings.rig) if known.unit_m == 1.0 and known.up == "y" else known
+        document = known.placed(unit_m=found.unit_m, up=found.up)
+        return document.clip, replace(self._source, base=document.base).placed(unit_m=found.unit_m, up=found.up)
+
+    def _begin(self, clip: Clip, source: Document | Skeleton, since: int = 0) -> None:
+        """Begin with the frames from `since` on, of a figure that moves as in a clip."""
+        found = calibrate(clip, self._settings)
+        for note in found.notes:
+            self._told(note)
+        self.effectors = tuple(sole.name for sole in found.rig.soles)
+        self._figure = part_of(clip.skeleton, found), source
+        self._start(*self._figure, since=since)
+
+    def _start(self, part: Part, source: Document | Skeleton, *, since: int = 0) -> None:
+        """Begin with the frames from `since` on of those that are held."""
+        codec: Channels | Arrays
+        if isinstance(source, Document):
+            codec = Channels(source, part, self._frame_time)
+        else:
+            codec = Arrays(source, part, self._frame_time)
+        self._engine = Engine(
+            part, codec, self._columns, self._frame_time, self._settings, self._params.look_ahead, self._given - since
+        )
+        self._offset = self._base + since
+
+    def _counted(self, shown: Sequence[Shown]) -> list[Shown]:
+        """Frames of the engine, counted since the stream began."""
+        if not self._offset:
+            return list(shown)
+        return [
+            replace(
+                each, number=each.number + self._offset,
+                events=tuple(event.moved(self._offset, self._frame_time) for event in each.events),
+            )
+            for each in shown
+        ]  # fmt: skip

@@ -1,0 +1,212 @@
+"""The commands on glTF files: every animation is a clip of its own, and one file holds what changed in any."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+import artefacts
+import jsonschema
+import numpy as np
+import pytest
+from conftest import SHARED
+from glbmaker import binary_of, character, tree_of, world
+from walks import walk
+
+import footfix
+from footfix import cli
+
+Run = Callable[..., tuple[int, str, str]]
+QUICK = ("--report", "json", "-j1")
+
+
+@cache
+def glb() -> bytes:
+    """A character as Mixamo's are: in centimetres, z up, its rest pose in mid-step; a walk that skates, and another."""
+    skating = artefacts.wander(artefacts.drift(walk("walk", 30.0, 2.0).clip, 0.05), 0.03)
+    on_the_spot = artefacts.retarget(walk("treadmill", 30.0, 2.0).clip, 1.05)
+    return character({"Walk": skating, "On the/spot": on_the_spot}, scale=0.01, z_up=True, mid_step=True).glb()
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+    def call(*args: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
+        code = cli.run()
+        said = capfd.readouterr()
+        return code, str(said.out), str(said.err)
+
+    return call
+
+
+@pytest.fixture
+def figure(tmp_path: Path) -> Path:
+    path = tmp_path / "in" / "figure.glb"
+    path.parent.mkdir()
+    path.write_bytes(glb())
+    return path
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def test_every_animation_is_cleaned_and_only_they_change(run: Run, figure: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    code, _, said = run("clean", figure, "-o", out, *QUICK)
+    assert code == 0 and "figure.glb#Walk" in said
+    assert names(out) == [
+        "figure.On the_spot.contacts.json", "figure.On the_spot.report.json", "figure.Walk.contacts.json",
+        "figure.Walk.report.json", "figure.glb",
+    ]  # fmt: skip
+    report = json.loads((out / "figure.Walk.report.json").read_text())
+    assert report["source"]["file"] == "figure.glb#Walk" and report["output"] == "figure.glb"
+    assert report["before"]["slide_mm"] > 21.0 and report["after"]["slide_mm"] < 3.0
+    old, new = tree_of(figure.read_bytes()), tree_of((out / "figure.glb").read_bytes())
+    assert all(new[key] == old[key] for key in ("meshes", "materials", "images", "skins", "nodes"))
+    assert binary_of((out / "figure.glb").read_bytes()).startswith(binary_of(figure.read_bytes()))
+
+
+def test_planted_toes_stand_in_the_file_as_another_reader_sees_it(run: Run, figure: Path, tmp_path: Path) -> None:
+    assert run("clean", figure, "-o", tmp_path / "out", *QUICK)[0] == 0
+    labels = json.loads((tmp_path / "out" / "figure.Walk.contacts.json").read_text())
+    slides = {}
+    for path in (figure, tmp_path / "out" / "figure.glb"):
+        seen = world(path.read_bytes(), 0, np.arange(labels["source"]["frames"]) * labels["source"]["frame_time"])
+        slides[path] = [
+            1000.0 * float(np.linalg.norm(track - np.median(track, axis=0), axis=1).max())
+            for effector in labels["effectors"] if effector["part"] == "toe"
+            for contact in effector["contacts"]
+            if len(track := seen[effector["joint"]][contact["start"] + 1 : contact["end"] - 1][:, [0, 2]])
+        ]  # fmt: skip
+    before, after = slides.values()
+    assert max(before) > 21.0 and max(after) < 3.0
+
+
+def test_one_animation_alone(run: Run, figure: Path, tmp_path: Path) -> None:
+    named, chosen = tmp_path / "named", tmp_path / "chosen"
+    assert run("clean", f"{figure}#Walk", "-o", named / "mine.glb", *QUICK)[0] == 0
+    assert run("clean", figure, "--animation", "walk", "-o", chosen, *QUICK)[0] == 0
+    assert names(named) == ["mine.Walk.contacts.json", "mine.Walk.report.json", "mine.glb"]
+    assert (named / "mine.glb").read_bytes() == (chosen / "figure.glb").read_bytes()
+    old, new = tree_of(figure.read_bytes()), tree_of((named / "mine.glb").read_bytes())
+    assert new["animations"][1] == old["animations"][1] and new["animations"][0] != old["animations"][0]
+    code, _, said = run("clean", figure, "--animation", "Nope", "-o", tmp_path / "no", *QUICK)
+    assert code == 3 and "Walk" in said and not (tmp_path / "no" / "figure.glb").exists()
+
+
+def test_cleaned_again_it_stays_the_same_file(run: Run, figure: Path, tmp_path: Path) -> None:
+    assert run("clean", figure, *QUICK)[0] == 0
+    clean = figure.with_name("figure.clean.glb")
+    assert run("clean", clean, "-o", tmp_path / "again", *QUICK)[0] == 0
+    assert (tmp_path / "again" / clean.name).read_bytes() == clean.read_bytes()
+
+
+def test_processes_and_resume_make_the_same(run: Run, figure: Path, tmp_path: Path) -> None:
+    for k in range(4):
+        figure.with_name(f"more{k}.vrma").write_bytes(character({"Walk": walk("walk", 30.0, 1.0).clip}).glb())
+    one, two = tmp_path / "one", tmp_path / "two"
+    assert run("clean", figure.parent, "-o", one, *QUICK)[0] == 0
+    assert run("clean", figure.parent, "-o", two, "--report", "json", "-j2")[0] == 0
+    assert names(one) == names(two)
+    assert all((one / name).read_bytes() == (two / name).read_bytes() for name in names(one))
+    summary = json.loads((one / "summary.json").read_text())
+    assert summary["clips"]["total"] == 6 and summary["files"][0]["source"] == "figure.glb#Walk"
+    code, _, said = run("clean", figure.parent, "-o", one, "--resume", *QUICK)
+    assert code == 0 and "done before" in said
+    assert json.loads((one / "summary.json").read_text()) == summary
+
+
+def test_labels_come_from_a_folder(run: Run, figure: Path, tmp_path: Path) -> None:
+    labels = tmp_path / "labels"
+    assert run("detect", figure, "-o", labels)[0] == 0
+    assert names(labels) == ["figure.On the_spot.contacts.json", "figure.Walk.contacts.json"]
+    assert run("clean", figure, "--labels", labels, "-o", tmp_path / "out", *QUICK)[0] == 0
+    one = labels / "figure.Walk.contacts.json"
+    assert run("clean", figure, "--labels", one, "--animation", "Walk", "-o", tmp_path / "alone", *QUICK)[0] == 0
+    code, _, said = run("clean", figure, "--labels", one, "-o", tmp_path / "no", *QUICK)
+    assert code == 3 and "--animation" in said
+
+
+def test_events_stand_beside_it_and_in_a_copy(run: Run, figure: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run("detect", figure, "--events", "-o", out)[0] == 0
+    told = json.loads((out / "figure.Walk.events.json").read_text())
+    contacts = json.loads((out / "figure.Walk.contacts.json").read_text())
+    starts = sorted(each["start"] for effector in contacts["effectors"] for each in effector["contacts"])
+    assert [each["frame"] for each in told["events"] if each["event"] == "strike"] == starts
+    jsonschema.validate(
+        told, json.loads((resources.files("footfix.report") / "schemas" / "events.v1.json").read_text())
+    )
+    copy = tree_of((out / "figure.events.glb").read_bytes())
+    assert copy["animations"][0]["extras"]["footfix_events"] == told["events"]
+    assert binary_of((out / "figure.events.glb").read_bytes()) == binary_of(figure.read_bytes())
+
+
+def test_check_inspect_and_loop_take_them(run: Run, figure: Path, tmp_path: Path) -> None:
+    assert run("check", figure)[0] == 1
+    code, said, _ = run("inspect", figure)
+    assert code == 0 and "figure.glb#Walk: 61 frames" in said and "figure.glb#On the/spot" in said
+    assert run("loop", figure, "--in-place", "-o", tmp_path / "loop", *QUICK)[0] == 0
+    data = (tmp_path / "loop" / "figure.glb").read_bytes()
+    length = json.loads((tmp_path / "loop" / "figure.Walk.report.json").read_text())["loop"]["frames"]
+    ends = {tree_of(data)["accessors"][s["input"]]["max"][0] for s in tree_of(data)["animations"][0]["samplers"]}
+    assert max(ends) == pytest.approx((length - 1) / 30.0, abs=1e-5)
+    seen = world(data, 0, [0.0, (length - 1) / 30.0])
+    pose = np.stack([track for name, track in seen.items() if name != "Armature" and "Body" not in name])
+    np.testing.assert_allclose(pose[:, 0], pose[:, 1], atol=1e-5)
+
+
+def test_a_text_file_goes_with_the_files_it_names(run: Run, tmp_path: Path) -> None:
+    made = character({"Walk": artefacts.drift(walk("walk", 30.0, 1.5).clip, 0.05)})
+    source = tmp_path / "in" / "figure.gltf"
+    (source.parent / "data").mkdir(parents=True)
+    source.write_bytes(made.gltf("data/numbers.bin"))
+    (source.parent / "data" / "numbers.bin").write_bytes(bytes(made.data))
+    assert run("clean", source, "-o", tmp_path / "out", *QUICK)[0] == 0
+    assert (tmp_path / "out" / "data" / "numbers.bin").read_bytes() == bytes(made.data)
+    assert footfix.load(tmp_path / "out" / "figure.gltf").frames == 46
+    (source.parent / "data" / "numbers.bin").unlink()
+    code, _, said = run("clean", source, "-o", tmp_path / "no", *QUICK)
+    assert code == 3 and "numbers.bin" in said
+
+
+def test_from_python(figure: Path, tmp_path: Path) -> None:
+    assert footfix.animations(figure) == ("Walk", "On the/spot")
+    document = footfix.load(figure, animation="Walk")
+    result = footfix.clean(document.clip)
+    footfix.save(tmp_path / "out.glb", result.clip, like=document)
+    again = footfix.load(f"{tmp_path / 'out.glb'}#Walk")
+    np.testing.assert_allclose(again.clip.rotations, result.clip.rotations, atol=1e-6)
+    with pytest.raises(footfix.InputError, match="2 animations"):
+        footfix.load(figure)
+    with pytest.raises(footfix.ArgumentError, match="like"):
+        footfix.save(tmp_path / "no.glb", result.clip)
+    assert footfix.clean_file(f"{figure}#Walk").status == "cleaned"
+
+
+def test_damaged_files_leave_nothing_half_written(run: Run, tmp_path: Path) -> None:
+    random, data, folder = np.random.default_rng(0), glb(), tmp_path / "in"
+    folder.mkdir()
+    for k in range(20):
+        at = int(random.integers(len(data)))
+        torn = data[:at] if k % 2 else data[:at] + data[at + 13 :]
+        (folder / f"{k:02d}.glb").write_bytes(torn)
+    code, _, said = run("clean", folder, "-o", tmp_path / "out", *QUICK)
+    assert code == 3 and "Traceback" not in said and "bug" not in said
+    assert names(tmp_path / "out") == [".footfix/run.jsonl", "summary.json"]
+
+
+def test_animals_of_games_stand_where_they_are_planted(run: Run, tmp_path: Path) -> None:
+    path = SHARED / "glb" / "horse-animations.glb"
+    if not path.exists():
+        pytest.skip(f"no file: {path} is absent")
+    assert run("clean", f"{path}#Walk", "-o", tmp_path, *QUICK)[0] == 0
+    report = json.loads((tmp_path / "horse-animations.Walk.report.json").read_text())
+    assert {note["id"] for note in report["notes"]} >= {"cycle", "in-place"}
+    assert max(plant["slide_before_mm"] for plant in report["plants"]) > 21.0
+    assert max(plant["slide_after_mm"] for plant in report["plants"]) < 21.0

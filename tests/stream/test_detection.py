@@ -1,0 +1,71 @@
+"""Detection that goes along says of the newest frames what detection says of a clip that ends with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from streams import cut, sample
+
+import footfix
+from footfix.detect import fitted
+from footfix.detect.auto import AutoParams, auto
+from footfix.detect.evidence import STEP, evidence, resample
+from footfix.detect.tracks import Tracks, tracks_of
+from footfix.motion.smoothing import savgol
+from footfix.stream.detection import Detector, logits
+from footfix.stream.filters import filtered
+from footfix.stream.grid import Grid
+from footfix.stream.weigh import weigh
+
+
+def tracks(name: str) -> Tracks:
+    clip = sample(name).clip
+    return tracks_of(clip, footfix.find_rig(clip))
+
+
+@pytest.mark.parametrize("hop", [1, 3, 7])
+def test_the_grid_is_the_one_of_the_whole_clip(hop: int) -> None:
+    whole = cut(tracks("walk_skate"), 0, 120)
+    grid = Grid(2, whole.leg_length, whole.frame_time)
+    for start in range(0, len(whole), hop):
+        grid.add(cut(whole, start, start + hop))
+    known = resample(whole).tracks
+    assert np.allclose(grid.steps.view(0)[:, 4], known.feet[0].toe, atol=1e-12)
+    assert np.allclose(grid.steps.view(0)[:, 0], known.pelvis, atol=1e-12)
+
+
+def test_evidence_of_the_newest_steps_is_that_of_the_whole_clip() -> None:
+    whole = cut(tracks("walk_skate"), 0, 110)
+    grid = Grid(2, whole.leg_length, whole.frame_time)
+    grid.add(whole)
+    sampled = resample(whole)
+    found, _ = weigh(grid.steps.view(0), 60, sampled.mates, sampled.jitter)
+    network = fitted.network()
+    for ours, theirs in zip(found, evidence(sampled), strict=True):
+        assert np.allclose(ours, theirs[-60:], atol=1e-9)
+    answers = logits(network, found, 20)
+    assert np.allclose(answers[1], network.logits(evidence(sampled)[1])[-20:], atol=1e-9)
+
+
+def test_a_filter_is_a_product_with_a_matrix() -> None:
+    x = np.random.default_rng(3).normal(size=(50, 2, 3))
+    for window in ({"seconds": 0.09, "degree": 2, "derivative": 2}, {"seconds": 0.25, "degree": 1}):
+        assert np.allclose(filtered(x, **window), savgol(x, STEP, **window), atol=1e-9)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["walk_skate", "run", "stairs"])
+def test_contacts_are_those_of_the_whole_clip_but_for_a_few_frames(name: str) -> None:
+    whole = tracks(name)
+    sampled = resample(whole)
+    detector = Detector(
+        [foot.side for foot in whole.feet], sampled.mates, sampled.jitter, whole.leg_length, whole.frame_time, 0.15,
+        AutoParams(),
+    )  # fmt: skip
+    ahead = round(0.15 / whole.frame_time)
+    told = np.zeros((len(whole), 4), dtype=np.bool_)
+    for frame in range(len(whole)):
+        detector.add(cut(whole, frame, frame + 1))
+        if frame >= ahead:
+            told[frame - ahead] = detector.see(frame - ahead).down[0]
+    told[-ahead:] = detector.see(len(whole) - ahead).down
+    assert np.mean(told == auto(whole, AutoParams()).mask) > 0.97
