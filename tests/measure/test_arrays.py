@@ -19,7 +19,7 @@ def test_arrays_are_measured_as_clips_are() -> None:
     assert arrays.skating_ratio(POINTS, DT, rest=0.01) == clip.skating_ratio(TRACKS, [0.01] * 3, DT) > 0.0
     assert arrays.skating_ratio(POINTS, DT, rest=[0.0, 9.0, -9.0]) == clip.skating_ratio(TRACKS, [0.0, 9.0, -9.0], DT)
     assert arrays.weighted_skate(POINTS, DT, floor=0.01, height=0.05) == clip.weighted_skate(TRACKS, 0.01, DT, 0.05) > 0
-    assert tuple(arrays.physdiff(POINTS, floor=-0.02, tolerance=0.01)) == clip.physdiff(TRACKS, -0.02, 0.01)
+    assert tuple(arrays.physdiff(POINTS, floor=-0.02, tolerance=0.01)) == clip.physdiff(TRACKS, -0.02, tolerance=0.01)
 
 
 def test_jitter_of_a_cubic_is_its_third_derivative() -> None:
