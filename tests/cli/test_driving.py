@@ -173,7 +173,7 @@ def test_the_manual_page_names_every_command_and_option() -> None:
         assert f"\n.SH FOOTFIX {name.upper()}\n" in page
     for option in ("order", "in\\-place", "presets", "junit"):
         assert f"\\-\\-{option}" in page
-    assert not re.search(r"^\.(?!TH|SH|PP|TP|B |I )", page, re.M)
+    assert not re.search(r"^\.(?!TH|SH|SS|PP|TP|B |I )", page, re.M)
 
 
 def test_every_ending_stands_in_the_manual() -> None:
