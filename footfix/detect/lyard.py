@@ -36,7 +36,7 @@ class LyardParams:
 
 
 def lyard(tracks: Tracks, params: LyardParams) -> Finding:
-    """Detect one static point of the soles at a time (L §3.1), none in flight, all slow ones where the root stands still.
+    """Detect one static sole point at a time (L §3.1), none in flight, all slow ones where the root stands still.
 
     With a skin the points are the vertices of its soles, as in the paper; heel and toe of each foot stand in for them
     without one. A vertex that is static plants the heel or the toe, whichever part of the foot it belongs to.
