@@ -8,6 +8,7 @@ import stat
 import time
 from collections import Counter, deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import IO
 
@@ -153,12 +154,21 @@ class Run:
                     break
                 if item is not None:
                     self._take(item)
-        finally:
-            for source in sources:
-                source.stop()
-            self._finish(backlog)
+        except KeyboardInterrupt:
+            with suppress(Exception):  # it may have come within a step, of which only a part is done
+                self._end(backlog, sources)
+            raise
+        except BaseException:
+            self._end(backlog, sources)
+            raise
+        self._end(backlog, sources)
         if self._live is None:
             raise InputError("nothing came in", file="<stdin>")
+
+    def _end(self, backlog: Backlog, sources: list[Source]) -> None:
+        for source in sources:
+            source.stop()
+        self._finish(backlog)
 
     def _take(self, item: object) -> None:
         if isinstance(item, Row):
