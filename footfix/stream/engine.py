@@ -3,6 +3,7 @@
     hop                     1/30 s of frames: kinematics of them, and what they show of contacts
     a frame later           contacts, and the window that ends with the hop is solved; its oldest frames are settled
     another frame later     their rows are written, where the rate is high and the look-ahead long
+                            (where it is higher still, contacts are found a frame before the window is solved)
     with every frame        one that is settled is given out, as late as agreed on
 
 So no frame takes the time of all steps, and each waits as long as the others.
@@ -105,7 +106,9 @@ class Engine:
         ahead = frames_of(look_ahead, frame_time)
         self.delay = ahead + self.hop - 1
         self._late = self.hop >= 3 and look_ahead >= _LONG
-        self._ahead = max(ahead - (0 if self.hop == 1 else 2 if self._late else 1), 0)
+        self._parted = self._late and self.hop >= 4
+        self._ahead = max(ahead - (0 if self.hop == 1 else 1 + self._late + self._parted), 0)
+        self._seen: Seen | None = None  # to be solved for
         self._pending: _Settled | None = None  # to be written
         self._detector = Detector(
             [leg.side for leg in self._rig.legs], part.known.mates, part.known.jitter, self._rig.leg_length, frame_time,
@@ -130,6 +133,8 @@ class Engine:
             self._arrived += 1
             if self._pending is not None:
                 self._write(self._pending)
+            elif self._due and self._parted and self._seen is None:
+                self._seen = self._see(self._rows.end - self._ahead)
             elif self._due:
                 self._settle(self._rows.end - self._ahead)
             if len(self._hop) == self.hop:
@@ -145,6 +150,7 @@ class Engine:
         """Give out all that is left; no frames follow."""
         if self._pending is not None:
             self._write(self._pending)
+        self._seen = None
         if self._hop:
             self._take_hop()
         if self._arrived > self._settled:
@@ -166,15 +172,21 @@ class Engine:
         self._legs.append(legs, pose)
         self._detector.add(tracks_of(clip, self._rig, pose))
 
+    def _see(self, stop: int) -> Seen | None:
+        """What is planted in the newest frames; None where none up to number `stop` is to be settled."""
+        if stop <= self._settled:
+            return None
+        return self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
+
     def _settle(self, stop: int, *, last: bool = False) -> None:
         """Settle the frames up to number `stop`."""
-        self._due = False
+        seen = self._see(stop) if self._seen is None else self._seen
+        self._due, self._seen = False, None
         assert self._legs is not None
-        if stop <= self._settled:
+        if seen is None:
             return
         first = max(self._settled - BEFORE, 0)
         before = self._settled - first
-        seen = self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
         down = seen.down[self._settled - seen.first :]
         told = self._told[BEFORE - before :]
         on = np.concatenate([told, down])
