@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable
 from functools import cache
 from importlib import resources
@@ -18,7 +17,6 @@ from glbmaker import binary_of, character, tree_of, world
 from walks import walk
 
 import footfix
-from footfix import cli
 
 Run = Callable[..., tuple[int, str, str]]
 QUICK = ("--report", "json", "-j1")
@@ -30,17 +28,6 @@ def glb() -> bytes:
     skating = artefacts.wander(artefacts.drift(walk("walk", 30.0, 2.0).clip, 0.05), 0.03)
     on_the_spot = artefacts.retarget(walk("treadmill", 30.0, 2.0).clip, 1.05)
     return character({"Walk": skating, "On the/spot": on_the_spot}, scale=0.01, z_up=True, mid_step=True).glb()
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
-    def call(*args: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
-        code = cli.run()
-        said = capfd.readouterr()
-        return code, str(said.out), str(said.err)
-
-    return call
 
 
 @pytest.fixture

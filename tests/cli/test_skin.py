@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,21 +13,9 @@ from skinmaker import file_of
 from walks import walk
 
 import footfix
-from footfix import cli
 from footfix.formats.bvh import compose
 
 Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
-    def call(*args: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["footfix", *map(str, args)])
-        code = cli.run()
-        said = capfd.readouterr()
-        return code, str(said.out), str(said.err)
-
-    return call
 
 
 @pytest.fixture
