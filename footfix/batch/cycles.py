@@ -7,12 +7,11 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.ending import ended
-from footfix.batch.files import STDIN, read_whole, write_whole
+from footfix.batch.files import STDIN, read_clip, read_whole, write_whole
 from footfix.batch.inputs import Source
 from footfix.batch.making import fingerprint, write_outputs
 from footfix.batch.outputs import plan as plan_outputs
@@ -63,7 +62,8 @@ def run_fit(
         name = each.below.as_posix()
         settings = settings_of(Path(each.path))
         try:
-            data = _read(each.path, settings)
+            called = STDIN_NAME if each.path == STDIN else each.path
+            data = read_clip(each.path, settings.limits, name=each.path, called=called)
             cycles = cycles_of_file(data, each.path, settings, style=_style(each, styles))
         except InputError as error:
             failed.append(each.path)
@@ -151,26 +151,28 @@ def run_make(
     task = Task(job, settings, dry_run=dry_run, folder=str(Path.cwd()))
 
     def work() -> FileResult:
-        made = _made(model_file, rows, settings, seconds=seconds, fps=fps, path=path, output=output.name)
+        data = read_whole(model_file, _MOST)
+        made = _made(data, model_file, rows, settings, seconds=seconds, fps=fps, path=path, output=output.name)
         asked = f"{rows} {seconds} {fps} {path}".encode("utf-8", "surrogateescape")
-        return write_outputs(task, made, fingerprint(asked + read_whole(model_file, _MOST), settings, None))
+        return write_outputs(task, made, fingerprint(asked + data, settings, None))
 
     begun = time.perf_counter()
     return replace(ended(task, work), seconds=time.perf_counter() - begun)
 
 
 def _made(
-    model_file: str, rows: Sequence[PlanRow], settings: Settings, *, seconds: float | None, fps: float,
+    data: bytes, model_file: str, rows: Sequence[PlanRow], settings: Settings, *, seconds: float | None, fps: float,
     path: str | None, output: str,
 ) -> Outputs:  # fmt: skip
+    """Make what a plan asks for of a model's bytes."""
     import hashlib
 
     import numpy as np
 
+    from footfix.formats.models import decode_model
     from footfix.making import make_file, plan_of
 
-    data = read_whole(model_file, _MOST)
-    model = load_model(model_file)
+    model = decode_model(data, name=model_file)
     plan = plan_of(rows, model)
     line = None
     if path is not None:
@@ -184,12 +186,3 @@ def _made(
         seconds = float(np.max(plan.times)) if len(rows) > 1 else 10.0
     source = {"file": Path(model_file).name, "sha256": hashlib.sha256(data).hexdigest()}
     return make_file(model, plan, settings, seconds=seconds, fps=fps, source=source, line=line, output=output)
-
-
-def _read(name: str, settings: Settings) -> bytes:
-    from footfix.formats.document import glance
-
-    try:
-        return read_whole(name, settings.limits.bytes, partial(glance, name=name, limits=settings.limits))
-    except InputError as error:
-        raise error.within(name if name != STDIN else STDIN_NAME) from None

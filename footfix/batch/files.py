@@ -7,10 +7,14 @@ import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from footfix.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from footfix.formats.bvh.text import Limits
 
 STDIN = "-"
 _HEAD = 1 << 26  # [bytes] read before anything else
@@ -42,6 +46,26 @@ def read_whole(path: str | os.PathLike[str], most_bytes: int, glance: Callable[[
             f"larger than {most_bytes / 1e6:,.0f} MB", file=name, hint="limits.bytes allows more"
         )  # fmt: skip
     return data
+
+
+def read_clip(path: str, limits: Limits, *, name: str, called: str | None = None) -> bytes:
+    """The bytes of a clip's file, or of standard input for "-"; one that is no clip at all is not read to its end.
+
+    Args:
+        path: which file.
+        limits: how large it may be.
+        name: its name, by which its kind is known.
+        called: what errors call it, if not by its name.
+
+    Raises:
+        InputError: it can't be read, or is larger than allowed.
+    """
+    from footfix.formats.document import glance
+
+    try:
+        return read_whole(path, limits.bytes, partial(glance, name=name, limits=limits))
+    except InputError as error:
+        raise error.within(called or name) from None
 
 
 def _read(file: BinaryIO, most_bytes: int, glance: Callable[[bytes], None] | None) -> bytes:

@@ -7,17 +7,16 @@ import re
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.ending import ended
-from footfix.batch.files import STDIN, read_whole
+from footfix.batch.files import STDIN, read_clip, read_whole
 from footfix.batch.inputs import Source
 from footfix.batch.making import fingerprint, write_outputs
 from footfix.batch.outputs import plan
 from footfix.batch.task import FileResult, Task, beside
-from footfix.errors import InputError, UsageError
+from footfix.errors import UsageError
 from footfix.formats.suffixes import STDIN_NAME
 
 if TYPE_CHECKING:
@@ -106,7 +105,7 @@ def run_follow(
 
         held: dict[str, bytes] = {}
         for name, _ in clips:
-            held[name] = held[name] if name in held else _read(name, settings)
+            held[name] = held[name] if name in held else read_clip(name, settings.limits, name=name)
         parts = [Part(held[name], name if name != STDIN else STDIN_NAME, at)
                  for (name, _), at in zip(clips, ats, strict=True)]  # fmt: skip
         made = follow_file(drawing, parts, settings, output=output.name)
@@ -114,12 +113,3 @@ def run_follow(
 
     begun = time.perf_counter()
     return replace(ended(task, work), seconds=time.perf_counter() - begun)
-
-
-def _read(name: str, settings: Settings) -> bytes:
-    from footfix.formats.document import glance
-
-    try:
-        return read_whole(name, settings.limits.bytes, partial(glance, name=name, limits=settings.limits))
-    except InputError as error:
-        raise error.within(name) from None

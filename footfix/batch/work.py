@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from footfix.batch.cleanings import contacts_it_was_cleaned_by
 from footfix.batch.clips import beside_of, parts_of, spread, together
 from footfix.batch.ending import ended
-from footfix.batch.files import STDIN, read_whole
+from footfix.batch.files import STDIN, read_clip
 from footfix.batch.making import made, write
 from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, EVENTS, FileResult, Task
@@ -93,14 +93,9 @@ def _each(work: Work) -> Work:
 
 
 def _read(task: Task) -> bytes:
-    from footfix.formats.document import glance
-
     source = task.job.source
     path = source if source == STDIN else str(Path(task.folder, source))
-    try:
-        return read_whole(path, task.settings.limits.bytes, partial(glance, name=source, limits=task.settings.limits))
-    except InputError as error:
-        raise error.within(source) from None
+    return read_clip(path, task.settings.limits, name=source)
 
 
 def _clean(task: Task, data: bytes) -> FileResult:

@@ -2,11 +2,39 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from footfix.batch.task import PAGE, FileResult
+from footfix.cli.options import Common
+from footfix.cli.say import say
+from footfix.errors import ExitCode
 from footfix.report.text import printable
+
+
+def told(result: FileResult, common: Common) -> ExitCode:
+    """Say what became of the one clip that a command made, and give its exit code.
+
+    Args:
+        result: of the clip.
+        common: how much is said, and whether as JSON.
+    """
+    from footfix.cli.running import plain, print_json
+    from footfix.report.text import summarize
+
+    if common.as_json:
+        print_json({"format": "footfix-run", "version": 1, "files": [plain(result)]})
+    if result.error:
+        say(f"footfix: {result.error}")
+        return ExitCode.BUG if result.bug else ExitCode.FAILED
+    if not common.quiet and not common.as_json:
+        say(summarize(result.report, verbose=common.verbose))
+        said = wrote([result], every=common.verbose)
+        if said:
+            say(said)
+    sys.stdout.flush()
+    return ExitCode.DONE
 
 
 def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: str = "", every: bool = False) -> str:

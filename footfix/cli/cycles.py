@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -136,8 +135,8 @@ def make(
 ) -> int:  # fmt: skip
     """Make locomotion from a model: BVH, contacts and report, as of `clean`."""
     from footfix.batch.cycles import load_plan, run_make
-    from footfix.cli.running import config_near, plain, print_json
-    from footfix.cli.say import say
+    from footfix.cli.closing import told
+    from footfix.cli.running import config_near
     from footfix.formats.plans import PlanRow
 
     single = {"--speed": speed, "--run": run_, "--turn": turn, "--style": style}
@@ -155,18 +154,4 @@ def make(
     result = run_make(
         model, rows, output, settings, seconds=seconds, fps=fps, path=path, force=force, dry_run=dry_run
     )  # fmt: skip
-    if common.as_json:
-        print_json({"format": "footfix-run", "version": 1, "files": [plain(result)]})
-    if result.error:
-        say(f"footfix: {result.error}")
-        return ExitCode.BUG if result.bug else ExitCode.FAILED
-    if not common.quiet and not common.as_json:
-        from footfix.cli.closing import wrote
-        from footfix.report.text import summarize
-
-        say(summarize(result.report, verbose=common.verbose))
-        said = wrote([result], every=common.verbose)
-        if said:
-            say(said)
-    sys.stdout.flush()
-    return ExitCode.DONE
+    return told(result, common)

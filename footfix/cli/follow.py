@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
 from footfix.cli.options import Common, shared
-from footfix.errors import ExitCode, UsageError
+from footfix.errors import UsageError
 
 _SPEED = re.compile(r"(\d+\.?\d*|\.\d+)\s*(x|m/s)?", re.IGNORECASE)
 
@@ -43,8 +42,8 @@ def follow(
     path: walk.bvh tired.bvh@3s jog.bvh@8m.
     """
     from footfix.batch.follow import named, run_follow
-    from footfix.cli.running import config_near, plain, print_json
-    from footfix.cli.say import say
+    from footfix.cli.closing import told
+    from footfix.cli.running import config_near
 
     parts = [named(each) for each in clips]
     asked: dict[str, Any] = {} if seconds is None else {"seconds": seconds}
@@ -54,21 +53,7 @@ def follow(
         options["report"] = {"kind": report}
     config = config_near([name for name, _ in parts], common, options)
     result = run_follow(path, parts, output, config.settings(Path(parts[0][0])), force=force, dry_run=dry_run)
-    if common.as_json:
-        print_json({"format": "footfix-run", "version": 1, "files": [plain(result)]})
-    if result.error:
-        say(f"footfix: {result.error}")
-        return ExitCode.BUG if result.bug else ExitCode.FAILED
-    if not common.quiet and not common.as_json:
-        from footfix.cli.closing import wrote
-        from footfix.report.text import summarize
-
-        say(summarize(result.report, verbose=common.verbose))
-        said = wrote([result], every=common.verbose)
-        if said:
-            say(said)
-    sys.stdout.flush()
-    return ExitCode.DONE
+    return told(result, common)
 
 
 def _speed(text: str | None) -> dict[str, Any]:
