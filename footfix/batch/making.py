@@ -81,7 +81,7 @@ def _written(
     ]
     target = task.job.target
     own: list[dict[Path, bytes]] = [{} for _ in parts]
-    outputs = [_of_the_whole(each, sha) for each in outputs]
+    outputs = [_of_the_whole(each, motion, sha) for each in outputs]
     if target is not None and not task.dry_run:
         own = [_files(part, each, motion, report) for part, each, report in zip(parts, outputs, reports, strict=True)]
         files = {path: content for some in own for path, content in some.items()}
@@ -95,7 +95,10 @@ def _written(
             each.status,
             report=report if task.keep_report else digest(report),
             written=tuple(map(str, some)),
-            hashes={path.name: hashlib.sha256(content).hexdigest() for path, content in some.items()},
+            hashes={
+                path.name: sha if content is motion else hashlib.sha256(content).hexdigest()
+                for path, content in some.items()
+            },
             data=direct if k == 0 else b"",
             offenders=each.offenders,
         )
@@ -116,11 +119,11 @@ def _motion(task: Task, data: bytes, outputs: Sequence[Outputs]) -> bytes:
     return motion
 
 
-def _of_the_whole(outputs: Outputs, sha: str) -> Outputs:
+def _of_the_whole(outputs: Outputs, motion: bytes, sha: str) -> Outputs:
     """Outputs that name the file by its sum, in place of that of the file with this clip alone changed."""
-    own = hashlib.sha256(outputs.motion).hexdigest().encode()
-    if own == sha.encode():
+    if outputs.motion == motion:
         return outputs
+    own = hashlib.sha256(outputs.motion).hexdigest().encode()
     pages = {suffix: page.replace(own, sha.encode()) for suffix, page in outputs.pages.items()}
     return replace(outputs, contacts=outputs.contacts.replace(own, sha.encode()), pages=pages)
 
