@@ -20,11 +20,11 @@ _COARSE, _MIDDLE = 30.0, 60.0  # [Hz] of the frames on which the root is solved 
 _ROUNDS, _FINE_ROUNDS = 7, 3  # on the coarse frames, and on all of them before the last
 _ALONE_ROUNDS = 10  # where all frames are as few as coarse ones
 _FINE_FIRST = 40.0  # times `EPS` in the first of the finer rounds
-_STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
+STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
 _STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
 _HALVINGS = 3  # of a step that would raise the objective
 _BLOCK = 256  # frames
-_DAMPING = 1.0  # of NEAR's own weight, on each step
+DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
 def solve(problem: Problem) -> Floats:
@@ -110,7 +110,7 @@ def descend(
     free = problem.free()
     for n in range(rounds):
         here = max(eps, EPS) * problem.frame_time
-        static = _STATIC if n >= rounds - last else 1.0
+        static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
             problem = settled(problem, x)
         found = systems(problem, x, here, static=static, root=root)
@@ -147,12 +147,12 @@ def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools |
     for each in found:
         own = np.flatnonzero(free[each.rows])
         if len(own):
-            damping = _DAMPING * 60.0 * problem.frame_time / s0[each.rows[own]] ** 2
-            step[each.rows[own]] = _solved(each, own, damping, fixed)
+            damping = DAMPING * 60.0 * problem.frame_time / s0[each.rows[own]] ** 2
+            step[each.rows[own]] = solved(each, own, damping, fixed)
     return step
 
 
-def _solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
+def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
     """(n, F) the step of those unknowns of a system that are free."""
     from scipy.linalg import solveh_banded
 
@@ -162,8 +162,8 @@ def _solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> 
     if fixed is not None:
         _hold(bands, right, fixed)
     ab = bands.reshape(F * U, 2 * U + 1).T
-    solved = solveh_banded(ab, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
-    return np.asarray(solved.reshape(F, U).T)
+    step = solveh_banded(ab, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
+    return np.asarray(step.reshape(F, U).T)
 
 
 def _bands(system: System, own: Ints, damping: Floats) -> Floats:

@@ -98,8 +98,8 @@ class Window:
         window = first + np.arange(n)
         belt = self._known.belt * self._frame_time
         fixed = np.asarray(window < self._shown)
-        x = self._started(first, n)
-        plan = self._places(legs, x)
+        x, stacked = self._started(first, n), Legs.of(legs)
+        plan = self._places(stacked, x)
         pins = tuple(
             pins_of(
                 foot, leg, k, [*plan[:, :, k].swapaxes(0, 1)], on[:, 2 * k : 2 * k + 2], window, self._ground, belt,
@@ -112,8 +112,8 @@ class Window:
             self._known.white, np.full(n, self._usual_fault(legs, window)), self._translates, onward=not last,
         )  # fmt: skip
         if n > BEFORE + 1:
-            x = descend(problem, x, _LAST_ROUNDS if last else _ROUNDS, int(fixed.sum()))
-        places = self._places(legs, x)
+            x = descend(problem, x, _LAST_ROUNDS if last else _ROUNDS, int(fixed.sum()), legs=stacked)
+        places = self._places(stacked, x)
         for k, leg in enumerate(legs):
             self._feet[k] = follow(
                 self._feet[k], leg, k, [*places[:, :, k].swapaxes(0, 1)], pins[k], on[:, 2 * k : 2 * k + 2], window,
@@ -123,10 +123,10 @@ class Window:
         return faded(x, problem)
 
     @staticmethod
-    def _places(legs: Sequence[LegTracks], x: Floats) -> Floats:
+    def _places(legs: Legs, x: Floats) -> Floats:
         """(3, P, L, n) [m] where the points of all legs are in a state."""
-        own = x[ROOT:].reshape(len(legs), LEG, -1).swapaxes(0, 1)
-        return places_of(Legs.of(legs), x[:ROOT], own)[0]
+        own = x[ROOT:].reshape(-1, LEG, x.shape[1]).swapaxes(0, 1)
+        return places_of(legs, x[:ROOT], own)[0]
 
     def _started(self, first: int, n: int) -> Floats:
         """(U, n) what was found for these frames a moment before; the newest keep the last state."""

@@ -65,7 +65,7 @@ def test_a_step_is_that_of_a_dense_solve() -> None:
     fixed[[0, 1, 7, 19]] = True
     damped = dense(found[0])
     s0, _ = made.near()
-    damped += np.diag(np.tile(solver._DAMPING * 60.0 * made.frame_time / s0**2, 20))
+    damped += np.diag(np.tile(solver.DAMPING * 60.0 * made.frame_time / s0**2, 20))
     for held in (None, fixed):
         on = np.tile(free, 20) & ~np.repeat(np.zeros(20, dtype=bool) if held is None else held, made.unknowns)
         expected = np.zeros(len(on))
@@ -113,7 +113,7 @@ def test_a_root_that_is_no_unknown_stays_and_the_legs_step_as_in_a_dense_solve_w
     x = 0.2 * state(of)
     step = solver._step(of, systems(of, x, 1e-3, root=False), of.free(), None)
     whole = dense(system(of, x, 1e-3))
-    whole += np.diag(np.tile(solver._DAMPING * 60.0 * of.frame_time / of.near()[0] ** 2, 30))
+    whole += np.diag(np.tile(solver.DAMPING * 60.0 * of.frame_time / of.near()[0] ** 2, 30))
     on = np.tile(np.arange(of.unknowns) >= ROOT, 30)
     right = -system(of, x, 1e-3).gradient.T.ravel()
     expected = np.zeros(len(on))
