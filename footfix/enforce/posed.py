@@ -49,7 +49,7 @@ def posed(leg: LegTracks, root: Floats, x: Floats) -> Posed:
     k, (c0, c1, c2) = x[K], leg.reach
     cos, sin = np.cos(k), np.sin(k)
     square = np.maximum(c0 + c1 * cos + c2 * sin, 1e-12)  # D^2
-    line = _rotated(exponential(x[Q]), leg.line) * np.sqrt(square)
+    line = rotated(exponential(x[Q]), leg.line) * np.sqrt(square)
     foot = exponential(x[W])
     arms, toes = _arms(leg, foot, x[B])
     swept = left_jacobian(x[Q])
@@ -57,7 +57,7 @@ def posed(leg: LegTracks, root: Floats, x: Floats) -> Posed:
     for j in range(3):
         ankle[:, j] = cross(swept[:, j], line)
     ankle[:, 3] = line * ((c2 * cos - c1 * sin) / (2.0 * square))  # dD/dk along the line
-    hinge = None if toes is None else cross(_rotated(foot, leg.toe_hinge), toes)
+    hinge = None if toes is None else cross(rotated(foot, leg.toe_hinge), toes)
     at = leg.hip + root + line
     return Posed(tuple(at if arm is None else at + arm for arm in arms), arms, ankle, left_jacobian(x[W]), hinge)
 
@@ -66,27 +66,27 @@ def places_of(leg: LegTracks, root: Floats, x: Floats) -> tuple[Floats, ...]:
     """Put the sole points of a leg where a state has them, (3, F) [m] each; arguments as of `posed`."""
     k, (c0, c1, c2) = x[K], leg.reach
     distance = np.sqrt(np.maximum(c0 + c1 * np.cos(k) + c2 * np.sin(k), 1e-12))
-    at = leg.hip + root + _rotated(exponential(x[Q]), leg.line) * distance
+    at = leg.hip + root + rotated(exponential(x[Q]), leg.line) * distance
     arms, _ = _arms(leg, exponential(x[W]), x[B])
     return tuple(at if arm is None else at + arm for arm in arms)
 
 
 def _arms(leg: LegTracks, foot: Floats, b: Floats) -> tuple[tuple[Floats | None, ...], Floats | None]:
     """From the ankle to each point (3, F) [m], and from the toe joint to the tip, of a foot turned by (3, 3, F)."""
-    heel, toe = (_rotated(foot, each) for each in leg.points[:2])
+    heel, toe = (rotated(foot, each) for each in leg.points[:2])
     if len(leg.points) == 2:
         return (heel, toe, None), None
-    toes = _rotated(foot, _rotated(exponential(b * leg.toe_hinge), leg.points[2]))
+    toes = rotated(foot, rotated(exponential(b * leg.toe_hinge), leg.points[2]))
     return (heel, toe, None, toe + toes), toes
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """Compute vector products (3, F)."""
+    """Compute vector products (3, ...)."""
     return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def exponential(vector: Floats) -> Floats:
-    """Convert rotation vectors (3, F) [rad] to matrices (3, 3, F) (Rodrigues).
+    """Convert rotation vectors (3, ...) [rad] to matrices (3, 3, ...) (Rodrigues).
 
     R = I + sin x / x [v] + (1 - cos x) / x^2 [v]^2,  x = |v|
     """
@@ -97,7 +97,7 @@ def exponential(vector: Floats) -> Floats:
 
 
 def left_jacobian(vector: Floats) -> Floats:
-    """Compute how the rotations of rotation vectors (3, F) [rad] turn in the world as these change, (3, 3, F).
+    """Compute how the rotations of rotation vectors (3, ...) [rad] turn in the world as these change, (3, 3, ...).
 
     J = I + (1 - cos x) / x^2 [v] + (x - sin x) / x^3 [v]^2,  x = |v|
     """
@@ -109,8 +109,8 @@ def left_jacobian(vector: Floats) -> Floats:
 
 
 def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:
-    """(3, 3, F) I + first [v] + second [v]^2; [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
-    out = np.empty((3, 3, v.shape[1]))
+    """(3, 3, ...) I + first [v] + second [v]^2; [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
+    out = np.empty((3, *v.shape))
     diagonal = 1.0 - second * square
     once, twice = first * v, second * v
     for i in range(3):
@@ -121,8 +121,8 @@ def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:
     return out
 
 
-def _rotated(matrix: Floats, v: Floats) -> Floats:
-    """(3, F) matrices (3, 3, F) times vectors (3, F)."""
+def rotated(matrix: Floats, v: Floats) -> Floats:
+    """Multiply matrices (3, 3, ...) by vectors (3, ...)."""
     return np.asarray(matrix[:, 0] * v[0] + matrix[:, 1] * v[1] + matrix[:, 2] * v[2])
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from footfix.enforce.leg import LEG, ROOT, TIP, B, K, LegTracks, Q, W
 from footfix.enforce.pins import Pins
-from footfix.enforce.posed import cross
+from footfix.enforce.posed import cross, exponential, left_jacobian, rotated
 from footfix.enforce.problem import (
     _FAR_TURN,
     _FLOOR,
@@ -133,12 +133,12 @@ def places_of(legs: Legs, root: Floats, x: Floats) -> tuple[Floats, Reached]:
     c0, c1, c2 = legs.reach
     cos, sin = np.cos(k), np.sin(k)
     distance = np.sqrt(np.maximum(c0 + c1 * cos + c2 * sin, 1e-12))
-    line = turned(q, legs.line)
+    line = rotated(exponential(q), legs.line)
     thrust = line * distance
     ankle = legs.hip + root[:, None] + thrust
-    tip = turned(b * legs.toe_hinge, legs.tip)
+    tip = rotated(exponential(b * legs.toe_hinge), legs.tip)
     in_foot = np.concatenate([legs.soles, legs.toe_hinge[:, None], tip[:, None]], axis=1)
-    by_foot = turned(w[:, None], in_foot)
+    by_foot = rotated(exponential(w)[:, :, None], in_foot)
     arms = np.empty((3, POINTS, *k.shape))
     arms[:, :2], arms[:, 2], arms[:, TIP] = by_foot[:, :2], 0.0, by_foot[:, 1] + by_foot[:, 3]
     bent = line * ((c2 * cos - c1 * sin) / (2.0 * distance))
@@ -160,31 +160,10 @@ def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
 
 
-def turned(vector: Floats, v: Floats) -> Floats:
-    """(3, ...) the vectors v, turned by rotation vectors (3, ...) [rad] (Rodrigues)."""
-    square = vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2
-    angle = np.sqrt(square)
-    once = cross(vector, v)
-    twice = cross(vector, once)
-    # sin(x) / x and (1 - cos x) / x^2 = (sin(x/2) / (x/2))^2 / 2
-    return np.asarray(v + np.sinc(angle / np.pi) * once + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * twice)
-
-
 def _swept(vector: Floats, v: Floats) -> Floats:
-    """(3, 3, ...) derivative of `turned` with the result v (3, ..., L, F) by its rotation vector (3, L, F)."""
-    square = vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2
-    angle = np.sqrt(square)
-    first = 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2
-    second = np.where(angle > 1e-3, (1.0 - np.sinc(angle / np.pi)) / np.maximum(square, 1e-12), 1.0 / 6.0)
-    a, b, c = first * vector
-    # I + first [v] + second [v]^2,  [v]^2 = v v' - |v|^2 I
-    left = second * vector[:, None] * vector[None]
-    for i in range(3):
-        left[i, i] += 1.0 - second * square
-    for i, j, part in ((0, 1, -c), (0, 2, b), (1, 0, c), (1, 2, -a), (2, 0, -b), (2, 1, a)):
-        left[i, j] += part
-    more = v.ndim - vector.ndim
-    return cross(left.reshape(3, 3, *(1,) * more, *vector.shape[1:]), v[:, None])
+    """(3, 3, ...) how vectors v (3, ..., L, F) move while what turned them (3, L, F) changes."""
+    turn = left_jacobian(vector)
+    return cross(turn.reshape(3, 3, *(1,) * (v.ndim - vector.ndim), *vector.shape[1:]), v[:, None])
 
 
 @dataclass(frozen=True, eq=False)
