@@ -12,6 +12,7 @@ from footfix.enforce.pins import Pins
 from footfix.enforce.posed import places_of
 from footfix.enforce.problem import Problem, System, objective, systems
 from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.spline import spline
 
 EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
 _EPS_FIRST = 0.06  # [m/s] in the first round
@@ -51,23 +52,9 @@ def _every(problem: Problem, rate: float) -> int:
 
 
 def interpolated(x: Floats, at: Ints, wanted: Ints) -> Floats:
-    """Interpolate a state (U, n) on evenly spaced frames by natural cubic splines; what lies beyond keeps the last.
-
-    Source: second derivatives m solve m(k-1) + 4 m(k) + m(k+1) = 6 (x(k-1) - 2 x(k) + x(k+1)), with zeros at the ends.
-    """
-    from scipy.linalg import solveh_banded
-
-    n = len(at)
-    m = np.zeros_like(x)
-    if n > 2:
-        bands = np.vstack([np.full(n - 2, 4.0), np.ones(n - 2)])
-        m[:, 1:-1] = solveh_banded(bands, 6.0 * np.diff(x, n=2, axis=1).T, lower=True, check_finite=False).T
-    u = np.minimum((wanted - at[0]) / (at[1] - at[0]), n - 1.0)
-    k = np.minimum(u.astype(np.intp), n - 2)
-    b = u - k
-    a = 1.0 - b
-    curved = (a**3 - a) * m[:, k] + (b**3 - b) * m[:, k + 1]
-    return np.asarray(a * x[:, k] + b * x[:, k + 1] + curved / 6.0)
+    """Interpolate a state (U, n) on some frames by natural cubic splines; what lies beyond keeps the last."""
+    found = spline(at.astype(np.float64), x.T)(np.minimum(wanted, at[-1]).astype(np.float64))
+    return np.ascontiguousarray(found.T)
 
 
 def thinned(problem: Problem, which: Ints) -> Problem:
