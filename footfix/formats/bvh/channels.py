@@ -110,6 +110,18 @@ def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int]
     out[group, 3, span] = cacc * cb - sasc * sb_p
 
 
+def check_belief(unit_m: float, up: str) -> None:
+    """See that a file can have such a unit [m] and upward axis.
+
+    Raises:
+        ValueError: it can't.
+    """
+    if up not in AXES:
+        raise ValueError(f"up must be one of {', '.join(AXES)}, not {up!r}")
+    if not 0.0 < unit_m < float("inf"):
+        raise ValueError(f"unit_m must be positive, not {unit_m}")
+
+
 def placed(clip: Clip, unit_m: float, up: str) -> Clip:
     """Convert a clip from file units and axes to metres and y up."""
     return _transformed(clip, unit_m, AXES[up])
