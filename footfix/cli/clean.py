@@ -21,7 +21,7 @@ from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
 from footfix.batch.work import clean_one
 from footfix.cli.closing import wrote
-from footfix.cli.options import Common, Given, Many, given, many, shared
+from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
 from footfix.cli.running import (
     Say,
     code,
@@ -64,19 +64,13 @@ class Whole:
 @given("Contacts to use in place of detection")
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")
 @click.option("--png", is_flag=True, help="Also draw a picture of the worst plants.")
-@click.option("--dry-run", is_flag=True, help="Do everything but write.")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
-@click.option("--resume", is_flag=True, help="Go on with an interrupted run: leave what is done already.")
 @click.option("--anew", is_flag=True, help="Clean even files that footfix wrote, as a report beside them says.")
-@click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
-@click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
-              help="How failures are told.")  # fmt: skip
+@writing
 @many
 @shared
 def clean(
     src: tuple[str, ...], output: Path | None, in_place: bool, method: str | None, given: Given,
-    report: str | None, png: bool, dry_run: bool, force: bool, resume: bool, anew: bool, junit: Path | None, style: str,
-    many: Many, common: Common,
+    report: str | None, png: bool, anew: bool, writing: Writing, many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Take the foot skate out of clips.
 
@@ -96,24 +90,24 @@ def clean(
     if png:
         options.setdefault("report", {})["png"] = True
     return cleaned(
-        src, output=output, in_place=in_place, options=options, given=given, dry_run=dry_run, force=force,
-        resume=resume, anew=anew, junit=junit, style=style, many=many, common=common,
+        src, output=output, in_place=in_place, options=options, given=given, writing=writing, anew=anew, many=many,
+        common=common,
     )  # fmt: skip
 
 
 def cleaned(
     src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], given: Given,
-    dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many, common: Common,
+    writing: Writing, many: Many, common: Common,
     work: Callable[[Task], FileResult] = clean_one, ending: str = "clean", anew: bool = False,
 ) -> int:  # fmt: skip
     """Settle inputs and outputs, run, and sum up; the same for every command that makes a clip of each clip.
 
     Args:
         src: what was named.
-        output, in_place, dry_run, force, resume, junit, style: as the options of `clean` say.
+        output, in_place: as the options of `clean` say.
         options: settings that options of the command stand for.
         given: contacts that were given.
-        many, common: which inputs, on what, and how much is told.
+        writing, many, common: how clips are written, which inputs, on what, and how much is told.
         work: what makes the outputs of a task.
         anew: whether clips that a cleaning wrote are worked on again.
         ending: of the names of outputs beside their input, and of the command in JUnit.
@@ -124,6 +118,7 @@ def cleaned(
     one_file = outputs.names_file(output, found, folder=bool(many.from_file) or _a_folder(src))
     config = config_for(src, many, common, options)
     whole = whole_run(src, found, None if one_file else output, many, config.settings().report.kind, ending)
+    dry_run, force, resume = writing.dry_run, writing.force, writing.resume
     past = recall(whole.folder, ending) if whole.folder is not None and resume else Past()
     jobs = outputs.plan(
         found, output=output, in_place=in_place, force=force, dry_run=dry_run, one_file=one_file,
@@ -144,18 +139,17 @@ def cleaned(
     path = journal_in(whole.folder, many.tag, own=whole.own, ending=ending) if writes and whole.folder else None
     journal = Journal(path)
     try:
-        outcome = run_tasks(work, tasks, many, common, style, journal, _told_cleaned(common, few))
+        outcome = run_tasks(work, tasks, many, common, writing.style, journal, _told_cleaned(common, few))
         if not outcome.interrupted:
             journal.finish()
     finally:
         journal.close()
     whole = replace(whole, files={}) if dry_run else whole
-    return _close_clean(outcome, tasks, whole, past, junit, style, common, ending)
+    return _close_clean(outcome, tasks, whole, past, writing, common, ending)
 
 
 def _close_clean(
-    outcome: Outcome, tasks: Sequence[Task], whole: Whole, past: Past, junit: Path | None, style: str, common: Common,
-    ending: str,
+    outcome: Outcome, tasks: Sequence[Task], whole: Whole, past: Past, writing: Writing, common: Common, ending: str
 ) -> int:  # fmt: skip
     """What is told and written at the end of a run."""
     from footfix.report.summary import table
@@ -169,11 +163,11 @@ def _close_clean(
     entries = [_entry(task, result, whole) for task, result in clips]
     if whole.files:
         _write_whole_run(entries, [result for _, result in clips], whole.files, past)
-    if junit is not None:
-        _write_junit(f"footfix {ending}", junit, entries, [result for _, result in clips])
+    if writing.junit is not None:
+        _write_junit(f"footfix {ending}", writing.junit, entries, [result for _, result in clips])
     if common.quiet or common.as_json:
         return code(outcome)
-    if len(entries) > 1 and style == "text":
+    if len(entries) > 1 and writing.style == "text":
         say(table(entries))
     hint = "" if len(tasks) == 1 else "-o FOLDER adds index.html and summary.json"
     said = wrote(outcome.results, extra=whole.files.values(), hint="" if whole.files else hint, every=common.verbose)

@@ -9,7 +9,7 @@ import click
 
 from footfix.batch.work import loop_one
 from footfix.cli.clean import cleaned
-from footfix.cli.options import Common, Given, Many, given, many, shared
+from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
 from footfix.errors import UsageError
 
 
@@ -29,18 +29,13 @@ from footfix.errors import UsageError
 @click.option("--straighten", is_flag=True, help="Take the mean turn of a round out: the figure walks straight on.")
 @given("Contacts of the captured clips to use in place of detection")
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the loop.")
-@click.option("--dry-run", is_flag=True, help="Do everything but write.")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
-@click.option("--resume", is_flag=True, help="Go on with an interrupted run: leave what is done already.")
-@click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
-@click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
-              help="How failures are told.")  # fmt: skip
+@writing
 @many
 @shared
 def loop(
     src: tuple[str, ...], output: Path | None, strides: int | None, start: int | None, end: int | None,
     method: str | None, in_place: bool, open_: bool, straighten: bool, given: Given, report: str | None,
-    dry_run: bool, force: bool, resume: bool, junit: Path | None, style: str, many: Many, common: Common,
+    writing: Writing, many: Many, common: Common,
 ) -> int:  # fmt: skip
     """Cut a seamless cycle out of captured walks and runs.
 
@@ -58,6 +53,6 @@ def loop(
     if report:
         options["report"] = {"kind": report}
     return cleaned(
-        src, output=output, in_place=False, options=options, given=given, dry_run=dry_run, force=force,
-        resume=resume, junit=junit, style=style, many=many, common=common, work=loop_one, ending="loop",
+        src, output=output, in_place=False, options=options, given=given, writing=writing, many=many, common=common,
+        work=loop_one, ending="loop",
     )  # fmt: skip

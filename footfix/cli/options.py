@@ -100,6 +100,39 @@ def _order(context: click.Context, option: click.Parameter, value: str) -> tuple
 
 
 @dataclass(frozen=True)
+class Writing:
+    """How the clips of a run are written, and the run is told.
+
+    Args:
+        dry_run: whether nothing is written.
+        force: whether outputs that are there are overwritten.
+        resume: whether what is done already is left.
+        junit: where the results go as JUnit XML; None for nowhere.
+        style: how failures are told, "text" or "github".
+    """
+
+    dry_run: bool = False
+    force: bool = False
+    resume: bool = False
+    junit: Path | None = None
+    style: str = "text"
+
+
+def writing(command: Command) -> Command:
+    """The options of commands that make a clip of each clip; they arrive together as `writing: Writing`."""
+    return _gathered(
+        command, Writing, "writing",
+        click.option("--dry-run", is_flag=True, help="Do everything but write."),
+        click.option("--force", is_flag=True, help="Overwrite outputs that are there."),
+        click.option("--resume", is_flag=True, help="Go on with an interrupted run: leave what is done already."),
+        click.option("--junit", type=click.Path(dir_okay=False, path_type=Path),
+                     help="Write the results as JUnit XML."),
+        click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
+                     help="How failures are told."),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
 class Many:
     """Which inputs, and who works on them.
 
