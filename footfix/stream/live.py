@@ -82,11 +82,6 @@ class Live:
         if known is not None:
             self._begin(*self._measured(known))
 
-    @property
-    def calibrated(self) -> bool:
-        """Whether the figure is known."""
-        return self._engine is not None
-
     def _paced(self) -> None:
         """Count waits in frames of the rate there is."""
         ahead, hop = frames_of(self._params.look_ahead, self._frame_time), max(1, frames_of(HOP, self._frame_time))
