@@ -38,7 +38,7 @@ from footfix.detect.run import detect
 from footfix.enforce.correction import apply
 from footfix.enforce.run import enforce
 from footfix.formats.bvh import decode, rewrite
-from footfix.job import clean_file
+from footfix.jobs.clean import clean_file
 from footfix.measure.clip import measure
 from footfix.motion.clip import Clip, Skeleton
 from footfix.motion.kinematics import forward

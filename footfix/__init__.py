@@ -49,9 +49,9 @@ if TYPE_CHECKING:
     from footfix.enforce.footplant import Footplant
     from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
     from footfix.formats.document import Document
-    from footfix.job import Outputs
-    from footfix.locomotion.follow import Follow
-    from footfix.locomotion.loop import Loop
+    from footfix.jobs.clean import Outputs
+    from footfix.locomotion.follow.run import Follow
+    from footfix.locomotion.loop.run import Loop
     from footfix.measure.arrays import PhysDiff, jitter, physdiff, skating_ratio, slides, weighted_skate
     from footfix.measure.clip import Measures
     from footfix.measure.plants import PlantMeasure
@@ -78,9 +78,9 @@ _NAMES = {
     "footfix.enforce.footplant": "Footplant",
     "footfix.errors": "ArgumentError FootfixError InputError NoLegsError OutputError UsageError",
     "footfix.formats.document": "Document",
-    "footfix.job": "Outputs",
-    "footfix.locomotion.follow": "Follow",
-    "footfix.locomotion.loop": "Loop",
+    "footfix.jobs.clean": "Outputs",
+    "footfix.locomotion.follow.run": "Follow",
+    "footfix.locomotion.loop.run": "Loop",
     "footfix.measure.arrays": "PhysDiff jitter physdiff skating_ratio slides weighted_skate",
     "footfix.measure.clip": "Measures",
     "footfix.measure.plants": "PlantMeasure",

@@ -34,7 +34,7 @@ from footfix.rig.rounds import Rounds, rounds_of
 from footfix.settings import Settings
 
 if TYPE_CHECKING:
-    from footfix.locomotion.loop import Loop
+    from footfix.locomotion.loop.run import Loop
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +189,7 @@ def cut_loop(prepared: Prepared, contacts: Contacts, settings: Settings) -> Loop
         contacts: of that.
         settings: which cycle, how it is closed, and how contacts are enforced.
     """
-    from footfix.locomotion.loop import make_loop  # most commands cut no loop
+    from footfix.locomotion.loop.run import make_loop  # most commands cut no loop
 
     rig, motion, asked = prepared.rigs[0], prepared.crops[0], settings.loop
     start, end = (None if frame is None else frame - motion.start for frame in (asked.start, asked.end))

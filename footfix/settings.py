@@ -22,8 +22,8 @@ from footfix.detect.run import DetectParams
 from footfix.enforce.run import EnforceParams
 from footfix.errors import UsageError
 from footfix.formats.bvh.text import Limits
-from footfix.locomotion.follow_params import FollowParams
-from footfix.locomotion.params import LoopParams
+from footfix.locomotion.follow.params import FollowParams
+from footfix.locomotion.loop.params import LoopParams
 from footfix.motion.smoothing import SmoothParams
 from footfix.rig.params import RigParams
 

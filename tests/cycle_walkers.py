@@ -8,7 +8,7 @@ from exports import Spelling, bvh
 from walker import make
 from walker_plan import Gait
 
-from footfix.fitting import FileCycles, Fitted, cycles_of_file, fit_files
+from footfix.jobs.fit import FileCycles, Fitted, cycles_of_file, fit_files
 from footfix.settings import Settings
 
 SPEEDS = {"walk": (0.8, 1.1, 1.4, 1.8), "run": (1.8, 2.3, 2.9, 3.5)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -23,8 +24,7 @@ FLOORS = [
     {"settings", "configs"},
     {"pipeline", "config"},
     {"report"},
-    {"job"},
-    {"inspection", "looping", "following", "fitting", "making"},
+    {"jobs"},
     {"stream"},
     {"batch", "api"},
     {"cli", "__main__", "__init__"},
@@ -98,6 +98,12 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
 
     for name in sorted(known - {"footfix"}):
         look(name, ())
+
+
+def test_every_room_is_installed() -> None:
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
+    rooms = {".".join(path.relative_to(ROOT).parent.parts) for path in MODULES}
+    assert sorted(listed) == sorted(rooms | {"footfix.configs"})
 
 
 def test_help_waits_for_no_number_cruncher() -> None:

@@ -20,7 +20,7 @@ from footfix.batch.outputs import Job
 from footfix.batch.task import Task
 from footfix.enforce.put_back import put_back
 from footfix.formats.contacts import Labels
-from footfix.job import clean_file, measure_file, read
+from footfix.jobs.clean import clean_file, measure_file, read
 from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats

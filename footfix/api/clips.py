@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from footfix import job, pipeline
+from footfix import pipeline
 from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.config import nested, presets, read_preset
 from footfix.detect import run as detection
@@ -18,6 +18,7 @@ from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
 from footfix.formats.document import Beside, Document, clips_of, one_format, rewrite
 from footfix.formats.suffixes import in_file, is_motion
+from footfix.jobs import clean as job
 from footfix.measure.clip import Measures
 from footfix.measure.clip import measure as measured
 from footfix.motion.clip import Clip, Floats

@@ -13,14 +13,14 @@ from footfix.api.clips import check_settings
 from footfix.batch.cycles import load_model as _load_model
 from footfix.batch.files import read_whole, write_whole
 from footfix.errors import ArgumentError, InputError
-from footfix.fitting import Fitted, cycles_of_file, fit_files
 from footfix.formats.models import encode_model
 from footfix.formats.plans import PlanRow
-from footfix.locomotion.engine import SOONEST, Postures, changed, foresee, postures
-from footfix.locomotion.model import CycleModel
-from footfix.locomotion.path import make_path
-from footfix.locomotion.plan import Plan, Point
-from footfix.making import plan_of
+from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
+from footfix.jobs.make import plan_of
+from footfix.locomotion.cycles.engine import SOONEST, Postures, changed, foresee, postures
+from footfix.locomotion.cycles.model import CycleModel
+from footfix.locomotion.cycles.plan import Plan, Point
+from footfix.locomotion.follow.path import make_path
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.rig.rig import Rig
 from footfix.settings import Settings

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from footfix.api.clips import check_settings
 from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
-from footfix.following import Start, check_starts, start_of, walk_of
 from footfix.formats.paths import shape
-from footfix.locomotion.follow import Follow, follow_path
-from footfix.locomotion.walk import Walk
+from footfix.jobs.follow import Start, check_starts, start_of, walk_of
+from footfix.locomotion.follow.run import Follow, follow_path
+from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Clip
 from footfix.settings import Settings
 

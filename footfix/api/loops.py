@@ -6,8 +6,8 @@ from footfix import pipeline
 from footfix.api.clips import check_settings, find_rigs
 from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.errors import ArgumentError
-from footfix.locomotion.loop import Loop
-from footfix.looping import LEAST_FRAMES
+from footfix.jobs.loop import LEAST_FRAMES
+from footfix.locomotion.loop.run import Loop
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
-from footfix import job
 from footfix.api.clips import check_settings
 from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
 from footfix.formats.document import Document, rewrite
 from footfix.formats.suffixes import in_file
-from footfix.job import Outputs
+from footfix.jobs import clean as job
+from footfix.jobs.clean import Outputs
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import joined as all_contacts
 from footfix.pipeline import Result

@@ -20,10 +20,10 @@ from footfix.errors import InputError, UsageError
 from footfix.formats.suffixes import STDIN_NAME
 
 if TYPE_CHECKING:
-    from footfix.fitting import FileCycles, Fitted
     from footfix.formats.plans import PlanRow
-    from footfix.job import Outputs
-    from footfix.locomotion.model import CycleModel
+    from footfix.jobs.clean import Outputs
+    from footfix.jobs.fit import FileCycles, Fitted
+    from footfix.locomotion.cycles.model import CycleModel
     from footfix.settings import Settings
 
 _MOST = 1 << 30  # [bytes] of a model
@@ -52,8 +52,8 @@ def run_fit(
         UsageError: nothing can be done as it was asked for.
         InputError: there is too little to learn from.
     """
-    from footfix.fitting import cycles_of_file, fit_files
     from footfix.formats.models import encode_model
+    from footfix.jobs.fit import cycles_of_file, fit_files
 
     check_output(output, (".npz",), [each.path for each in found], force=force)
     files: list[FileCycles] = []
@@ -170,14 +170,14 @@ def _made(
     import numpy as np
 
     from footfix.formats.models import decode_model
-    from footfix.making import make_file, plan_of
+    from footfix.jobs.make import make_file, plan_of
 
     model = decode_model(data, name=model_file)
     plan = plan_of(rows, model)
     line = None
     if path is not None:
         from footfix.batch.follow import drawn
-        from footfix.locomotion.path import make_path
+        from footfix.locomotion.follow.path import make_path
 
         line = make_path(drawn(path).metres(settings.follow.unit))
         if seconds is None and len(rows) == 1:

@@ -80,7 +80,7 @@ def run_follow(
     Raises:
         UsageError: nothing can be done as it was asked for.
     """
-    from footfix.following import check_starts, start_of
+    from footfix.jobs.follow import check_starts, start_of
 
     ats = [start_of(at) for _, at in clips]
     check_starts(ats, [name for name, _ in clips])
@@ -101,7 +101,7 @@ def run_follow(
     task = Task(job, settings, dry_run=dry_run, folder=str(Path.cwd()))
 
     def work() -> FileResult:
-        from footfix.following import Part, follow_file
+        from footfix.jobs.follow import Part, follow_file
 
         held: dict[str, bytes] = {}
         for name, _ in clips:

@@ -128,7 +128,7 @@ def _hire(work: Work, crew: Sequence[_Worker]) -> _Worker:
     ours, theirs = multiprocessing.Pipe()
     process: BaseProcess
     if _way() == "fork":
-        import footfix.job  # noqa: F401  # what all workers need is loaded once, before they part
+        import footfix.jobs.clean  # noqa: F401  # what all workers need is loaded once, before they part
 
         gc.freeze()  # what is here now is not looked at again, by which a worker would copy it
         not_theirs = (ours, *(worker.pipe for worker in crew))

@@ -21,7 +21,7 @@ from footfix.errors import InputError, OutputError
 from footfix.formats.suffixes import STDIN_NAME, in_file
 
 if TYPE_CHECKING:
-    from footfix.job import Outputs
+    from footfix.jobs.clean import Outputs
     from footfix.report.again import Again
 
 Work = Callable[[Task, bytes], FileResult]
@@ -99,7 +99,7 @@ def _read(task: Task) -> bytes:
 
 
 def _clean(task: Task, data: bytes) -> FileResult:
-    from footfix.job import clean_file
+    from footfix.jobs.clean import clean_file
 
     def make(part: Task) -> Outputs:
         own, leave, labels = contacts_it_was_cleaned_by(part, data), "", part.labels
@@ -115,7 +115,7 @@ def _clean(task: Task, data: bytes) -> FileResult:
 
 
 def _loop(task: Task, data: bytes) -> FileResult:
-    from footfix.looping import loop_file
+    from footfix.jobs.loop import loop_file
 
     def make(part: Task) -> Outputs:
         again = _again(part, loop=True)
@@ -154,7 +154,7 @@ def _detect(task: Task, data: bytes) -> FileResult:
 def _detect_clip(task: Task, data: bytes) -> FileResult:
     from footfix.formats.contacts import ENCODERS
     from footfix.formats.events import encode, events_of
-    from footfix.job import contacts_json, detect_file
+    from footfix.jobs.clean import contacts_json, detect_file
 
     kind, target = task.extra["kind"], _labels_of(task)
     contacts, entry, rig, notes, start = detect_file(
@@ -200,7 +200,7 @@ def _labels_of(task: Task) -> Path | None:
 
 
 def _inspect(task: Task, data: bytes) -> FileResult:
-    from footfix.inspection import inspect_file
+    from footfix.jobs.inspect import inspect_file
 
     skin = skin_for(task.settings, task.folder)
     found = inspect_file(data, task.job.source, task.settings, beside=beside_of(task), skin=skin)
@@ -208,7 +208,7 @@ def _inspect(task: Task, data: bytes) -> FileResult:
 
 
 def _repair(task: Task, data: bytes) -> FileResult:
-    from footfix.inspection import repair_file
+    from footfix.jobs.inspect import repair_file
 
     job, parts = task.job, parts_of(task, data)
     name = job.source if not parts else parts[0].job.source

@@ -11,7 +11,7 @@ from footfix.cli.options import Common, Many, many, shared
 from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
-    from footfix.fitting import Fitted
+    from footfix.jobs.fit import Fitted
 
 
 @click.group()
@@ -43,7 +43,7 @@ def fit(
     from footfix.cli.progress import Progress
     from footfix.cli.running import config_for, found_inputs, print_json
     from footfix.cli.say import say
-    from footfix.fitting import told_of
+    from footfix.jobs.fit import told_of
     from footfix.report.text import printable
 
     config = config_for(src, many, common, {})

@@ -82,7 +82,7 @@ def stream(
 def _whole(settings: Settings, output: Path | None) -> int:
     """Wait for the end, and write what `clean` writes."""
     from footfix.batch.files import write_whole
-    from footfix.job import clean_file
+    from footfix.jobs.clean import clean_file
 
     data = sys.stdin.buffer.read()
     motion = clean_file(data, "<stdin>", settings).motion
@@ -142,7 +142,7 @@ def _document(path: Path, settings: Settings) -> Document:
     """A file of the figure, in metres and y up."""
     from footfix.batch.files import read_whole
     from footfix.formats.bvh.document import Document
-    from footfix.job import read
+    from footfix.jobs.clean import read
 
     document = read(read_whole(path, settings.limits.bytes), str(path), settings)
     if not isinstance(document, Document):

@@ -10,8 +10,8 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from footfix.errors import FootfixError, InputError
-from footfix.locomotion.eigencycles import Code, GaitSpace, Ramp
-from footfix.locomotion.model import CycleModel, Origin
+from footfix.locomotion.cycles.eigencycles import Code, GaitSpace, Ramp
+from footfix.locomotion.cycles.model import CycleModel, Origin
 from footfix.motion.clip import Skeleton
 from footfix.rig.rig import Leg, Rig, SolePoint
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.locomotion.travel import Travel, carrier, root_in_world, taken_out
+from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, taken_out
 from footfix.motion.clip import Clip
 from footfix.report.verdict import Report, entries, number, section
 from footfix.rig.rig import Rig

@@ -16,7 +16,7 @@ from conftest import ROOT, SAMPLES
 from walks import walk
 
 import footfix
-from footfix import job
+from footfix.jobs import clean as job
 
 SETTINGS = footfix.Settings()
 SAMPLE = SAMPLES / "walk_skate.bvh"

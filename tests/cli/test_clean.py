@@ -18,8 +18,8 @@ from footfix.formats import contacts as contacts_format
 from footfix.formats.bvh import decode
 from footfix.formats.contacts import Labels
 from footfix.formats.labels import fit
-from footfix.inspection import inspect_file
-from footfix.job import Outputs, clean_file, read
+from footfix.jobs.clean import Outputs, clean_file, read
+from footfix.jobs.inspect import inspect_file
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, runs
 from footfix.report.inspection import describe

@@ -19,9 +19,9 @@ from walker import make
 from walker_gaits import Gait
 
 from footfix.formats.bvh import decode
-from footfix.job import Outputs
-from footfix.locomotion.params import LoopParams
-from footfix.looping import loop_file
+from footfix.jobs.clean import Outputs
+from footfix.jobs.loop import loop_file
+from footfix.locomotion.loop.params import LoopParams
 from footfix.settings import ReportParams, Settings
 
 QUIET = ReportParams(kind="json")

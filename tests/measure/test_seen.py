@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from conftest import SHARED
 
-from footfix.job import clean_file
+from footfix.jobs.clean import clean_file
 from footfix.settings import ReportParams, Settings
 
 pytestmark = pytest.mark.clips

@@ -18,8 +18,8 @@ from walker import make
 from walker_gaits import Gait
 
 from footfix.formats import contacts as labels_format
-from footfix.locomotion.params import LoopParams
-from footfix.looping import loop_file
+from footfix.jobs.loop import loop_file
+from footfix.locomotion.loop.params import LoopParams
 from footfix.measure.seen import posed, seen_of
 from footfix.motion.contacts import Contact
 from footfix.report.offenders import worst_plants

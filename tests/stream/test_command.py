@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from conftest import SAMPLES
 
-from footfix.job import clean_file
+from footfix.jobs.clean import clean_file
 from footfix.settings import Settings
 
 FILE = (SAMPLES / "walk_skate.bvh").read_bytes()

@@ -10,7 +10,7 @@ from conftest import SHARED
 from footfix.errors import InputError
 from footfix.formats.bvh import decode, legible, repair
 from footfix.formats.bvh.glued import apart
-from footfix.inspection import repair_file
+from footfix.jobs.inspect import repair_file
 from footfix.settings import Settings
 
 

@@ -1,0 +1,69 @@
+"""What there is to say of a file, and what can be mended in it. Nothing here touches a disk."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+from footfix.errors import InputError
+from footfix.formats.document import Beside, legible, open_document, repair
+from footfix.formats.suffixes import bare
+from footfix.jobs.clean import placed
+from footfix.notes import Note
+from footfix.report import document as report_format
+from footfix.rig.find import find_rigs
+from footfix.rig.skin import Skin
+from footfix.settings import Settings
+
+
+def repair_file(
+    data: bytes, name: str, settings: Settings, *, beside: Beside | None = None
+) -> tuple[bytes, list[dict[str, Any]]]:  # fmt: skip
+    """The bytes that a strict reader wants of a file, and a note for each change.
+
+    Raises:
+        InputError: it can't be read.
+    """
+    data, first = legible(data, name=name)
+    mended, notes = repair(open_document(data, name=name, limits=settings.limits, beside=beside))
+    return mended, report_format.notes((*first, *notes))
+
+
+def inspect_file(
+    data: bytes, name: str, settings: Settings, *, beside: Beside | None = None, skin: Skin | None = None
+) -> dict[str, Any]:
+    """What there is to say of a file: its frames, joints, rig, unit, axes, and everything odd about it.
+
+    Raises:
+        InputError: it can't be read.
+    """
+    document = open_document(data, name=name, limits=settings.limits, beside=beside)
+    found: tuple[Note, ...] = document.notes
+    rigs: list[dict[str, Any]] = []
+    if not document.unusable and document.frames:
+        try:
+            document, doubts = placed(document, settings.rig)
+            found += doubts
+            for rig in find_rigs(document.clip, settings.rig, skin=skin):
+                rigs.append(report_format.rig(rig, document.clip, unit_m=document.unit_m, up=document.up))
+                found += rig.notes
+        except InputError as error:
+            found += (Note("no-legs", error.what, "warning"),)
+    elif not document.frames:
+        found += (Note("no-frames", "the file holds no frames", "warning"),)
+    return {
+        "format": "footfix-inspect",
+        "version": 1,
+        "source": {
+            "file": bare(name),
+            "sha256": hashlib.sha256(data).hexdigest(),
+            "frames": document.frames,
+            "frame_time": document.frame_time,
+        },
+        "fps": report_format.rounded(1.0 / document.frame_time),
+        "joints": len(document.clip.skeleton),
+        "channels": document.columns,
+        "rig": rigs[0] if rigs else None,
+        **({"figures": rigs} if len(rigs) > 1 else {}),
+        "notes": report_format.notes(found),
+    }

@@ -1,0 +1,149 @@
+"""One loop, from the bytes of a clip's file to the bytes of its outputs. Nothing here touches a disk."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from footfix import version
+from footfix.errors import InputError
+from footfix.formats.contacts import Labels
+from footfix.formats.document import Beside, Document, rewrite, select
+from footfix.formats.suffixes import in_file
+from footfix.jobs.clean import Outputs, Status, about, contacts_json, find_contacts, read, source_entry
+from footfix.locomotion.loop.run import Loop, as_round
+from footfix.motion.contacts import Contacts
+from footfix.motion.doubled import Doubled
+from footfix.motion.leadin import motion_proper
+from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
+from footfix.report import document as report_format
+from footfix.report.loops import seen_as
+from footfix.report.pages import draw
+from footfix.rig.find import find_rigs
+from footfix.rig.skin import Skin
+from footfix.settings import Settings, plain
+
+if TYPE_CHECKING:
+    from footfix.report.again import Again
+
+# Fewer frames than this hold no stride.
+LEAST_FRAMES = 8
+
+
+def loop_file(
+    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
+    again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
+) -> Outputs:  # fmt: skip
+    """Cut a seamless cycle out of a clip, and clean it as one.
+
+    Args:
+        data: the bytes of the file.
+        name: its name, for messages and reports.
+        settings: the parameters of all steps.
+        labels: contacts of the clip, given by hand.
+        output: the name of the loop's file, for the report.
+        again: how the loop is cleaned from edited contacts, for its page.
+        beside: reads files that this one names.
+        skin: the character that `settings.rig.skin` names.
+
+    Raises:
+        InputError: the clip can't be used, or holds no cycle; says why.
+    """
+    document = read(data, name, settings, beside=beside)
+    clip = document.clip
+    if len(clip) < LEAST_FRAMES:
+        raise InputError(f"{len(clip)} frames are too few for a stride", file=name)
+    with about(name):
+        proper = motion_proper(clip)
+        rigs = find_rigs(clip, settings.rig, proper, skin)
+        if len(rigs) > 1:
+            raise InputError(f"the file holds {len(rigs)} figures; a loop is cut out of the motion of one")
+        prepared = prepare(clip, settings, rigs, proper)
+        loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
+        some = select(document, loop.frames, limits=settings.limits)
+        # the file, and what it says when it is read again
+        written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
+    cycle = as_round(reread, loop.rig, loop.travel, settings.loop)
+    every = Doubled(np.arange(len(cycle)), len(cycle))
+    contacts = loop.contacts
+    figure = Figure(loop.rig, contacts, contacts, loop.plants, loop.correction, loop.ground, every, loop.notes)
+    (result,) = measure_figures(loop.captured, cycle, (figure,))
+    status: Status = "unchanged" if written == data else "cleaned"
+    source = source_entry(data, name, clip)
+    report = _report(document, loop, result, settings, source=source, status=status, output=output)
+    contacts = _contacts(contacts, len(reread))
+    made = {**source, "sha256": hashlib.sha256(written).hexdigest(), "frames": len(reread)}
+    clip_in_it = in_file(name)[1]
+    made["file"] = PurePath(output).name + (f"#{clip_in_it}" if clip_in_it else "") if output else source["file"]
+    contacts_file = contacts_json(contacts, made, report["rig"], settings)
+    before = seen_as(loop.captured.frames(slice(0, len(reread))), loop.rig, report["loop"])
+    ground = loop.ground[: len(reread)]
+    pages, offenders = draw(before, reread, loop.rig, report, contacts_file, settings.report, again, ground)
+    return Outputs(status, written, contacts_file, report, pages, offenders)
+
+
+def _contacts(contacts: Contacts, frames: int) -> Contacts:
+    """The contacts of what is written: without the last frame where that is left out."""
+    effectors = []
+    for effector in contacts.effectors:
+        own = (replace(c, end=min(c.end, frames)) for c in effector.contacts if c.start < frames)
+        effectors.append(replace(effector, contacts=tuple(own)))
+    return replace(contacts, frames=frames, effectors=tuple(effectors))
+
+
+def _report(
+    document: Document, loop: Loop, result: Result, settings: Settings, *, source: Mapping[str, Any], status: str,
+    output: str | None,
+) -> dict[str, Any]:  # fmt: skip
+    clip = loop.round
+    planted = loop.contacts.mask()[:-1].any(axis=1)
+    return {
+        **report_format.frame(source, version.__version__, status=status, output=output),
+        "method": settings.enforce.method,
+        "rig": report_format.rig(loop.rig, clip, unit_m=document.unit_m, up=document.up),
+        "settings": plain(settings),
+        "loop": loop_entry(loop, settings),
+        "before": report_format.measures(result.before),
+        "after": report_format.measures(result.after),
+        "plants": report_format.plants(result.plants, result.plants_before, result.plants_after),
+        "correction": report_format.corrections([result.correction], loop.closed),
+        "notes": report_format.notes((*document.notes, *loop.notes)),
+        "seconds": {
+            "clip": report_format.rounded(loop.seconds),
+            "in_contact": report_format.rounded(float(planted.sum()) * clip.frame_time),
+        },
+    }
+
+
+def loop_entry(loop: Loop, settings: Settings) -> dict[str, Any]:
+    """What a report says of a loop; each key carries its unit."""
+    number, seam, asked = report_format.rounded, loop.seam, settings.loop
+    return {
+        "start": loop.start,
+        "end": loop.end,
+        "frames": len(loop.clip),
+        "closed": not asked.open,
+        "in_place": asked.in_place,
+        "strides": loop.strides,
+        "seconds": number(loop.seconds),
+        "travel_m": [number(loop.travel_of_root[0]), number(loop.travel_of_root[1])],
+        "distance_m": number(loop.distance),
+        "speed_m_s": number(loop.speed),
+        "turn_deg": number(float(np.degrees(loop.turn))),
+        "gap_mm": number(seam.gap_mm),
+        "gap_deg": number(seam.gap_deg),
+        "changed_mm": number(seam.changed_mm),
+        "changed_deg": number(seam.changed_deg),
+        "seam_median_ratio": number(seam.median_ratio),
+        "seam_worst_ratio": number(seam.worst_ratio),
+        "seam_slide_mm": None if seam.slide_mm is None else number(seam.slide_mm),
+        "others": [
+            {"start": cut.start, "end": cut.end, "strides": cut.strides, "apart_mm": number(1000.0 * cut.gap)}
+            for cut in loop.others
+        ],
+    }

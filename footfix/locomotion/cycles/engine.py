@@ -1,0 +1,224 @@
+"""Locomotion frame by frame, foreseen: cycles for what is asked, carried along, with feet that stand.
+
+Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
+locomotion, The Visual Computer 22 (2006), sections 3 to 6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.papers.ease import gamma
+from footfix.locomotion.cycles.feet import SIGMA, Feet, goals, lowered, make_feet
+from footfix.locomotion.cycles.leg_pose import LegPoses
+from footfix.locomotion.cycles.model import CycleModel, place_of_root
+from footfix.locomotion.cycles.plan import Course, Line, Plan, Point, make_course
+from footfix.locomotion.cycles.stance import HELD, Span, Stance, sample_times, settled
+from footfix.motion import rotation
+from footfix.motion.clip import Bools, Clip, Floats
+
+SOONEST = 0.25  # [s] within which parameters change at the soonest
+_COMMITTED = 0.12  # [s] before a foot is set down, from when on its place does not change any more
+_BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
+_AHEAD = 1.4  # [s] that are foreseen at least
+_RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
+_SOON = 0.01  # [s] in which it is gone at the soonest
+
+
+@dataclass(frozen=True, eq=False)
+class Postures:
+    """Postures of a figure at T times.
+
+    Args:
+        times: (T,) [s].
+        place: (T, 3) [m] the root.
+        turns: (T, J, 4) xyzw each joint's rotation in its parent's frame.
+        contacts: (T, E) whether each effector is planted.
+        names: of the effectors.
+    """
+
+    times: Floats
+    place: Floats
+    turns: Floats
+    contacts: Bools
+    names: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def clip(self, model: CycleModel, frame_time: float) -> Clip:
+        """The postures as frames of a clip."""
+        skeleton, root = model.skeleton, model.rig.root
+        places = np.tile(skeleton.offsets, (len(self), 1, 1))
+        places[:, root] = self.place
+        return Clip(skeleton, places, self.turns, frame_time)
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """What led the feet off the cycle when a plan changed, and does not any more: it fades (G eq. 11).
+
+    Args:
+        since: [s].
+        until: (L, Q) [s] when it is gone.
+        value: (L, Q, 3) what was left over.
+    """
+
+    since: float
+    until: Floats
+    value: Floats
+
+    def at(self, times: Floats) -> Floats:
+        """(T, L, Q, 3) what is left of it."""
+        u = (times[:, None, None] - self.since) / (self.until - self.since)
+        return np.asarray(gamma(u)[..., None] * self.value)
+
+
+@dataclass(frozen=True, eq=False)
+class Foreseen:
+    """What is going to happen as long as nothing else is asked for.
+
+    Args:
+        course: phase, place and heading.
+        feet: what the feet are going to do.
+        residual: what is left of another plan.
+    """
+
+    course: Course
+    feet: Feet
+    residual: Residual | None = None
+
+    def led_off(self, times: Floats, pose: LegPoses) -> Floats:
+        """(T, L, Q, 3) how the feet are led off the cycle, whose legs are posed so at times (T,) [s]."""
+        off = self.feet.led_off(times, pose)
+        return off if self.residual is None else off + self.residual.at(times)
+
+
+def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
+    """Foresee the course of a plan and where the feet are going to stand.
+
+    Args:
+        model: the figure and its cycles.
+        plan: what is asked for.
+        line: the path to go along, if any.
+        start: where the course is known.
+        until: [s].
+    """
+    course = _course(model, plan, line, start, until)
+    stances = [each for own in timetable(model, course, until) for each in own]
+    place, turns = free_postures(model, course, sample_times(stances).ravel())
+    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
+    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
+
+
+def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
+    """The course, with the past in which feet that stand were set down, and the time in which they are lifted again."""
+    slow = 1.0 / model.frequency(plan.at(np.array([start.time, until])))
+    return make_course(plan, line, start, until + float(slow[1]), start.time - 1.3 * float(slow[0]), model.frequency)
+
+
+def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
+    legs = range(len(model.rig.legs))
+    return make_feet([sorted((s for s in stances if s.leg == k), key=lambda s: s.count) for k in legs])
+
+
+def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Foreseen:
+    """Foresee anew from a time on, at which another plan holds, or more of it is wanted.
+
+    What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
+    them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+    """
+    course = _course(model, plan, old.course.line, old.course.point(now), until)
+    over, stances, stays = list[Stance](), list[Stance](), list[bool]()
+    for known, coming in zip(old.feet.stances, timetable(model, course, until), strict=True):
+        over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
+        before = {each.count: each for each in known if each.start <= now + _COMMITTED}
+        coming = [s for s in coming if before.get(s.count, s).end > now]
+        stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
+        stays += [each.count in before for each in coming]
+    times = sample_times(stances).ravel() if stances else np.zeros(0)
+    place, turns = free_postures(model, course, np.append(times, now))
+    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
+    found = settled(stances, stays, poses.some(slice(0, -1)), model) if stances else []
+    new = Foreseen(course, _feet(model, [*over, *found]))
+    return replace(new, residual=_residual(old, new, poses.some(slice(-1, None)), now))
+
+
+def _kept(old: Stance, new: Stance, now: float) -> Stance:
+    """A stance with its new times, and of the old ones what has begun, or ended."""
+
+    def span(was: Span | None, becomes: Span | None) -> Span | None:
+        if was is None or was[0] > now:
+            return becomes if becomes is None else (max(becomes[0], now), max(becomes[1], now + 1e-3))
+        if was[1] <= now or becomes is None:
+            return (was[0], max(min(was[1], now + _BRIEFEST), was[0] + 1e-3)) if was[1] > now else was
+        return (was[0], max(becomes[1], now + 1e-3))
+
+    return replace(old, heel=span(old.heel, new.heel), toe=span(old.toe, new.toe))
+
+
+def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stance]]:
+    """When each foot is going to stand, by the phases at which it does in the cycles on the way; without places.
+
+    Of those that begin after `until` [s] each foot has one, to be led to.
+    """
+    asked = course.plan.at(course.grid)
+    spans = model.contact_phases(asked)
+    set_down = course.phase[:, None] - spans[:, :, 0]
+    lifted = set_down - spans[:, :, 1]
+    low, high = int(np.floor(set_down[0].min())), int(np.ceil(set_down[-1].max()))
+    counts = np.arange(low, high + 1)
+    times: dict[tuple[int, str], list[Span | None]] = {}
+    for e, sole in enumerate(model.rig.soles):
+        begin, end = (np.interp(counts, c[:, e], course.grid, left=np.nan, right=np.nan) for c in (set_down, lifted))
+        end = np.where(np.isnan(end), course.grid[-1], end)
+        times[sole.leg, sole.part] = [
+            (float(a), float(b)) if np.isfinite(a) and b - a >= _BRIEFEST else None
+            for a, b in zip(begin, end, strict=True)
+        ]
+    found = []
+    for leg in range(len(model.rig.legs)):
+        pairs = zip(counts, times[leg, "heel"], times[leg, "toe"], strict=True)
+        own = [Stance(leg, int(k), heel, toe) for k, heel, toe in pairs if heel is not None or toe is not None]
+        later = [k for k, each in enumerate(own) if each.start > until]
+        found.append(own[: later[0] + 1] if later else own)
+    return found
+
+
+def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Floats, Floats]:
+    """(T, 3) [m] the root and (T, J, 4) all rotations as the cycles have them, no foot held (G eq. 5, 6)."""
+    rows = model.rows(course.phases(times), course.plan.at(times))
+    place, heading = course.where(times)
+    turns = model.turns(rows)
+    turns[:, model.rig.root] = rotation.multiply(rotation.about_vertical(heading), turns[:, model.rig.root])
+    return place_of_root(rows, place, heading, model.rig.leg_length), turns
+
+
+def _residual(old: Foreseen, new: Foreseen, pose: LegPoses, now: float) -> Residual:
+    """What led the feet off the cycle at a time, at which its legs are posed so, and does not any more."""
+    at = np.array([now])
+    gap = (old.led_off(at, pose) - new.led_off(at, pose))[0]
+    until = np.full(gap.shape[:2], now + _RESIDUAL)
+    for leg in range(len(gap)):
+        for q, name in enumerate((*HELD, "heel", "heel")):
+            coming = min((start for start, _ in new.feet.spans(leg, name) if start > now), default=np.inf)
+            until[leg, q] = now + min(max(coming - now, _SOON), _RESIDUAL)
+    return Residual(now, until, gap)
+
+
+def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
+    """The postures at some times (T,) [s], feet held."""
+    place, turns = free_postures(model, foreseen.course, times)
+    rig, legs = model.rig, model.legs
+    pose = legs.poses(place, turns[:, rig.root], turns)
+    off = foreseen.led_off(times, pose)
+    ankle, foot, toes = goals(pose, off)
+    down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
+    place[:, 1] -= down
+    ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
+    turns[:, legs.turned] = legs.bent(pose, model.knees, ankle, foot, toes)
+    contacts = [foreseen.feet.planted(sole.leg, sole.part, times) for sole in rig.soles]
+    return Postures(times, place, turns, np.stack(contacts, axis=1), tuple(sole.name for sole in rig.soles))

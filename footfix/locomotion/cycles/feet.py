@@ -1,0 +1,167 @@
+"""How the feet of an engine are led from one stance to the next, and held in between.
+
+Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
+locomotion, The Visual Computer 22 (2006), section 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from footfix.locomotion.cycles.eased import Row, Timelines, held_rows, through_rows, timelines
+from footfix.locomotion.cycles.leg_pose import LegPoses, reach, turned_by
+from footfix.locomotion.cycles.stance import HELD, Span, Stance, off_cycle
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.vectors import cross, norm, unit
+
+SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
+_PEEL = 0.08  # [s] after the heel has left the floor, and before the foot is set down, in which it becomes free to turn
+_SOFT = 0.002  # [leg lengths] that a leg may lack, from which on it is noticed
+_LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
+_LED = (*HELD, "share", "free")
+
+
+@dataclass(frozen=True, eq=False)
+class Feet:
+    """What the feet are going to do.
+
+    Args:
+        stances: of each foot, in order of time.
+        lines: how the feet are led off the cycle: for each foot the four of `HELD`; by which of its ends it is led, 0
+            by the heel, 1 by the toe (while both are planted they say the same); and how free it is to turn about its
+            toe, 0 while its heel is planted.
+    """
+
+    stances: tuple[tuple[Stance, ...], ...]
+    lines: Timelines
+
+    def spans(self, leg: int, quantity: str) -> list[Span]:
+        """[s] when one of `HELD` is held."""
+        return [span for each in self.stances[leg] if (span := each.span(quantity)) is not None]
+
+    def planted(self, leg: int, part: str, times: Floats) -> Bools:
+        """(T,) whether heel or toe is."""
+        spans = self.spans(leg, part)
+        if not spans:
+            return np.zeros(len(times), dtype=np.bool_)
+        low, high = np.array(spans).T
+        return np.asarray(((times[:, None] >= low) & (times[:, None] <= high)).any(axis=1))
+
+    @cached_property
+    def _held(self) -> tuple[Floats, ...]:
+        every = [each for own in self.stances for each in own]
+        names = ("heel_place", "toe_place", "foot", "toes")
+        return tuple(np.array([getattr(each, name) for each in every]) for name in names)
+
+    def led_off(self, times: Floats, pose: LegPoses) -> Floats:
+        """(T, L, 6, 3) how the feet are led off the cycle (G eq. 9); the last two are numbers, the first of three.
+
+        Args:
+            times: (T,) [s].
+            pose: the legs as the cycle has them.
+        """
+        value, holder = self.lines.at(times)
+        shape = (len(times), len(self.stances), len(_LED))
+        value, holder = value.reshape(*shape, 3), holder.reshape(shape)
+        for q, name in enumerate(HELD):
+            t, leg = np.nonzero(holder[..., q] >= 0)
+            if len(t):
+                value[t, leg, q] = off_cycle(name, self._held[q][holder[t, leg, q]], getattr(pose, name)[t, leg])
+        return value
+
+
+def make_feet(stances: Sequence[Sequence[Stance]]) -> Feet:
+    """What feet are going to do, by the stances of each of them in order of time."""
+    rows: list[list[Row]] = []
+    at = 0
+    for own in stances:
+        for q, name in enumerate(HELD):
+            some = [(k, span) for k, each in enumerate(own) if (span := each.span(name)) is not None]
+            rows.append(held_rows(
+                [span for _, span in some], [own[k].ends[q] for k, _ in some], [own[k].slopes[q] for k, _ in some],
+                [at + k for k, _ in some], SIGMA,
+            ))  # fmt: skip
+        share, free = _knots(own)
+        rows += [through_rows(share), through_rows(free)]
+        at += len(own)
+    return Feet(tuple(map(tuple, stances)), timelines(rows))
+
+
+def _knots(stances: Sequence[Stance]) -> tuple[list[Span], list[Span]]:
+    """By which of its ends a foot is led, and how free it is to turn about its toe, at some times."""
+    share, free = list[Span](), list[Span]()
+    for each in stances:
+        if free and free[-1][1] == 1.0 and each.start - _PEEL > free[-1][0]:
+            free.append((each.start - _PEEL, 1.0))
+        if each.heel is None or each.toe is None:
+            by = float(each.heel is None)
+            share += [(each.start, by), (each.end, by)]
+            free += [(each.start, by), (each.end, by)]
+            continue
+        first, last = float(each.toe[0] < each.heel[0]), float(each.toe[1] >= each.heel[1])
+        low, high = each.flat or (each.heel[1], max(each.toe[0], each.heel[1] + 1e-3))
+        share += [(each.start, first), (low, first), (high, last), (each.end, last)]
+        free += [(each.heel[0], 0.0), (each.heel[1], 0.0)]
+        if each.end > each.heel[1]:
+            peel = min(_PEEL, each.end - each.heel[1])
+            free += [(each.heel[1] + peel, 1.0), (max(each.end, each.heel[1] + peel), 1.0)]
+    return share, free
+
+
+def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats]:
+    """Where feet are to be: (T, L, 3) [m] the ankles, (T, L, 3, 3) the frames of ankles and toe joints.
+
+    Args:
+        pose: the legs as the cycle has them.
+        off: (T, L, 6, 3) from `Feet.led_off`.
+    """
+    by_heel, by_toe, part = off[:, :, 0], off[:, :, 1], off[:, :, 4, :1]
+    turns = turned_by(off[:, :, 2:4])
+    turn, heading = turns[:, :, 0], turns[:, :, 1]
+    pivot = pose.heel + part * (pose.toe - pose.heel)
+    goal = pivot + (1.0 - part) * by_heel + part * by_toe
+    arms = np.stack([pose.ankle - pivot, pose.toe - pivot], axis=-1)  # (T, L, 3, 2)
+    both = goal[..., None] + turn @ arms
+    ankle, peel = _peeled(pose, both[..., 0], both[..., 1], off[:, :, 5, 0])
+    return ankle, peel @ (turn @ pose.foot), heading @ pose.toes
+
+
+def lowered(pose: LegPoses, ankle: Floats, free: Floats, size: float) -> Floats:
+    """Tell by how much (T,) [m] the figure has to come down for its legs to reach planted feet: hardly ever anything.
+
+    Args:
+        pose: the legs as the cycle has them.
+        ankle: (T, L, 3) [m] where the ankles are to be.
+        free: (T, L) how free feet are to turn about their toes instead.
+        size: [m] of a leg.
+    """
+    line = ankle - pose.hip
+    flat = line[..., 0] ** 2 + line[..., 2] ** 2
+    short = -line[..., 1] - np.sqrt(np.maximum(reach(pose) ** 2 - flat, 0.0))
+    soft = _SOFT * size
+    rounded = np.where(np.abs(short) < soft, (short + soft) ** 2 / (4.0 * soft), np.maximum(short, 0.0))
+    return np.asarray(np.minimum(np.max((1.0 - free) * rounded, axis=1), _LOWEST * size))
+
+
+def _peeled(pose: LegPoses, ankle: Floats, toe: Floats, free: Floats) -> tuple[Floats, Floats]:
+    """Turn feet about their toes where a leg would be stretched farther than in the cycle: the heel comes up instead.
+
+    Returns:
+        (T, L, 3) [m] the ankles, and (T, L, 3, 3) the turns.
+    """
+    limit, was, now = reach(pose), norm(pose.ankle - pose.hip), norm(ankle - pose.hip)
+    room = np.maximum(limit - was, 1e-6)
+    beyond = np.maximum(now - was, 0.0)
+    wanted = now - free * (beyond - room * (1.0 - np.exp(-beyond / room)))
+    # in the triangle of hip, toe and ankle the angle at the toe tells how far the ankle is from the hip
+    arm, line = ankle - toe, pose.hip - toe
+    r, d = norm(arm), norm(line)
+    lever = np.maximum(2.0 * r * d, 1e-9)
+    cosines = (r * r + d * d - np.stack([now, wanted]) ** 2) / lever
+    old, new = np.arccos(np.minimum(np.maximum(cosines, -1.0), 1.0))
+    turn = turned_by(unit(cross(arm, line)) * (old - new)[..., None])
+    return toe + (turn @ arm[..., None])[..., 0], turn

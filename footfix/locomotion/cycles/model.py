@@ -1,0 +1,208 @@
+"""A model of how a figure walks and runs: its skeleton and legs, and the space of its cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from footfix.locomotion.cycles.eigencycles import Code, GaitSpace, kernel
+from footfix.locomotion.cycles.leg_pose import Legs
+from footfix.locomotion.cycles.plan import Plan
+from footfix.locomotion.cycles.samples import GRAVITY
+from footfix.motion import rotation
+from footfix.motion.clip import Floats, Ints, Skeleton, frozen
+from footfix.rig.rig import Rig
+
+FASTEST = 1.2
+
+
+@dataclass(frozen=True)
+class Origin:
+    """A file that a model was made of.
+
+    Args:
+        file: its name.
+        sha256: of its bytes.
+        cycles: how many it gave.
+        style: which style they have.
+    """
+
+    file: str
+    sha256: str
+    cycles: int
+    style: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class CycleModel:
+    """What an engine makes locomotion of. It holds no captured clip.
+
+    Args:
+        skeleton: of the figure.
+        rig: its legs, soles and size; its floor is at 0.
+        code: what turns numbers into rotations.
+        spaces: of its gaits, "walk" before "run".
+        levels: (E,) [leg lengths] height at which a planted heel's sole point and toe joint stay.
+        knees: (L, 3) axis about which each knee flexes, in the frame of the thigh.
+        between: (M, E, 2) by how much contacts half-way between walk and run begin later, and last longer, than the
+            mean of both [share of the cycle], at M speeds up to `FASTEST` times the fastest run.
+        origins: the files.
+    """
+
+    skeleton: Skeleton
+    rig: Rig
+    code: Code
+    spaces: tuple[GaitSpace, ...]
+    levels: Floats
+    knees: Floats
+    between: Floats
+    origins: tuple[Origin, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("levels", "knees", "between"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def styles(self) -> tuple[str, ...]:
+        """Names of the styles that it knows besides the plain one."""
+        return self.spaces[0].styles
+
+    @property
+    def gaits(self) -> tuple[str, ...]:
+        """Which gaits it knows."""
+        return tuple(space.gait for space in self.spaces)
+
+    @cached_property
+    def froude(self) -> float:
+        """[m/s] sqrt(g l)."""
+        return float(np.sqrt(GRAVITY * self.rig.leg_length))
+
+    @cached_property
+    def legs(self) -> Legs:
+        """What moves its legs."""
+        return Legs(self.skeleton, self.rig)
+
+    @cached_property
+    def leg_columns(self) -> tuple[Ints, ...]:
+        """For each leg the columns of a row that its joints fill."""
+        found = []
+        for leg in self.rig.legs:
+            joints = [j for j in range(len(self.skeleton)) if leg.hip in self.skeleton.ancestors(j)]
+            found.append(np.concatenate([3 + 3 * j + np.arange(3) for j in joints]))
+        return tuple(found)
+
+    def shares(self, run: Floats) -> Floats:
+        """(T, G) how much of each gait there is; a model of one gait has nothing else."""
+        if len(self.spaces) == 1:
+            return np.ones((len(run), 1))
+        run = np.clip(run, 0.0, 1.0)
+        return np.stack([1.0 - run, run], axis=1)
+
+    def frequency(self, asked: Plan) -> Floats:
+        """(T,) [Hz] of the cycle; between gaits the logarithms are blended."""
+        speed = asked.speed / self.froude
+        logs = np.stack([np.log(space.frequencies(speed, asked.style)) for space in self.spaces], axis=1)
+        rate = np.sqrt(GRAVITY / self.rig.leg_length)
+        return np.asarray(np.exp(np.sum(self.shares(asked.run) * logs, axis=1)) * rate)
+
+    def contact_phases(self, asked: Plan) -> Floats:
+        """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
+        share = self.shares(asked.run)
+        spans = np.asarray(np.einsum("tg,tgek->tek", share, self._contacts_of_gaits(asked)))
+        mixed = 4.0 * share[:, 0] * share[:, -1] if share.shape[1] > 1 else np.zeros(len(spans))
+        if not np.any(mixed):
+            return spans
+        m = len(self.between)
+        at = np.clip(asked.speed / self.froude / self.between_speeds()[-1], 0.0, 1.0) * (m - 1)
+        k = np.minimum(at.astype(np.intp), m - 2)
+        w = (at - k)[:, None, None]
+        spans += mixed[:, None, None] * ((1.0 - w) * self.between[k] + w * self.between[k + 1])
+        return spans
+
+    def between_speeds(self) -> Floats:
+        """(M,) speeds v / sqrt(g l) at which `between` is known."""
+        return np.linspace(0.0, FASTEST * self.spaces[-1].ramp.high, len(self.between))
+
+    def _contacts_of_gaits(self, asked: Plan) -> Floats:
+        speed = asked.speed / self.froude
+        return np.stack([space.contact_phases(speed) for space in self.spaces], axis=1)
+
+    def rows(self, phases: Floats, asked: Plan) -> Floats:
+        """(T, D) poses at phases (T,), as rows of the code.
+
+        Walk and run are blended at equal phase; each leg's phase is first led to where its foot would be as far in its
+        stance, or swing, in that gait.
+        """
+        share = self.shares(asked.run)
+        speed = asked.speed / self.froude
+        used = np.flatnonzero(share.max(axis=0) > 0.0)
+        if len(used) == 1:
+            return self._of_gait(int(used[0]), phases, speed, asked.style, None)
+        spans = self._contacts_of_gaits(asked)
+        own = self._stances(spans)  # (T, G, L, 2)
+        mixed = self._stances(np.einsum("tg,tgek->tek", share, spans)[:, None])
+        led = warped(phases[:, None, None], mixed, own)
+        parts = [self._of_gait(int(g), phases, speed, asked.style, led[:, g]) for g in used]
+        return np.asarray(sum(share[:, g, None] * part for g, part in zip(used, parts, strict=True)))
+
+    def _of_gait(self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None) -> Floats:
+        """(T, D) poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
+        space = self.spaces[gait]
+        features, samples = space.features(speed, style), space.mean.shape[0]
+        row = _at(space.directions, kernel(phases, samples), features)
+        for number, columns in enumerate(self.leg_columns if led is not None else ()):
+            assert led is not None
+            row[:, columns] = _at(self._leg_directions[gait][number], kernel(led[:, number], samples), features)
+        return row
+
+    @cached_property
+    def _leg_directions(self) -> list[list[Floats]]:
+        return [[np.ascontiguousarray(s.directions[:, :, own]) for own in self.leg_columns] for s in self.spaces]
+
+    def _stances(self, spans: Floats) -> Floats:
+        """(..., L, 2) when feet are set down and for how long they stand, of contacts (..., E, 2) of heels and toes."""
+        pairs = spans.reshape(*spans.shape[:-2], -1, 2, 2)
+        start, lasts = pairs[..., 0], pairs[..., 1]
+        there = lasts > 1e-3
+        first = np.where(there, start, 2.0).min(axis=-1)
+        last = np.where(there, start + lasts, -2.0).max(axis=-1)
+        return np.stack([first, np.clip(last - first, 0.05, 0.95)], axis=-1)
+
+    def turns(self, rows: Floats) -> Floats:
+        """(T, J, 4) rotations of rows (T, D)."""
+        return np.asarray(self.code.turns(rows))
+
+
+def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:
+    """(T, D) the sum of directions (P, N, D) at phases of weights (T, N), times features (T, P)."""
+    row = features[:, :1] * (weights @ directions[0])
+    for p in range(1, len(directions)):
+        row += features[:, p : p + 1] * (weights @ directions[p])
+    return np.asarray(row)
+
+
+def warped(phases: Floats, here: Floats, there: Floats) -> Floats:
+    """Phases (...) of one gait at which a foot is as far in its stance, or swing, as at phases (...) of another.
+
+    Args:
+        phases: (...).
+        here, there: (..., 2) when the foot is set down, and for how long it stands.
+    """
+    u = np.mod(phases - here[..., 0], 1.0)
+    d, e = here[..., 1], there[..., 1]
+    first, second = e / d, (1.0 - e) / (1.0 - d)
+    slope = 2.0 * first * second / (first + second)  # of a monotone cubic at both of its knots
+    stance = u < d
+    size = np.where(stance, d, 1.0 - d)
+    s = np.where(stance, u, u - d) / size
+    low, high = np.where(stance, 0.0, e), np.where(stance, e, 1.0)
+    led = low + (high - low) * s * s * (3.0 - 2.0 * s) + slope * size * s * (1.0 - s) * (1.0 - 2.0 * s)
+    return np.asarray(there[..., 0] + led)
+
+
+def place_of_root(rows: Floats, place: Floats, heading: Floats, leg_length: float) -> Floats:
+    """(T, 3) [m] the root in the world: the course's place, and what the cycle adds to it in its frame (G eq. 5, 6)."""
+    swing = rotation.rotate(rotation.about_vertical(heading), leg_length * rows[:, :3])
+    return np.asarray(swing + np.stack([place[:, 0], np.zeros(len(place)), place[:, 1]], axis=1))

@@ -1,0 +1,1 @@
+"""Walks laid along a path, handed over from one style to another, with strides, lean and balance."""

@@ -1,0 +1,121 @@
+"""Key-times of walks: which moments of two walks belong together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from footfix.locomotion.follow.walk import Walk
+from footfix.motion.clip import Floats, Ints
+from footfix.motion.spline import Cubic, monotone
+
+
+@dataclass(frozen=True, eq=False)
+class Keys:
+    """The key-times of a walk (K 6.1): its frame at each moment of a generic stride, and back.
+
+    K leads linearly from key to key; here a monotone cubic does, so that no foot changes its speed at a key.
+
+    Args:
+        times: (n,) generic times [strides] of the keys of a round, from 0.
+        frames: (n,) their frames.
+        strides: of a round.
+        length: [frames] of a round.
+    """
+
+    times: Floats
+    frames: Floats
+    strides: int
+    length: int
+
+    def frame(self, time: Floats) -> Floats:
+        """Frames (F,) at generic times (F,)."""
+        rounds = np.floor(time / self.strides)
+        return np.asarray(self._curve(time - rounds * self.strides)[..., 0] + rounds * self.length)
+
+    def time(self, frame: Floats) -> Floats:
+        """Generic times (F,) at frames (F,)."""
+        first = self.frames[0]
+        rounds = np.floor((frame - first) / self.length)
+        within = frame - rounds * self.length
+        curve = self._curve
+        fine = np.linspace(0.0, self.strides, 64 * len(self.times) + 1)
+        time = np.interp(within, curve(fine)[:, 0], fine)
+        for _ in range(4):  # Newton
+            step = (curve(time)[..., 0] - within) / np.maximum(curve(time, 1)[..., 0], 1e-6)
+            time = np.clip(time - step, 0.0, self.strides)
+        return np.asarray(time + rounds * self.strides)
+
+    @cached_property
+    def _curve(self) -> Cubic:
+        """Frames by times, with a round more on either side."""
+        more = [(k * self.strides, k * self.length) for k in (-1, 0, 1, 2)]
+        times = np.concatenate([self.times + t for t, _ in more])
+        return monotone(times, np.concatenate([self.frames + f for _, f in more])[:, None])
+
+
+def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
+    """Key-times of walks: strikes of every leg, and lifts where all walks have them in one order.
+
+    Walks of unlike numbers of strides are aligned stride by stride, which is what K's shorter clip as go-between does.
+    """
+    events = [_events(walk) for walk in walks]
+    names = [name for name in events[0] if all(name in each for each in events)]
+    strikes = [name for name in names if name[1] == "strike"]
+    for wanted in (names, strikes, strikes[:1]):
+        found = _aligned(walks, events, wanted)
+        if found is not None:
+            return found
+    return tuple(Keys(np.zeros(1), np.zeros(1), walk.strides, walk.frames) for walk in walks)
+
+
+def _events(walk: Walk) -> dict[tuple[int, str], Ints]:
+    """Frames (strides,) of what happens once in each stride, counted from the first leg's strikes."""
+    found: dict[tuple[int, str], Ints] = {}
+    start = 0
+    for leg in range(len(walk.rig.legs)):
+        down, up = walk.strikes(leg)
+        if len(down) != walk.strides:
+            if leg == 0:
+                return {}
+            continue
+        if leg == 0:
+            start = int(down[0])
+        for what, frames in (("strike", down), ("lift", up)):
+            found[leg, what] = np.sort((frames - start) % walk.frames) + start
+    return found
+
+
+def _aligned(
+    walks: Sequence[Walk], events: Sequence[dict[tuple[int, str], Ints]], names: Sequence[tuple[int, str]]
+) -> tuple[Keys, ...] | None:
+    """Key-times by some events; None where walks have them in different orders."""
+    if not names:
+        return None
+    phases = []
+    for walk, own in zip(walks, events, strict=True):
+        first = own[names[0]].astype(np.float64)
+        on = np.append(first, first[0] + walk.frames)
+        inside = np.stack([(own[name] - first) / np.diff(on) for name in names])  # (events, strides)
+        inside[1:] -= np.floor(inside[1:])
+        phases.append(inside)
+    orders = {tuple(np.argsort(column).tolist()) for each in phases for column in each.T}
+    if len(orders) > 1:
+        return None
+    times = np.mean([each.mean(axis=1) for each in phases], axis=0)
+    order = np.argsort(times)
+    if np.any(np.diff(np.append(times[order], 1.0)) < 0.02):
+        return None
+    keys = []
+    for walk, own, inside in zip(walks, events, phases, strict=True):
+        first = own[names[0]].astype(np.float64)
+        on = np.append(first, first[0] + walk.frames)
+        frames = (first + inside * np.diff(on))[order]
+        if np.any(np.diff(np.append(frames.T.ravel(), frames[0, 0] + walk.frames)) <= 0.0):
+            return None
+        at = times[order][:, None] + np.arange(walk.strides)
+        keys.append(Keys(at.T.ravel(), frames.T.ravel(), walk.strides, walk.frames))
+    return tuple(keys)

@@ -1,0 +1,307 @@
+"""Captured walks along a path, one handed over to the next: root, feet, lean, and plants held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.correction import Correction, apply
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.run import EnforceParams
+from footfix.errors import UsageError
+from footfix.locomotion.follow.balance import end_effectors
+from footfix.locomotion.follow.blend import Transition, blend_length, check_order
+from footfix.locomotion.follow.holding import held_on
+from footfix.locomotion.follow.keys import Keys, align
+from footfix.locomotion.follow.laying import Laid, lay_walks
+from footfix.locomotion.follow.params import FollowParams
+from footfix.locomotion.follow.path import Path, make_path
+from footfix.locomotion.follow.posing import contacts_of
+from footfix.locomotion.follow.stride import Way, averaged, pace_of, way_on
+from footfix.locomotion.follow.timeline import Pace, Timeline, frame_at, make_timeline, time_at
+from footfix.locomotion.follow.walk import Walk, check_alike, on_one_floor, pelvis_of
+from footfix.locomotion.loop.travel import root_in_world
+from footfix.motion.clip import Bools, Clip, Floats, Ints
+from footfix.motion.contacts import Contacts
+from footfix.notes import Note
+from footfix.rig.rig import Rig
+
+_MOST = 300_000  # frames
+_LEAD = 1.6  # strides before the start, and after the end, that are laid and cut off
+
+
+@dataclass(frozen=True)
+class At:
+    """Where on the way a walk begins.
+
+    Args:
+        seconds: [s] after the start, or
+        metres: [m] on the path; one of them.
+    """
+
+    seconds: float | None = None
+    metres: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Walked:
+    """How a path was walked, frame by frame.
+
+    Args:
+        arc: (F,) [m] arc length on the path.
+        root: (F, 2) [m] x and z of the root, in the mean over a stride.
+        off: (F,) [m] how far that is from the path, to the left.
+        speed: (F,) [m/s] along the path.
+        scale: (F,) how long strides are, of captured ones.
+        lean: (F,) [rad] to the left.
+        aside: (F,) [m] how far feet step beside the path, to the left.
+        balance: (F,) [m] how far the zero-moment point is from where the straight walk has it, to the left, in the
+            mean over a stride; zeros where nothing leans.
+        lowered: (F,) [m] by which the body is lowered for its legs to reach.
+    """
+
+    arc: Floats
+    root: Floats
+    off: Floats
+    speed: Floats
+    scale: Floats
+    lean: Floats
+    aside: Floats
+    balance: Floats
+    lowered: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Follow:
+    """Walks along a path.
+
+    Args:
+        clip: F frames, the figure's own skeleton.
+        laid: the same before legs were bent and plants held.
+        straight: the walks as they would go straight on, F frames on the spot.
+        rig: legs, soles and floor.
+        contacts: of `clip`.
+        path: that was walked.
+        walked: how.
+        transitions: from walk to walk.
+        walks: the loops that were laid.
+        frames: (F,) which frame of the first captured clip each is written like.
+        plants: each contact, where it stands.
+        correction: what makes `clip` of `laid`.
+        notes: what a person should know.
+    """
+
+    clip: Clip
+    laid: Clip
+    straight: Clip
+    rig: Rig
+    contacts: Contacts
+    path: Path
+    walked: Walked
+    transitions: tuple[Transition, ...]
+    walks: tuple[Walk, ...]
+    frames: Ints
+    plants: tuple[Footplant, ...]
+    correction: Correction
+    notes: tuple[Note, ...]
+
+
+def follow_path(
+    points: Floats, walks: Sequence[Walk], ats: Sequence[At], params: FollowParams, holding: EnforceParams, *,
+    relative: bool = False,
+) -> Follow:  # fmt: skip
+    """Lead walks along a path.
+
+    Args:
+        points: (N, 2) [m] x and z of the path.
+        walks: one after the other.
+        ats: where each of them begins; the first at the start.
+        params: how.
+        holding: how footplants are enforced.
+        relative: whether points are seen from where the first walk is, to its left and ahead.
+
+    Raises:
+        ArgumentError: the points are no path.
+        UsageError: walks begin where they can't.
+        InputError: the walks have different skeletons.
+    """
+    check_alike(walks)
+    walks = on_one_floor(walks)
+    first = walks[0]
+    path = _path(points, walks, params, relative)
+    paces = [pace_of(walk, params) for walk in walks]
+    keys = align(walks) if len(walks) > 1 else (_one_key(first),)
+    stride = float(np.mean([w.length * p.stride / w.strides for w, p in zip(walks, paces, strict=True)]))
+    way = way_on(path, stride, first.rig.leg_length, _until(path, params, walks, paces), params)
+    wanted, notes = _transitions(walks, keys, paces, ats, way, params)
+    timeline, more = _timeline(path, way, walks, keys, paces, wanted, params)
+    made = lay_walks(path, way, walks, timeline, params, paced=any(pace != Pace() for pace in paces))
+    return _finished(made, path, walks, timeline, holding, (*path.notes, *notes, *more))
+
+
+def _one_key(walk: Walk) -> Keys:
+    return Keys(np.zeros(1), np.zeros(1), walk.strides, walk.frames)
+
+
+def _path(points: Floats, walks: Sequence[Walk], params: FollowParams, relative: bool) -> Path:
+    """The path in the world, no kink of it sharper than a stance can turn."""
+    if relative:
+        x, z, heading = walks[0].start
+        c, s = np.cos(heading), np.sin(heading)
+        left, ahead = np.asarray(points, dtype=np.float64).T
+        points = np.stack([x + left * c + ahead * s, z - left * s + ahead * c], axis=1)
+    stance = max(_stance_way(walk) for walk in walks)
+    sharpest = np.radians(params.stance_turn) / max(params.shortest * stance, 0.05)
+    size = walks[0].rig.leg_length
+    if params.stride:  # strides are the shorter, the sharper it is
+        shorter = [np.radians(params.stance_turn) / (s * stance) for s in np.linspace(params.shortest, 1.0, 101)]
+        fits = [k for k, s in zip(shorter, np.linspace(params.shortest, 1.0, 101), strict=True)
+                if s >= 1.0 - params.shrink * size * k]  # fmt: skip
+        sharpest = max(fits, default=sharpest)
+    else:
+        sharpest = np.radians(params.stance_turn) / stance
+    return make_path(points, sharpest=float(sharpest), kink=np.radians(params.kink))
+
+
+def _stance_way(walk: Walk) -> float:
+    """[m] that a walk goes while a foot stands, in the mean."""
+    own = [e for e, sole in enumerate(walk.rig.soles) if sole.leg == 0]
+    share = float(walk.contacts.mask()[:-1, own].any(axis=1).mean())
+    return share * walk.length / walk.strides
+
+
+def _until(path: Path, params: FollowParams, walks: Sequence[Walk], paces: Sequence[Pace]) -> float:
+    """[m] how far at most walks get."""
+    if params.seconds is None:
+        return path.length
+    fastest = max(w.speed * p.stride / p.time for w, p in zip(walks, paces, strict=True))
+    return max(path.length, params.seconds * fastest) if path.closed else path.length
+
+
+def _transitions(
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way,
+    params: FollowParams,
+) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
+    """When each walk is handed over to the next, and for how long."""
+    rig, skeleton = walks[0].rig, walks[0].clip.skeleton
+    ends = end_effectors(skeleton, rig)
+    found: list[Transition] = []
+    starts = [0.0]
+    notes = []
+    for k in range(1, len(walks)):
+        at = ats[k]
+        start = at.seconds
+        if start is None:
+            start = time_at(way.gone(at.metres or 0.0), walks, keys, paces, found)
+        starts.append(start)
+        check_order(starts, [walk.name for walk in walks])
+        if found and start < found[-1].end:
+            found[-1] = replace(found[-1], end=start, clamped=True)
+            text = f"{walks[k].name} begins while {walks[k - 1].name} is still handed over to: that blend is shorter"
+            notes.append(Note("blend-cut", text))
+        frame, gone = frame_at(start, walks, keys, paces, found)
+        pair = walks[k - 1], walks[k]
+        seconds = np.mean([w.stride_seconds * p.time for w, p in zip(pair, paces[k - 1 : k + 1], strict=True)])
+        moment = float(keys[k - 1].time(np.array([frame]))[0])
+        joint, asked, least = blend_length(*pair, (keys[k - 1], keys[k]), moment, ends)
+        low, high = max(params.shortest_blend, least), params.longest_blend * float(seconds)
+        length = float(np.clip(asked, low, max(low, high)))
+        found.append(Transition(
+            k - 1, k, start, start + length, float(way.place(np.array([gone]))[0]), skeleton.names[joint], asked,
+            length != asked,
+        ))  # fmt: skip
+    return tuple(found), tuple(notes)
+
+
+def _timeline(
+    path: Path, way: Way, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace],
+    wanted: Sequence[Transition], params: FollowParams,
+) -> tuple[Timeline, tuple[Note, ...]]:  # fmt: skip
+    """Which moment each frame shows, until the path ends or the time is over."""
+    dt = walks[0].clip.frame_time
+    whole = time_at(way.gone(path.length), walks, keys, paces, wanted)
+    notes: tuple[Note, ...] = ()
+    seconds = whole if params.seconds is None else params.seconds
+    if seconds > whole and not path.closed:
+        notes += (Note("path-ends", f"the path ends after {whole:.2f} s, before the {seconds:g} s asked for"),)
+        seconds = whole
+    for change in wanted:
+        if change.start >= seconds:
+            raise UsageError(
+                f"{walks[change.after].name} is to begin after {change.start:.2f} s, but the walk ends after "
+                f"{seconds:.2f} s, {path.length:.2f} m on"
+            )
+    frames = round(seconds / dt) + 1
+    if not 2 <= frames <= _MOST:
+        raise UsageError(f"{seconds:.2f} s are {frames} frames; 2 to {_MOST} can be made")
+    lead = int(np.ceil(_LEAD * max(w.stride_seconds * p.time for w, p in zip(walks, paces, strict=True)) / dt)) + 2
+    timeline = make_timeline(walks, keys, paces, wanted, frames, lead, dt)
+    if params.seconds is None and not path.straight:  # the last frame is at the end of the path
+        end = timeline.gone[lead + frames - 1]
+        timeline = replace(timeline, gone=timeline.gone * (way.gone(path.length) / end))
+    return timeline, notes
+
+
+def _finished(
+    made: Laid, path: Path, walks: Sequence[Walk], timeline: Timeline, holding: EnforceParams, notes: tuple[Note, ...]
+) -> Follow:  # fmt: skip
+    """Cut the ends off, and hold what still slides."""
+    lead = timeline.first
+    some = slice(lead, len(timeline) - lead)
+    clip, laid = made.clip.frames(some), made.laid.frames(some)
+    contacts = contacts_of(made.posed, some)
+    changed: Bools = np.asarray(_changes(made, timeline))
+    needed = bool(changed[some].any())
+    found = held_on(clip, made.posed.rig, contacts, holding, needed=needed)
+    plants = tuple(replace(p, outcome="pinned") if needed and p.outcome == "kept" else p for p in found.plants)
+    clip = apply(clip, found.correction)
+    walked = _walked(made, path, clip, some)
+    frames = _like(walks[0], timeline, some)
+    return Follow(
+        clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
+        tuple(walks), frames, plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
+    )  # fmt: skip
+
+
+def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
+    """What makes of a clip another one whose body is somewhere else and whose legs are bent otherwise."""
+    shift = root_in_world(clip, rig.root)[0] - root_in_world(laid, rig.root)[0]
+    joints = [joint for leg in rig.legs for joint in (*leg.chain, *(() if leg.toe is None else (leg.toe,)))]
+    turned = [joint for joint in joints if np.any(clip.turn(joint) != laid.turn(joint))]
+    turns = np.stack([clip.turn(joint) for joint in turned], axis=1) if turned else np.zeros((len(clip), 0, 4))
+    return Correction(rig.root, shift, tuple(turned), turns)
+
+
+def _changes(made: Laid, timeline: Timeline) -> Bools:
+    """(F,) where anything is otherwise than in a straight walk."""
+    return np.asarray(timeline.blended() | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
+
+
+def _any_turn(made: Laid) -> bool:
+    return made.clip is not made.laid
+
+
+def _walked(made: Laid, path: Path, clip: Clip, some: slice) -> Walked:
+    root = pelvis_of(clip, made.posed.rig)[:, [0, 2]]
+    stride = float(np.median(made.stride[some]))
+    arc = made.arc[some]
+    whole = pelvis_of(made.laid, made.posed.rig)[:, [0, 2]].copy()
+    whole[some] = root
+    heading = path.heading(made.arc)
+    left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
+    off = averaged(np.einsum("fk,fk->f", whole - path.place(made.arc), left), stride)
+    mean = np.stack([averaged(each, stride) for each in whole.T], axis=1)
+    lowered = made.lean.lower if made.lean.lower is not None else np.zeros(len(made.arc))
+    return Walked(
+        arc, mean[some], off[some], averaged(made.speed, stride)[some], made.scale[some], made.lean.angle[some],
+        made.aside[some], made.balance[some], lowered[some],
+    )  # fmt: skip
+
+
+def _like(walk: Walk, timeline: Timeline, some: slice) -> Ints:
+    """(F,) frames of the first captured clip that show the pose nearest to each."""
+    first = timeline.zones[0].at[0][some]
+    frames = walk.loop.frames
+    return np.asarray(frames[np.rint(first).astype(np.intp) % min(walk.frames, len(frames))])

@@ -1,0 +1,229 @@
+"""Walks one after the other in time, blended where one is handed over to the next: which moment each frame shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from footfix.locomotion.follow.blend import Transition, ease
+from footfix.locomotion.follow.keys import Keys
+from footfix.locomotion.follow.walk import Walk
+from footfix.motion.clip import Bools, Floats, Ints
+
+_FINE = 16  # steps a frame, in which a blend's clock is told
+
+
+@dataclass(frozen=True, eq=False)
+class Zone:
+    """A stretch of frames in which at most two walks are blended.
+
+    Args:
+        frames: `[start, end)` of the timeline.
+        walks: index of the walk before, and after.
+        at: for either (F,) its moment [frames of its round], in all frames of the timeline.
+        weight: (F,) how much of the second.
+    """
+
+    frames: slice
+    walks: tuple[int, int]
+    at: tuple[Floats, Floats]
+    weight: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Timeline:
+    """Which moment of which walk each frame shows.
+
+    Args:
+        zones: one after the other.
+        gone: (F,) [m] that the walks have gone, without what curves take; 0 at frame `first`.
+        first: frames before the start.
+        frame_time: [s].
+        transitions: the blends.
+    """
+
+    zones: tuple[Zone, ...]
+    gone: Floats
+    first: int
+    frame_time: float
+    transitions: tuple[Transition, ...] = field(default_factory=tuple)
+
+    def __len__(self) -> int:
+        return len(self.gone)
+
+    def blended(self) -> Bools:
+        """(F,) whether two walks are blended in a frame."""
+        weights = [np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones]
+        weight = np.concatenate(weights)
+        return np.asarray((weight > 0.0) & (weight < 1.0))
+
+    def leads(self) -> Ints:
+        """(F,) index of the walk that leads in each frame."""
+        return np.concatenate([np.where(z.weight[z.frames] >= 0.5, z.walks[1], z.walks[0]) for z in self.zones])
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How a walk is gone otherwise than captured.
+
+    Args:
+        time: how much longer a stride takes.
+        stride: how much longer it is.
+    """
+
+    time: float = 1.0
+    stride: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Walk `k` from a time [s] on, at a frame, having gone so far [m]."""
+
+    k: int
+    since: float
+    frame: float
+    gone: float
+
+
+START = Piece(0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Blend:
+    """One blend on fine steps: times [s], frames of either walk, weight and way [m]."""
+
+    before: Piece
+    then: Piece
+    times: Floats
+    at: tuple[Floats, Floats]
+    weight: Floats
+    gone: Floats
+
+    def lay(
+        self, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], time: Floats, where: slice
+    ) -> tuple[Zone, Floats]:
+        """The zone about it."""
+        a, b = self.before.k, self.then.k
+        one, gone = _uniform(walks, paces, self.before, time)
+        two, gone_after = _uniform(walks, paces, self.then, time)
+        inside = (time > self.times[0]) & (time < self.times[-1])
+        after: Bools = time >= self.times[-1]
+        one[inside] = np.interp(time[inside], self.times, self.at[0])
+        weight = np.where(after, 1.0, 0.0)
+        weight[inside] = np.interp(time[inside], self.times, self.weight)
+        gone = np.where(after, gone_after, gone)
+        gone[inside] = np.interp(time[inside], self.times, self.gone)
+        if walks[a] is walks[b] and paces[a] == paces[b]:
+            one[after] = two[after]
+            return Zone(where, (a, b), (one, one), weight), gone
+        two[~after] = _to(keys[a], keys[b], one[~after])
+        one[after] = _to(keys[b], keys[a], two[after])
+        return Zone(where, (a, b), (one, two), weight), gone
+
+
+def make_timeline(
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition],
+    frames: int, lead: int, frame_time: float,
+) -> Timeline:  # fmt: skip
+    """Lay walks one after the other, blended where one is handed over to the next.
+
+    While they are blended, time goes as the mean of both by their weights, phase for phase.
+
+    Args:
+        walks: in their order.
+        keys: of each.
+        paces: of each.
+        wanted: the transitions, in order; their times are those of the start.
+        frames: from the start on.
+        lead: frames before the start, and after the end.
+        frame_time: [s].
+    """
+    time: Floats = np.asarray(np.arange(-lead, frames + lead) * frame_time, dtype=np.float64)
+    blends = lay_blends(walks, keys, paces, wanted)
+    cuts = [0]
+    for one, two in pairwise(blends):
+        cuts.append(int(np.searchsorted(time, 0.5 * (one.times[-1] + two.times[0]))))
+    cuts.append(len(time))
+    if not blends:
+        at, gone = _uniform(walks, paces, START, time)
+        zone = Zone(slice(0, len(time)), (0, 0), (at, at), np.zeros(len(time)))
+        return Timeline((zone,), gone, lead, frame_time)
+    zones, far = [], []
+    for blend, a, b in zip(blends, cuts[:-1], cuts[1:], strict=True):
+        zone, gone = blend.lay(walks, keys, paces, time, slice(a, b))
+        zones.append(zone)
+        far.append(gone[a:b])
+    return Timeline(tuple(zones), np.concatenate(far), lead, frame_time, tuple(wanted))
+
+
+def lay_blends(
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
+) -> list[Blend]:  # fmt: skip
+    """The blends one after the other, on their own clocks."""
+    piece, blends = START, list[Blend]()
+    for change in wanted:
+        blends.append(_blend(walks, keys, paces, piece, change))
+        piece = blends[-1].then
+    return blends
+
+
+def time_at(
+    gone: float, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
+) -> float:  # fmt: skip
+    """[s] after which walks have gone so far [m], whatever curves take."""
+    piece = START
+    for blend in lay_blends(walks, keys, paces, wanted):
+        if gone <= blend.gone[0]:
+            break
+        if gone < blend.gone[-1]:
+            return float(np.interp(gone, blend.gone, blend.times))
+        piece = blend.then
+    walk, pace = walks[piece.k], paces[piece.k]
+    return piece.since + (gone - piece.gone) / (walk.speed * pace.stride / pace.time)
+
+
+def frame_at(
+    time: float, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
+) -> tuple[float, float]:  # fmt: skip
+    """The frame of the last of the walks at a time [s] after all transitions, and what was gone till then [m]."""
+    blends = lay_blends(walks, keys, paces, wanted)
+    at, gone = _uniform(walks, paces, blends[-1].then if blends else START, np.array([time]))
+    return float(at[0]), float(gone[0])
+
+
+def _uniform(walks: Sequence[Walk], paces: Sequence[Pace], piece: Piece, time: Floats) -> tuple[Floats, Floats]:
+    """(F,) frames and (F,) [m] of a walk that goes on by itself."""
+    walk, pace = walks[piece.k], paces[piece.k]
+    at = piece.frame + (time - piece.since) / (walk.clip.frame_time * pace.time)
+    return at, piece.gone + (at - piece.frame) * walk.length * pace.stride / walk.frames
+
+
+def _to(one: Keys, other: Keys, frames: Floats) -> Floats:
+    """Frames (F,) of another walk at the same generic times."""
+    return other.frame(one.time(frames)) if one is not other else frames
+
+
+def _blend(
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], piece: Piece, change: Transition
+) -> Blend:  # fmt: skip
+    a, b = change.before, change.after
+    same = walks[a] is walks[b] and paces[a] == paces[b]
+    at, gone = _uniform(walks, paces, piece, np.array([change.start]))
+    strides = (change.end - change.start) / np.mean([walks[k].stride_seconds * paces[k].time for k in (a, b)])
+    first = keys[a].time(at)[0]
+    last = at[0] + strides * walks[a].frames / walks[a].strides
+    if not same:
+        last = keys[a].frame(np.array([first + strides]))[0]
+    one = np.linspace(at[0], last, max(int(np.ceil((last - at[0]) * _FINE)), 8) + 1)
+    two = one if same else _to(keys[a], keys[b], one)
+    weight = ease((one - at[0]) / (last - at[0]))
+    part = 0.5 * (weight[1:] + weight[:-1])
+    steps = [np.diff(each) for each in (one, two)]
+    dt = [step * walks[k].clip.frame_time * paces[k].time for k, step in zip((a, b), steps, strict=True)]
+    ds = [step * walks[k].length * paces[k].stride / walks[k].frames for k, step in zip((a, b), steps, strict=True)]
+    times = change.start + np.append(0.0, np.cumsum((1.0 - part) * dt[0] + part * dt[1]))
+    far = gone[0] + np.append(0.0, np.cumsum((1.0 - part) * ds[0] + part * ds[1]))
+    return Blend(piece, Piece(b, float(times[-1]), float(two[-1]), float(far[-1])), times, (one, two), weight, far)

@@ -1,0 +1,224 @@
+"""A straight loop as it is laid along a path: on the spot, walking along z, at any moment of its round."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from footfix.errors import InputError
+from footfix.locomotion.loop.run import Loop
+from footfix.locomotion.loop.strides import stances
+from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, taken_out, with_root
+from footfix.motion import rotation
+from footfix.motion.clip import Bools, Clip, Floats, Ints
+from footfix.motion.contacts import Contacts
+from footfix.motion.kinematics import forward
+from footfix.motion.spline import spline
+from footfix.rig.rig import Rig
+
+_MARGIN = 12  # frames before and after a round, over which what lies between frames is found
+_SAME_BONES = 2e-3  # [leg lengths] by which offsets of one skeleton may differ
+_NEAR = 1e-9  # of a frame
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """A closed, straight cycle in the frame of its travel.
+
+    Args:
+        name: for messages.
+        clip: L + 1 frames on the spot: the pelvis' mean lies over the origin, its travel was along z.
+        rig: its legs; the floor as `clip` has it.
+        contacts: of the L + 1 frames.
+        strides: of one round.
+        length: [m] that one round goes.
+        start: where its reference line starts: (x, z) [m] in the captured clip, with its heading [rad].
+        loop: that it was made of.
+    """
+
+    name: str
+    clip: Clip
+    rig: Rig
+    contacts: Contacts
+    strides: int
+    length: float
+    start: tuple[float, float, float]
+    loop: Loop
+
+    @property
+    def frames(self) -> int:
+        """L, of one round."""
+        return len(self.clip) - 1
+
+    @property
+    def seconds(self) -> float:
+        """[s] of one round."""
+        return self.frames * self.clip.frame_time
+
+    @property
+    def speed(self) -> float:
+        """[m/s] as captured."""
+        return self.length / self.seconds
+
+    @property
+    def stride_seconds(self) -> float:
+        """[s] of a stride."""
+        return self.seconds / self.strides
+
+    @cached_property
+    def root(self) -> int:
+        """What carries it."""
+        return carrier(self.clip, self.rig)
+
+    @cached_property
+    def body(self) -> int | None:
+        """The joint by which the body can be placed below what carries it, as game engines have it; None for none."""
+        able = self.clip.skeleton.translates & self.clip.skeleton.rotates
+        below = [joint for joint in (self.rig.root, self.rig.pelvis) if joint != self.root and able[joint]]
+        return below[0] if below else None
+
+    @cached_property
+    def height(self) -> float:
+        """[m] of the pelvis over the floor, in the mean."""
+        return float(pelvis_of(self.clip, self.rig)[:-1, 1].mean()) - self.rig.floor
+
+    def at(self, frames: Floats) -> Clip:
+        """The cycle on the spot at moments (F,) between frames, of any round; at whole frames their very numbers.
+
+        Between frames cubic splines through all of them lead, of rotations through their quaternions.
+        """
+        near = np.rint(frames)
+        if np.all(np.abs(frames - near) <= _NEAR):
+            return self.clip.frames(near.astype(np.intp) % self.frames)
+        within = frames - np.floor(frames / self.frames) * self.frames
+        joints = range(len(self.clip.skeleton))
+        places, turns = list[Floats](), list[Floats]()
+        for joint in joints:
+            places.append(self._track(self.clip.place(joint), within))
+            turns.append(rotation.normalize(self._track(self.clip.turn(joint), within, turn=True)))
+        return Clip.from_tracks(self.clip.skeleton, places, turns, self.clip.frame_time)
+
+    def _track(self, track: Floats, frames: Floats, *, turn: bool = False) -> Floats:
+        if not np.any(track != track[0]):
+            return np.broadcast_to(track[:1], (len(frames), track.shape[1]))
+        count: Ints = np.arange(-_MARGIN, self.frames + _MARGIN + 1)
+        around = track[count % self.frames]
+        if turn:
+            around = rotation.continuous(around)
+        return spline(count.astype(np.float64), around)(frames)
+
+    def planted(self, frames: Floats) -> Bools:
+        """(F, E) which sole points are planted at moments (F,)."""
+        return np.asarray(self.contacts.mask()[np.rint(frames).astype(np.intp) % self.frames])
+
+    def sure(self, frames: Floats) -> Floats:
+        """(F, E) the confidence of contacts at moments (F,)."""
+        out = np.ones((self.frames + 1, len(self.contacts.effectors)))
+        for e, effector in enumerate(self.contacts.effectors):
+            for contact in effector.contacts:
+                out[contact.start : contact.end, e] = contact.confidence
+        return np.asarray(out[np.rint(frames).astype(np.intp) % self.frames])
+
+    def strikes(self, leg: int) -> tuple[Ints, Ints]:
+        """Frames, in one round and in order, at which a leg comes down, and at which it lifts after each."""
+        length = self.frames
+        down = stances(_three(self.contacts), self.rig, leg)
+        found = [(a, b) for a, b in down if length <= a < 2 * length]
+        return np.array([a for a, _ in found], np.intp) - length, np.array([b for _, b in found], np.intp) - length
+
+
+def _three(contacts: Contacts) -> Contacts:
+    """The contacts of three rounds, what goes on over a seam as one."""
+    mask = np.concatenate([contacts.mask()[:-1]] * 3)
+    return replace(contacts, frames=len(mask)).with_mask(mask)
+
+
+def make_walk(loop: Loop, name: str) -> Walk:
+    """Lay a straight loop so that it walks along z.
+
+    Args:
+        loop: straight on, `loop.straighten`.
+        name: for messages.
+
+    Raises:
+        InputError: it goes nowhere.
+    """
+    clip, rig = loop.round, loop.rig
+    root = carrier(clip, rig)
+    travel = loop.travel
+    far = float(np.hypot(travel.x, travel.z))
+    if far < 0.1 * rig.leg_length:
+        raise InputError(f"one round of it gets {far:.2f} m on: no walk along a path", file=name)
+    spot = taken_out(clip, root, travel)
+    heading = float(np.arctan2(travel.x, travel.z))
+    middle = pelvis_of(spot, rig)[:-1].mean(axis=0)
+    # the reference line goes through the pelvis' mean on the spot; its first frame is where the line starts
+    back = Travel(-heading)
+    x, _, z = -back.places(middle)
+    there = Travel(-heading, float(x), float(z))
+    new_place, turn = root_in_world(spot, root)
+    laid = with_root(spot, root, there.places(new_place), rotation.multiply(there.turn, turn))
+    return Walk(
+        name, _exactly_closed(laid), rig, loop.contacts, max(loop.strides, 1), far,
+        (float(middle[0]), float(middle[2]), heading), loop,
+    )  # fmt: skip
+
+
+def pelvis_of(clip: Clip, rig: Rig) -> Floats:
+    """(F, 3) [m] the pelvis in the world."""
+    return forward(clip, [rig.pelvis]).position(rig.pelvis)
+
+
+def _exactly_closed(clip: Clip) -> Clip:
+    return clip.frames(np.append(np.arange(len(clip) - 1), 0))
+
+
+def check_alike(walks: Sequence[Walk]) -> None:
+    """See that walks have one skeleton, by names and offsets.
+
+    Raises:
+        InputError: they have not; it says where the first difference is.
+    """
+    first = walks[0]
+    for other in walks[1:]:
+        if other.loop is not first.loop:
+            found = _difference(first, other)
+            if found:
+                raise InputError(
+                    f"its skeleton is not that of {first.name}: {found}", file=other.name,
+                    hint="walks that are handed over need one skeleton, the same joints and offsets",
+                )  # fmt: skip
+
+
+def _difference(one: Walk, other: Walk) -> str:
+    a, b = one.clip.skeleton, other.clip.skeleton
+    for k, (name, theirs) in enumerate(zip(a.names, b.names, strict=False)):
+        if name != theirs:
+            return f"joint {k + 1} is {theirs!r}, not {name!r}"
+        if a.parents[k] != b.parents[k]:
+            above = [each.names[int(each.parents[k])] if each.parents[k] >= 0 else "nothing" for each in (b, a)]
+            return f"{name!r} hangs from {above[0]!r}, not from {above[1]!r}"
+        off = float(np.linalg.norm(a.offsets[k] - b.offsets[k]))
+        if a.parents[k] >= 0 and not a.translates[k] and off > _SAME_BONES * one.rig.leg_length:
+            return f"the offset of {name!r} differs by {1000.0 * off:.0f} mm"
+    if len(a) != len(b):
+        return f"it has {len(b)} joints, not {len(a)}"
+    return ""
+
+
+def on_one_floor(walks: Sequence[Walk]) -> tuple[Walk, ...]:
+    """Walks raised or lowered to the floor of the first one, with its rig, so that they can be blended."""
+    first = walks[0]
+    out: list[Walk] = []
+    for walk in walks:
+        known = next((each for each in out if each.loop is walk.loop), None)
+        up = first.rig.floor - walk.rig.floor
+        clip = walk.clip
+        if up:
+            place, turn = root_in_world(clip, walk.root)
+            clip = with_root(clip, walk.root, place + [0.0, up, 0.0], turn)
+        out.append(known or replace(walk, clip=clip, rig=first.rig))
+    return tuple(out)

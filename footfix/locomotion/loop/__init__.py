@@ -1,0 +1,1 @@
+"""Loops: where a walk repeats, how its ends are joined, and rounds held as one."""

@@ -1,0 +1,253 @@
+"""Rounds of a closed cycle laid end to end, so that what stands over the seam is held as one plant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.correction import Correction, apply
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.ground import GroundParams
+from footfix.enforce.run import Enforcement, EnforceParams, enforce, ground_of
+from footfix.locomotion.loop.closing import decay
+from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import Contact, Contacts, Effector
+from footfix.motion.kinematics import forward
+from footfix.notes import Note
+from footfix.rig.rig import Rig
+
+_BESIDE = 1.5  # [s] of rounds on either side of the middle one: a correction dies out in less
+_OPEN = 4e-5  # [leg lengths] neighbouring rounds that differ by less are the same
+_KEEP = 1e-4  # [leg lengths] only what slides no farther stays as it is: a loop is seen again and again
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A closed cycle whose plants are held.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by the travel.
+        found: plants, correction, notes and ground of the cycle.
+    """
+
+    clip: Clip
+    found: Enforcement
+
+
+def hold(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: EnforceParams) -> Held:
+    """Hold the plants of a closed cycle, over its seam too.
+
+    Where feet stand is nearly, but not quite, the same in the middle round and in its neighbours: the outermost rounds
+    have nothing that leads on. So it is done twice, the second time with the places of the middle round asked for in
+    all of them.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        rig: its legs, soles and floor.
+        contacts: of the cycle; what stands at its last frame stands at its first.
+        travel: of one round.
+        params: how footplants are enforced.
+    """
+    length = len(clip) - 1
+    beside = max(1, int(np.ceil(_BESIDE / (length * clip.frame_time))))
+    long = lay(clip, carrier(clip, rig), travel, range(-beside, beside + 1))
+    keep = min(params.pins.keep_slide, _KEEP)
+    strict = replace(params, cycle="no", pins=replace(params.pins, keep_slide=keep, keep_rested=False))
+    planted = laid_contacts(contacts, 2 * beside + 1)
+    found = enforce(long, rig, _as_contacts(contacts, planted, len(long)), strict)
+    middle = slice(beside * length, (beside + 1) * length + 1)
+    if not np.any(found.ground) and _open(clip, rig, found, middle, travel) > _OPEN * rig.leg_length:
+        planted = _placed(planted, found.plants, beside, travel)
+        found = enforce(long, rig, _as_contacts(contacts, planted, len(long)), strict)
+    own = _closed(_cut(found.correction, middle), travel, clip)
+    plants = _plants(found.plants, contacts, middle.start)
+    ground = found.ground[middle] - found.ground[middle.start]
+    notes = _notes(found.notes, middle, length)
+    return Held(apply(clip, own), Enforcement(plants, own, notes, ground))
+
+
+def ground_under(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: GroundParams) -> Floats:
+    """(L + 1, 3) [m] how far the ground under the planted feet of a closed cycle has moved, as on a treadmill.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        rig: its legs and soles.
+        contacts: of the cycle.
+        travel: of one round.
+        params: what makes a belt.
+    """
+    length = len(clip) - 1
+    long = lay(clip, carrier(clip, rig), travel, range(-1, 2))
+    found = ground_of(long, rig, _as_contacts(contacts, laid_contacts(contacts, 3), len(long)), params)
+    return np.asarray(found[length : 2 * length + 1] - found[length])
+
+
+def _cut(found: Correction, middle: slice) -> Correction:
+    return Correction(found.root, found.root_shift[middle], found.joints, found.rotations[middle])
+
+
+def _open(clip: Clip, rig: Rig, found: Enforcement, middle: slice, travel: Travel) -> float:
+    """[m] the farthest that a joint of the legs is from where it was one round before, where rounds meet."""
+    ends = apply(clip, _cut(found.correction, middle)).frames(np.array([0, len(clip) - 1]))
+    places = forward(ends, rig.joints()).positions
+    return float(np.linalg.norm(places[1] - travel.places(places[0]), axis=1).max())
+
+
+def lay(clip: Clip, root: int, travel: Travel, rounds: range) -> Clip:
+    """Rounds of a closed cycle end to end; round 0 is where the cycle is.
+
+    Args:
+        clip: L + 1 frames.
+        root: what carries it (`carrier`).
+        travel: of one round.
+        rounds: R of them.
+
+    Returns:
+        R L + 1 frames.
+    """
+    length = len(clip) - 1
+    frames = np.append(np.tile(np.arange(length), len(rounds)), 0)
+    place, turn = (np.array(each, order="F")[frames] for each in root_in_world(clip, root))
+    for k, number in enumerate([*rounds, rounds.stop]):
+        span = slice(k * length, min((k + 1) * length, len(frames)))
+        for _ in range(abs(number)):
+            if number > 0:
+                place[span] = travel.places(place[span])
+                turn[span] = rotation.multiply(travel.turn, turn[span])
+            else:
+                place[span] = travel.places_back(place[span])
+                turn[span] = rotation.multiply(rotation.inverse(travel.turn), turn[span])
+    return with_root(clip.frames(frames), root, place, turn)
+
+
+@dataclass(frozen=True)
+class Laid:
+    """A contact of one of several rounds.
+
+    Args:
+        contact: in the frames of all rounds.
+        round: which one, from 0; of what stands over a seam the one that follows.
+        key: which contact of the cycle it is, by the frame where it starts; -1 for what stands over the seam.
+    """
+
+    contact: Contact
+    round: int
+    key: int
+
+
+def laid_contacts(contacts: Contacts, count: int) -> tuple[tuple[Laid, ...], ...]:
+    """For each effector the contacts of a closed cycle over some rounds; what goes on over a seam is one contact.
+
+    Args:
+        contacts: of L + 1 frames.
+        count: rounds.
+    """
+    return tuple(_laid(effector, contacts.frames - 1, count) for effector in contacts.effectors)
+
+
+def _laid(effector: Effector, length: int, count: int) -> tuple[Laid, ...]:
+    ends = [c for c in effector.contacts if c.start == 0 or c.end == length + 1]
+    inner = [c for c in effector.contacts if c not in ends]
+    whole = [c for c in ends if c.start == 0 and c.end == length + 1]
+    if whole:
+        return (Laid(replace(whole[0], end=count * length + 1, position=None), 0, 0),)
+    found = [
+        Laid(replace(c, start=c.start + k * length, end=c.end + k * length, position=None), k, c.start)
+        for k in range(count)
+        for c in inner
+    ]
+    first = next((c for c in ends if c.start == 0), None)
+    last = next((c for c in ends if c.start > 0), None)
+    like = first or last
+    for k in range(count + 1) if like is not None else ():  # the seam before round k
+        start = max(k * length - (length - last.start if last is not None else 0), 0)
+        end = min(k * length + (first.end if first is not None else 1), count * length + 1)
+        sure = max(c.confidence for c in (first, last) if c is not None)
+        if like is not None and end > start:
+            found.append(Laid(replace(like, start=start, end=end, confidence=sure, position=None), k, -1))
+    return tuple(sorted(found, key=lambda each: each.contact.start))
+
+
+def _as_contacts(contacts: Contacts, planted: Sequence[Sequence[Laid]], frames: int) -> Contacts:
+    effectors = tuple(
+        replace(effector, contacts=tuple(each.contact for each in own))
+        for effector, own in zip(contacts.effectors, planted, strict=True)
+    )
+    return replace(contacts, frames=frames, effectors=effectors)
+
+
+def _placed(
+    planted: Sequence[Sequence[Laid]], plants: Sequence[Footplant], middle: int, travel: Travel
+) -> tuple[tuple[Laid, ...], ...]:  # fmt: skip
+    """The contacts with the places asked for at which they stand in the middle round, moved by the travel in others."""
+    out, stood = [], iter(plants)
+    for own in planted:
+        targets = {}
+        for each in own:
+            if each.contact.wish != "forbid":
+                plant = next(stood)
+                if each.round == middle:
+                    targets[each.key] = np.array(plant.target)
+        placed = []
+        for each in own:
+            place = targets.get(each.key)
+            if place is None or each.contact.wish == "forbid":
+                placed.append(each)
+                continue
+            for _ in range(abs(each.round - middle)):
+                place = travel.places(place) if each.round > middle else travel.places_back(place)
+            x, y, z = place.tolist()
+            placed.append(replace(each, contact=replace(each.contact, position=(x, y, z))))
+        out.append(tuple(placed))
+    return tuple(out)
+
+
+def _closed(found: Correction, travel: Travel, clip: Clip) -> Correction:
+    """The correction of a round so that its end is its start: what is left of a difference decays from both ends."""
+    half = 0.5 * (len(clip) - 1) * clip.frame_time
+    fade = decay(len(clip), clip.frame_time, half, half)
+    still = np.zeros(3)
+    shift, turns = found.root_shift.copy(), found.rotations.copy()
+    gap = rotation.rotate(rotation.inverse(travel.turn), shift[-1]) - shift[0]
+    shift += fade.ahead(gap, still) + rotation.rotate(travel.turn, fade.behind(gap, still))
+    shift[-1] = rotation.rotate(travel.turn, shift[0])
+    for k in range(len(found.joints)):
+        own = turns[:, k]
+        gap = rotation.to_rotation_vector(rotation.multiply(own[-1], rotation.inverse(own[0])))
+        off = rotation.from_rotation_vector(fade.ahead(gap, still) + fade.behind(gap, still))
+        turns[:, k] = rotation.multiply(off, own)
+        turns[-1, k] = turns[0, k]
+    return replace(found, root_shift=shift, rotations=turns)
+
+
+def _plants(found: Sequence[Footplant], contacts: Contacts, start: int) -> tuple[Footplant, ...]:
+    """The plants of the middle round, one for each contact of the cycle, in their order."""
+    plants: list[Footplant] = []
+    for e, effector in enumerate(contacts.effectors):
+        own = [plant for plant in found if plant.effector == e]
+        for c in effector.contacts:
+            if c.wish == "forbid":
+                continue
+            a, b = c.start + start, c.end + start
+            plant = next(p for p in own if p.start <= a and b <= p.end)
+            held = [(max(s, a) - start, min(t, b) - start) for s, t in plant.held if s < b and t > a]
+            plants.append(replace(
+                plant, asked=None, id=len(plants), start=c.start, end=c.end, held=tuple(h for h in held if h[1] > h[0])
+            ))  # fmt: skip
+    return tuple(plants)
+
+
+def _notes(notes: Sequence[Note], middle: slice, length: int) -> tuple[Note, ...]:
+    """The notes about the middle round."""
+    found = []
+    for note in notes:
+        if note.start is None or note.end is None:
+            found.append(note)
+        elif note.start < middle.stop and note.end > middle.start:
+            a, b = max(note.start - middle.start, 0), min(note.end - middle.start, length + 1)
+            found.append(replace(note, start=a, end=b))
+    return tuple(found)

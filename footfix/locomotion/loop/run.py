@@ -1,0 +1,272 @@
+"""A seamless cycle out of a captured walk: cut, closed, and cleaned as a cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.correction import Correction
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.run import EnforceParams
+from footfix.locomotion.loop.closing import Closed, close
+from footfix.locomotion.loop.cuts import Cut, calmer
+from footfix.locomotion.loop.known import closed_travel, completed, put_to_rest
+from footfix.locomotion.loop.params import LoopParams
+from footfix.locomotion.loop.rounds import ground_under, hold
+from footfix.locomotion.loop.seam import Seam, apart, changes, ratios, slide
+from footfix.locomotion.loop.settle import settled
+from footfix.locomotion.loop.single import cuts_of
+from footfix.locomotion.loop.strides import count_strides
+from footfix.locomotion.loop.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
+from footfix.locomotion.loop.wrapped import wrapped
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints, frozen
+from footfix.motion.contacts import Contacts
+from footfix.notes import Note
+from footfix.rig.rig import Rig
+
+_OTHERS, _APART = 3, 0.2  # next best cuts that are told, whose ends lie elsewhere by more than this share of a round
+_NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
+_SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
+_JOLT, _HELD = 1.5, 3  # times the usual acceleration at a seam, up to which it is well; cuts that are held to get there
+_SLIDES = 0.002  # [leg lengths] that a foot slides over the seam of a loop whose feet are to be held
+_SPOT = 0.2  # [leg lengths] of travel, less of which is a walk on the spot, whose feet slide on purpose
+_TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A seamless cycle.
+
+    Args:
+        clip: as it is to be written: closed (the last frame is the first, moved on by one round), or without the last
+            frame where that was asked for; on the spot where that was.
+        round: L + 1 frames: the same closed and with its travel.
+        captured: L + 1 frames of the clip that it was cut from.
+        closed: the same as they were closed, before plants were held.
+        rig: legs, soles, scale and floor.
+        contacts: of `round`.
+        start, end: the frames of the captured clip that became the first and the last one.
+        frames: (n,) which frame of the captured clip each of `clip` was.
+        strides: how many it has.
+        travel: of one round, over the floor; its `yaw` is the turn.
+        seam: what was joined, and what became of it.
+        plants, correction, notes, ground: what cleaning did to the closed cycle (`enforce.Enforcement`).
+        others: the next best cuts.
+    """
+
+    clip: Clip
+    round: Clip
+    captured: Clip
+    closed: Clip
+    rig: Rig
+    contacts: Contacts
+    start: int
+    end: int
+    frames: Ints
+    strides: int
+    travel: Travel
+    seam: Seam
+    plants: tuple[Footplant, ...]
+    correction: Correction
+    notes: tuple[Note, ...]
+    ground: Floats
+    others: tuple[Cut, ...] = ()
+
+    def counted_from(self, first: int) -> Loop:
+        """The same with frames counted in a clip in which its own begins at a frame."""
+        others = tuple(replace(cut, start=cut.start + first, end=cut.end + first) for cut in self.others)
+        start, end = self.start + first, self.end + first
+        return replace(self, start=start, end=end, frames=frozen(self.frames + first, np.intp), others=others)
+
+    @property
+    def seconds(self) -> float:
+        """[s] of one round."""
+        return (len(self.round) - 1) * self.round.frame_time
+
+    @property
+    def turn(self) -> float:
+        """[rad] by which a round turns the figure, to the left."""
+        return self.travel.yaw
+
+    @property
+    def travel_of_root(self) -> tuple[float, float]:
+        """(x, z) [m] from where the root is first to where it is one round later."""
+        place = root_in_world(self.round.frames(np.array([0, len(self.round) - 1])), carrier(self.round, self.rig))[0]
+        return float(place[1, 0] - place[0, 0]), float(place[1, 2] - place[0, 2])
+
+    @property
+    def distance(self) -> float:
+        """[m] that the root goes in one round, along the arc."""
+        place = root_in_world(self.round.frames(slice(0, 1)), carrier(self.round, self.rig))[0][0]
+        straight = self.travel.about(place).straight()
+        return float(np.hypot(straight.x, straight.z))
+
+    @property
+    def speed(self) -> float:
+        """[m/s] over the floor."""
+        return self.distance / self.seconds
+
+
+def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding: EnforceParams) -> Loop:
+    """Cut a cycle out of a clip, close it, and hold its feet where they are planted, over the seam too.
+
+    Args:
+        clip: F frames, metres, y up, all of them motion.
+        rig: its legs, soles and floor.
+        contacts: when each sole point is planted; the effectors in the order of `rig.soles`.
+        params: which cycle, and how it is closed and written.
+        holding: how footplants are enforced.
+
+    Raises:
+        InputError: the clip holds no cycle, or not the one that is asked for.
+    """
+    known = _known(clip, rig, contacts, params, holding)
+    if known is not None:
+        return known
+    whole, cuts = cuts_of(clip, rig, contacts, params)
+    made: list[Loop] = []
+    for cut, closed in _calmest(whole, rig, cuts, params)[:_HELD]:
+        made.append(_held(whole, rig, contacts, cut, closed, params, holding, len(clip)))
+        if made[-1].seam.worst_ratio <= _JOLT:
+            break
+    best = min(made, key=lambda loop: loop.seam.worst_ratio)
+    return replace(best, others=tuple(cut for cut in cuts if not _same(cut, best))[:_OTHERS])
+
+
+def _held(
+    clip: Clip, rig: Rig, contacts: Contacts, cut: Cut, closed: Closed, params: LoopParams, holding: EnforceParams,
+    frames: int,
+) -> Loop:  # fmt: skip
+    """The loop of a cut that is closed, its plants held; `frames` is how many the captured clip has."""
+    length = cut.end - cut.start
+    captured = clip.frames(slice(closed.start, closed.start + length + 1))
+    gap = apart(clip, rig, cut.start, cut.end, closed.travel)
+    moved = changes(captured, closed.clip, rig)
+    start, travel = closed.clip, closed.travel
+    if params.straighten:
+        start, travel = straightened(start, carrier(start, rig), travel)
+    within = wrapped(contacts, closed.start, length)
+    held = hold(start, rig, within, travel, holding)
+    done = settled(held.clip, rig, held.found.plants, travel, held.found.ground)
+    far = slide(done, rig, held.found.plants, travel, held.found.ground)
+    return Loop(
+        clip=as_written(done, rig, travel, params), round=done, captured=captured, closed=start, rig=rig,
+        contacts=within, start=closed.start, end=closed.start + length,
+        frames=_frames(closed.start, length, frames, params), strides=cut.strides or count_strides(within, rig),
+        travel=travel, seam=_seam(gap, moved, done, rig, travel, far), plants=held.found.plants,
+        correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
+    )  # fmt: skip
+
+
+def _same(cut: Cut, loop: Loop) -> bool:
+    """Whether a cut is hardly another one than that which a loop was made of."""
+    return abs(cut.start - loop.start) + abs(cut.end - loop.end) <= _APART * (loop.end - loop.start)
+
+
+def _calmest(
+    clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams
+) -> tuple[tuple[Cut, Closed], ...]:  # fmt: skip
+    """Of the best cuts those that are least seen when they are closed, and those closed; the best one first."""
+    best, near = cuts[0], _NEARLY * rig.leg_length
+    tried = [c for c in cuts[1:] if c.strides == best.strides and c.cost <= best.cost + near]
+    found = []
+    for cut in (best, *tried[: _TRIED - 1]):
+        calm = calmer(clip, rig, cut, params)
+        closed = close(clip, rig, calm, params)
+        seen = max(ratios(closed.clip, rig, closed.travel)[1] - 1.0, 0.0) if tried else 0.0
+        found.append((calm.cost + _SEEN * rig.leg_length * seen, calm, closed))
+    return tuple((cut, closed) for _, cut, closed in sorted(found, key=lambda each: each[0]))
+
+
+def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding: EnforceParams) -> Loop | None:
+    """The loop that a clip is already, unless another part of it is asked for; its feet held, if they slide."""
+    if params.start is not None or params.end is not None:
+        return None
+    whole: Clip | None = clip
+    travel = closed_travel(clip, rig)
+    if travel is None:
+        whole = completed(clip, rig) if params.open else None
+        travel = None if whole is None else closed_travel(whole, rig)
+    if whole is None or travel is None:
+        return None
+    length = len(whole) - 1
+    within = wrapped(contacts, 0, length)
+    strides = count_strides(within, rig)
+    if params.strides not in (None, strides):
+        return None
+    ground = ground_under(whole, rig, within, travel, holding.ground)
+    found = _as_it_is(clip, whole, rig, within, travel, ground, params)
+    far, spot = found.seam.slide_mm, found.distance < _SPOT * rig.leg_length
+    if far is None or far <= _SLIDES * 1000.0 * rig.leg_length or spot or put_to_rest(whole, rig, within):
+        return found
+    cut = Cut(0, length, -1, strides, 0, 0.0)
+    return _held(whole, rig, contacts, cut, Closed(whole, 0, travel), params, holding, len(clip))
+
+
+def _as_it_is(
+    clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Travel, ground: Floats, params: LoopParams
+) -> Loop:
+    """A loop to which nothing is done but what of its travel is to be changed."""
+    captured, length = whole, len(whole) - 1
+    plants = _kept(within, rig)
+    far = slide(whole, rig, plants, travel, ground)
+    if params.straighten and abs(travel.yaw) > _TURNS:
+        whole, travel = straightened(whole, carrier(whole, rig), travel)
+    still = Correction(rig.root, np.zeros((length + 1, 3)), (), np.zeros((length + 1, 0, 4)))
+    text = "the clip is a loop already: it is neither cut nor cleaned (footfix clean takes out what slides in it)"
+    same = whole is captured and not params.in_place and len(clip) == length + (not params.open)
+    return Loop(
+        clip=clip if same else as_written(whole, rig, travel, params), round=whole, captured=captured, closed=whole,
+        rig=rig, contacts=within, start=0, end=length, frames=_frames(0, length, len(clip), params),
+        strides=count_strides(within, rig), travel=travel, seam=_seam((0.0, 0.0), (0.0, 0.0), whole, rig, travel, far),
+        plants=plants, correction=still, notes=(Note("loop-already", text),), ground=ground,
+    )  # fmt: skip
+
+
+def _kept(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
+    """The plants of a loop to which nothing is done."""
+    found: list[Footplant] = []
+    for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
+        for c in effector.contacts:
+            if c.wish != "forbid":
+                plain = Footplant(len(found), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence)
+                found.append(replace(plain, held=((c.start, c.end),)))
+    return tuple(found)
+
+
+def _frames(start: int, length: int, frames: int, params: LoopParams) -> Ints:
+    """The frames of a clip that a loop is made of; the first stands in for one that the clip lacks at its end."""
+    return frozen((start + np.arange(length + (not params.open))) % frames, np.intp)
+
+
+def _seam(
+    gap: tuple[float, float], moved: tuple[float, float], clip: Clip, rig: Rig, travel: Travel, far: float | None
+) -> Seam:  # fmt: skip
+    """What is told of a seam, of sizes in [m] and [rad]."""
+    (gap_m, gap_rad), (moved_m, moved_rad) = gap, moved
+    return Seam(
+        1000.0 * gap_m, float(np.degrees(gap_rad)), 1000.0 * moved_m, float(np.degrees(moved_rad)),
+        *ratios(clip, rig, travel), slide_mm=None if far is None else 1000.0 * far,
+    )  # fmt: skip
+
+
+def as_written(cycle: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
+    """A closed cycle as it is to be written: on the spot, or without its last frame, where that is asked for."""
+    if params.in_place:
+        cycle = taken_out(cycle, carrier(cycle, rig), travel)
+    return cycle.frames(slice(0, len(cycle) - 1)) if params.open else cycle
+
+
+def as_round(written: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
+    """The closed cycle with its travel, from what was written: undoes `as_written`."""
+    if params.open:
+        written = written.frames(np.append(np.arange(len(written)), 0))
+        if not params.in_place:
+            root = carrier(written, rig)
+            place, turn = (np.array(each, order="F") for each in root_in_world(written, root))
+            place[-1], turn[-1] = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
+            written = with_root(written, root, place, turn)
+    return put_in(written, carrier(written, rig), travel) if params.in_place else written

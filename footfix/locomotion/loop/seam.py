@@ -1,0 +1,146 @@
+"""How a cycle looks where it begins again: measured on what repeats, not on what was meant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.papers.leg import effector_tracks
+from footfix.locomotion.loop.settle import stretches
+from footfix.locomotion.loop.travel import Travel
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import forward
+from footfix.rig.rig import Rig
+
+BESIDE = 5  # frames on either side of the seam
+_INNER = 4  # frames of a cycle at least that are not beside its seam
+_INSIDE = 99.0  # percentile of the accelerations that are the motion's own
+FLOOR = 0.5  # [m/s^2] a joint that hardly accelerates is not held against its own noise
+_LEAST = 5  # frames of a plant that is measured
+_TRIM = 1  # frames at either end of a plant that are not
+
+
+@dataclass(frozen=True)
+class Seam:
+    """The seam of a cycle.
+
+    Args:
+        gap_mm: largest distance of a joint in the two poses that were joined, turned and shifted to fit.
+        gap_deg: largest angle between a joint's rotations in its parent's frame.
+        changed_mm: largest distance by which closing moved a joint.
+        changed_deg: largest angle by which closing turned a joint in its parent's frame.
+        median_ratio, worst_ratio: of the joints, the largest acceleration beside the seam over the 99th percentile
+            elsewhere; 1 is a seam like any other frame.
+        slide_mm: farthest that a toe (its joint, else the ball of the sole) planted over the seam strays from its
+            median place; None where none is.
+    """
+
+    gap_mm: float
+    gap_deg: float
+    changed_mm: float
+    changed_deg: float
+    median_ratio: float
+    worst_ratio: float
+    slide_mm: float | None = None
+
+
+def _figure(clip: Clip, rig: Rig) -> Floats:
+    """(F, joints, 3) [m] the root and what hangs on it, End Sites too."""
+    skeleton = clip.skeleton
+    mine = [joint for joint in range(len(skeleton)) if rig.root in skeleton.ancestors(joint)]
+    ends = [(j, at) for j, at in zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True) if j in mine]
+    pose = forward(clip, mine)
+    tips = [pose.point(joint, at)[:, None] for joint, at in ends]
+    return np.concatenate([pose.positions, *tips], axis=1)
+
+
+def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[float, float]:
+    """[m] and [rad] by which the joints of two frames are at most apart, places moved by the travel.
+
+    Rotations are those in the parent's frame, so that a root's travel and turn do not count.
+    """
+    place = _figure(clip.frames(np.array([start, end])), rig)
+    far = float(np.linalg.norm(place[1] - travel.places(place[0]), axis=1).max())
+    turns = np.stack([clip.turn(joint)[[start, end]] for joint in range(len(clip.skeleton))], axis=1)
+    below = clip.skeleton.parents >= 0
+    turned = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0])))[below]
+    return far, float(turned.max(initial=0.0))
+
+
+def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
+    """[m] and [rad] by which joints differ at most in two clips of the same frames."""
+    moved = float(np.linalg.norm(_figure(after, rig) - _figure(before, rig), axis=2).max(initial=0.0))
+    turned = 0.0
+    for joint in range(len(before.skeleton)):
+        old, new = before.turn(joint), after.turn(joint)
+        if old is not new:
+            turned = max(turned, float(rotation.angle(rotation.multiply(new, rotation.inverse(old))).max(initial=0.0)))
+    return moved, turned
+
+
+def accelerations(clip: Clip, rig: Rig) -> Floats:
+    """(F, joints) [m/s^2] of the root and what hangs on it; nothing where the clip begins and ends."""
+    found = np.zeros((len(clip), 0))
+    if len(clip) > 2:
+        sharp = np.linalg.norm(np.diff(_figure(clip, rig), n=2, axis=0), axis=2) / clip.frame_time**2
+        found = np.pad(sharp, ((1, 1), (0, 0)))
+    return found
+
+
+def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
+    """Of all joints the median and the largest ratio of accelerations beside the seam and elsewhere.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        rig: its root.
+        travel: of one round.
+    """
+    one = _figure(clip, rig)[:-1]
+    length = len(one)
+    track = np.concatenate([travel.places_back(one), one, travel.places(one)])
+    sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / clip.frame_time**2  # about frames 1, 2, ...
+    sharp = sharp[length - 1 : 2 * length - 1]  # of the middle round, frame by frame
+    frame = np.arange(length)
+    near = max(min(BESIDE, (length - _INNER) // 2), 1)  # of a short one some frames are left
+    beside = (frame <= near) | (frame >= length - near)
+    own = np.percentile(sharp[~beside], _INSIDE, axis=0)
+    ratio = sharp[beside].max(axis=0) / np.maximum(own, FLOOR)
+    return float(np.median(ratio)), float(ratio.max())
+
+
+def slide(
+    clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats
+) -> float | None:  # fmt: skip
+    """[m] the farthest that a toe, held over the seam, strays from its median place over the floor.
+
+    It is the toe joint; the ball of the sole where a foot has none.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        rig: its legs and soles.
+        plants: of the cycle, with the frames in which they are held.
+        travel: of one round.
+        ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
+    """
+    found = list[float]()
+    for sole, toe in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), strict=True):
+        if sole.part != "toe":
+            continue
+        own = [span for p in plants if p.leg == sole.leg and p.part == "toe" for span in stretches(p, len(clip))]
+        after = [end for start, end in own if start == 0]
+        before = [start for start, end in own if end == len(clip)]
+        if after and before and before[0] > 0:
+            rolled = [ground[before[0] : -1], ground[-1] - ground[0] + ground[: after[0]]]
+            track = np.concatenate([toe[before[0] : -1], travel.places(toe[: after[0]])]) - np.concatenate(rolled)
+            if len(track) >= _LEAST:
+                found.append(_strays(track[_TRIM:-_TRIM]))
+    return max(found, default=None)
+
+
+def _strays(track: Floats) -> float:
+    flat = track[:, [0, 2]]
+    return float(np.linalg.norm(flat - np.median(flat, axis=0), axis=1).max())

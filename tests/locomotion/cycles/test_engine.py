@@ -1,0 +1,147 @@
+"""The engine: plans, courses, feet that stand, and what comes next."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cycle_walkers import fitted
+
+import footfix
+from footfix.errors import ArgumentError
+from footfix.formats.plans import PlanRow
+from footfix.jobs.make import make, plan_of
+from footfix.locomotion.cycles.plan import Plan, Point, make_course
+from footfix.locomotion.follow.path import make_path
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import runs
+from footfix.motion.kinematics import forward
+
+
+def steady(speed: float, turn: float = 0.0) -> Plan:
+    rows = (np.array([each]) for each in (0.0, speed, 0.0, turn))
+    return Plan(*rows, np.zeros((1, 0)))
+
+
+def course_of(plan: Plan, until: float = 6.0) -> object:
+    return make_course(plan, None, Point(), until, 0.0, lambda asked: np.full(len(asked.times), 0.9))
+
+
+def test_a_steady_turn_is_a_circle() -> None:
+    course = course_of(steady(1.5, 0.5))
+    times = np.linspace(0.0, 6.0, 50)
+    place, heading = course.where(times)  # type: ignore[attr-defined]
+    centre = np.array([3.0, 0.0])  # to the left, v / omega away
+    assert np.allclose(np.linalg.norm(place - centre, axis=1), 3.0, atol=1e-9)
+    assert np.allclose(heading, 0.5 * times, atol=1e-12)
+
+
+def test_a_speed_that_rises_evenly_goes_the_known_way() -> None:
+    plan = Plan(np.array([0.0, 2.0]), np.array([1.0, 2.0]), np.zeros(2), np.zeros(2), np.zeros((2, 0)))
+    course = course_of(plan, 3.0)
+    gone = course.lengths(np.array([1.0, 2.0, 3.0]))  # type: ignore[attr-defined]
+    assert np.allclose(gone, [1.25, 3.0, 5.0], atol=1e-12)
+
+
+def test_a_changed_plan_goes_on_from_where_it_is() -> None:
+    plan = Plan(np.array([0.0, 4.0]), np.array([1.0, 3.0]), np.zeros(2), np.zeros(2), np.zeros((2, 0)))
+    new = plan.changed(2.0, 1.0, steady(0.5))
+    assert new.at(np.array([1.0])).speed[0] == pytest.approx(1.5)
+    assert new.at(np.array([2.0, 2.5, 3.0, 9.0])).speed == pytest.approx([2.0, 1.25, 0.5, 0.5])
+
+
+def plants(clip: Clip, mask: np.ndarray) -> float:
+    """[m] the farthest that a planted toe joint or heel strays, told from the clip alone."""
+    model = fitted().model
+    worst = 0.0
+    for e, sole in enumerate(model.rig.soles):
+        toe = model.rig.legs[sole.leg].toe
+        track: Floats
+        if sole.part == "toe" and toe is not None:
+            track = forward(clip, [toe]).position(toe)
+        else:
+            track = forward(clip, [sole.joint]).point(sole.joint, np.array(sole.offset))
+        for a, b in runs(mask[:, e]):
+            own = track[a:b, [0, 2]]
+            worst = max(worst, float(np.linalg.norm(own - np.median(own, axis=0), axis=1).max()))
+    return worst
+
+
+def steps(clip: Clip) -> Floats:
+    """(F - 1, J) [degrees] that joints turn from frame to frame."""
+    turn = rotation.multiply(rotation.inverse(clip.rotations[:-1]), clip.rotations[1:])
+    return np.degrees(rotation.angle(turn))
+
+
+@pytest.mark.parametrize("turn", [0.0, 30.0])
+def test_from_a_walk_to_a_run_within_three_seconds(turn: float) -> None:
+    model = fitted().model
+    rows = [PlanRow(0.0, 0.8, 0.0, 0.0), PlanRow(1.0, 0.8, 0.0, 0.0), PlanRow(4.0, 1.9, 1.0, turn)]
+    made = make(model, plan_of(rows, model), seconds=5.5, fps=120.0)
+    assert plants(made.clip, made.postures.contacts) <= 1e-3
+    assert (steps(made.clip) - steps(made.free)).max() <= 2.0
+    assert made.postures.contacts.any(axis=1).mean() > 0.6
+
+
+def test_the_speed_is_what_was_asked_for() -> None:
+    model = fitted().model
+    for speed in (0.9, 1.6):
+        made = make(model, plan_of([PlanRow(0.0, speed, 0.0)], model), seconds=4.0, fps=60.0)
+        root = made.clip.place(model.rig.root)
+        period = round(60.0 / float(model.frequency(plan_of([PlanRow(0.0, speed, 0.0)], model))[0]))
+        assert np.linalg.norm(root[3 * period] - root[0]) / (3 * period / 60.0) == pytest.approx(speed, rel=0.02)
+
+
+def test_along_a_path_the_root_stays_on_it() -> None:
+    model = fitted().model
+    angle = np.linspace(0.0, np.pi, 60)
+    line = make_path(np.stack([3.0 * (1.0 - np.cos(angle)), 3.0 * np.sin(angle)], axis=1))
+    made = make(model, plan_of([PlanRow(0.0, 1.3, 0.0)], model), seconds=6.0, fps=60.0, line=line)
+    root = made.clip.place(model.rig.root)[:, [0, 2]]
+    off = np.linalg.norm(root - [3.0, 0.0], axis=1) - 3.0
+    period = round(60.0 / float(model.frequency(plan_of([PlanRow(0.0, 1.3, 0.0)], model))[0]))
+    mean = np.convolve(off, np.ones(period) / period, mode="valid")
+    assert np.abs(mean).max() < 0.01
+    assert plants(made.clip, made.postures.contacts) <= 1e-3
+
+
+def test_the_engine_changes_in_mid_change_without_a_slip() -> None:
+    engine = footfix.Engine(fitted().model, speed=0.8, run=0.0)
+    frames = []
+    for k in range(480):
+        if k == 60:
+            engine.set(speed=1.9, run=1.0, over=3.0)
+        if k == 200:
+            engine.set(speed=1.2, run=0.0, turn=25.0, over=1.0)
+        frames.append(engine.step(1 / 120))
+    clip = engine.clip(frames, 1 / 120)
+    mask = np.array([list(each.contacts.values()) for each in frames])
+    assert plants(clip, mask) <= 1e-3
+    place = forward(clip).positions
+    assert np.linalg.norm(np.diff(place, axis=0), axis=2).max() < 0.08  # m in a frame: nothing leaps
+
+
+def test_what_comes_next_does_come() -> None:
+    engine = footfix.Engine(fitted().model, speed=1.2, run=0.0)
+    for _ in range(30):
+        engine.step(1 / 60)
+    told = engine.ahead(0.5, frames=31)
+    for k in range(1, 31):
+        frame = engine.step(1 / 60)
+        assert np.allclose(frame.positions, told.positions[k], atol=1e-5)
+        off = rotation.multiply(rotation.inverse(frame.rotations), told.rotations[k])
+        assert rotation.angle(off).max() < 1e-4
+    (start, end, place), *_ = told.plants["left_toe"]
+    assert end > start
+    assert place[1] == pytest.approx(fitted().model.levels[1] * fitted().model.rig.leg_length)
+
+
+def test_what_can_not_be_meant_is_refused() -> None:
+    model = fitted().model
+    with pytest.raises(ArgumentError, match="speed must be 0 to 100"):
+        footfix.Engine(model, speed=-1.0)
+    engine = footfix.Engine(model)
+    with pytest.raises(ArgumentError, match="dt must be"):
+        engine.step(-0.1)
+    with pytest.raises(footfix.UsageError, match="no style 'sad'"):
+        engine.set(style="sad")
