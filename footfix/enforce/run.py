@@ -12,6 +12,7 @@ from footfix.enforce import ground as grounds
 from footfix.enforce import mesh as meshes
 from footfix.enforce import pins as pinning
 from footfix.enforce.correction import Correction, apply
+from footfix.enforce.costs import CostParams
 from footfix.enforce.cycle import correction_back, cycle_note, plants_back
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
@@ -31,7 +32,7 @@ from footfix.enforce.papers.kim_neff import KimNeffParams
 from footfix.enforce.papers.lyard import LyardRootParams
 from footfix.enforce.pins import Floors, PinParams
 from footfix.enforce.posed import local_rotations
-from footfix.enforce.problem import CostParams, Problem
+from footfix.enforce.problem import Problem
 from footfix.enforce.solve import solve
 from footfix.enforce.style import StyleParams, styled
 from footfix.motion import rotation

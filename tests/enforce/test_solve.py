@@ -14,8 +14,10 @@ from walks import rig_of, walk
 
 from footfix.enforce import run
 from footfix.enforce import solve as solver
+from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import HEEL, LEG, ROOT, TOE, B
-from footfix.enforce.problem import CostParams, Problem, objective, systems
+from footfix.enforce.objective import objective, systems
+from footfix.enforce.problem import Problem
 from footfix.enforce.run import EnforceParams
 from footfix.enforce.solve import EPS, descend, solve, thinned
 from footfix.motion.clip import Floats

@@ -1,4 +1,4 @@
-"""The objective of a window is that of `enforce.problem`, term by term."""
+"""The objective of a window is that of `enforce.terms`, term by term."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from streams import sample
 
-from footfix.enforce.problem import Problem, objective, systems
+from footfix.enforce.objective import objective, systems
+from footfix.enforce.problem import Problem
 from footfix.enforce.run import EnforceParams, problem_of, task_of
 from footfix.enforce.solve import descend as descend_clip
 from footfix.motion.clip import Floats
