@@ -18,7 +18,8 @@ from footfix.detect.run import detect_over
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.put_back import put_back, repeated
-from footfix.enforce.run import enforce, ground_of
+from footfix.enforce.run import enforce
+from footfix.enforce.task import ground_of
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats

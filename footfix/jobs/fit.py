@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from footfix.enforce.run import ground_of
+from footfix.enforce.task import ground_of
 from footfix.errors import InputError
 from footfix.jobs.clean import about, find_contacts, read
 from footfix.locomotion.cycles.eigencycles import SpaceParams

@@ -7,9 +7,11 @@ import pytest
 from streams import sample
 
 from footfix.enforce.objective import objective, systems
+from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
-from footfix.enforce.run import EnforceParams, problem_of, task_of
 from footfix.enforce.solve import descend as descend_clip
+from footfix.enforce.task import task_of
+from footfix.enforce.whole_clip import problem_of
 from footfix.motion.clip import Floats
 from footfix.pipeline import find_contacts, prepare
 from footfix.rig.find import find_rigs
