@@ -111,27 +111,6 @@ class Figure:
     notes: tuple[Note, ...]
 
 
-def clean(
-    clip: Clip, settings: Settings | None = None, *, rig: Rig | None = None, contacts: Contacts | None = None
-) -> Result:
-    """Find the footplants of a clip and take the foot skate out.
-
-    Args:
-        clip: the motion, metres, y up.
-        settings: the parameters of all steps.
-        rig: legs and soles; found where it is not given.
-        contacts: which sole points are planted when; detected where they are not given.
-
-    Returns:
-        The corrected clip and all that was found on the way.
-
-    Raises:
-        NoLegsError: no legs were found, and no rig was given.
-    """
-    rigs = None if rig is None else (rig,)
-    return clean_figures(clip, settings, rigs=rigs, contacts=contacts, most=1)[0]
-
-
 def clean_figures(
     clip: Clip, settings: Settings | None = None, *, rigs: Sequence[Rig] | None = None,
     contacts: Contacts | None = None, most: int | None = None,
