@@ -24,7 +24,7 @@ from footfix.locomotion.follow.walk import Walk, make_walk
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.pipeline import Figure, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
 from footfix.report.pages import draw
@@ -73,11 +73,11 @@ def walk_of(
     with about(name):
         if len(clip) < LEAST_FRAMES:
             raise InputError(f"{len(clip)} frames are too few for a stride")
-        proper = motion_proper(clip)
-        rigs = (rig,) if rig is not None else find_rigs(clip, settings.rig, proper)
+        frame_range = motion_range(clip)
+        rigs = (rig,) if rig is not None else find_rigs(clip, settings.rig, frame_range)
         if len(rigs) > 1:
             raise InputError(f"the file holds {len(rigs)} figures; one walks along a path")
-        prepared = prepare(clip, settings, rigs, proper)
+        prepared = prepare(clip, settings, rigs, frame_range)
         found = contacts if contacts is not None else find_contacts(prepared, settings, None)
         return make_walk(cut_loop(prepared, found, settings), name)
 

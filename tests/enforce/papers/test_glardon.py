@@ -115,7 +115,7 @@ def test_a_clip_whose_feet_stand_is_left_as_it_is() -> None:
     rig = rig_of(made)
     found = correct(made.clip, rig, plants_of(rig, made.contacts), PARAMS)
     for k, joint in enumerate(found.joints):
-        turn = rotation.multiply(rotation.inverse(made.clip.turn(joint)), found.rotations[:, k])
+        turn = rotation.multiply(rotation.inverse(made.clip.rotation(joint)), found.rotations[:, k])
         assert rotation.angle(turn).max() < 1e-7
     none = correct(made.clip, rig, [], PARAMS)
     assert none.joints == () and not none.root_shift.any()
@@ -133,9 +133,9 @@ def test_beyond_the_eases_the_numbers_are_the_clips_own() -> None:
         assert np.count_nonzero(~near) > 10
         for joint in leg.chain:
             new = found.rotations[:, found.joints.index(joint)]
-            assert np.array_equal(new[~near], clip.turn(joint)[~near])
-            assert np.any(new[near] != clip.turn(joint)[near])
-            assert np.all(np.sum(new * clip.turn(joint), axis=1) > 0.0)  # of q and -q the one beside the captured
+            assert np.array_equal(new[~near], clip.rotation(joint)[~near])
+            assert np.any(new[near] != clip.rotation(joint)[near])
+            assert np.all(np.sum(new * clip.rotation(joint), axis=1) > 0.0)  # of q and -q the one beside the captured
 
 
 @pytest.mark.parametrize("gait", ["walk", "run", "tiptoe"])
@@ -143,7 +143,7 @@ def test_corrected_motion_has_no_jump_at_the_edges(gait: str) -> None:
     clip, rig, plants = skated(gait, fps=120.0)
     found = correct(clip, rig, plants, PARAMS)
     for k, joint in enumerate(found.joints):
-        turn = rotation.multiply(rotation.inverse(clip.turn(joint)), found.rotations[:, k])
+        turn = rotation.multiply(rotation.inverse(clip.rotation(joint)), found.rotations[:, k])
         added = np.degrees(rotation.to_rotation_vector(turn))
         steps = [np.linalg.norm(np.diff(added, order, axis=0), axis=1).max() for order in (1, 2)]
         assert steps[0] < 0.7 and steps[1] < 0.5  # [degrees in a frame, and its change]
@@ -392,7 +392,7 @@ def test_overlapping_eases_of_heel_and_toe_leave_no_gap() -> None:
     found = correct(clip, rig, plants, PARAMS)
     for number in (0, 1):
         changed = np.any([
-            np.any(found.rotations[:, found.joints.index(joint)] != clip.turn(joint), axis=1)
+            np.any(found.rotations[:, found.joints.index(joint)] != clip.rotation(joint), axis=1)
             for joint in rig.legs[number].chain
         ], axis=0)  # fmt: skip
         for plant in plants:
