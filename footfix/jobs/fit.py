@@ -203,7 +203,7 @@ def _unlike(one: Skeleton, other: Skeleton) -> str:
 
 
 def told_of(fitted: Fitted) -> dict[str, Any]:
-    """What a fit has to tell, each key with its unit."""
+    """Tell what came of a fit, each key with its unit."""
     model, error = fitted.model, fitted.error
     return {
         "joints": len(model.skeleton),

@@ -140,7 +140,7 @@ def follow_file(
 
 
 def start_of(at: Start) -> At:
-    """Where a walk begins: "3s", "8m", seconds, or None.
+    """Read where a walk begins: "3s", "8m", seconds, or None.
 
     Raises:
         UsageError: it is none of these.
@@ -157,7 +157,7 @@ def start_of(at: Start) -> At:
 
 
 def check_starts(ats: Sequence[At], names: Sequence[str]) -> None:
-    """See that the first walk begins at the start, and all others later.
+    """Check that the first walk begins at the start, and all others later.
 
     Raises:
         UsageError: they do not.
@@ -171,7 +171,7 @@ def check_starts(ats: Sequence[At], names: Sequence[str]) -> None:
 
 
 def follow_entry(found: Follow, asked: str, clips: Sequence[tuple[str, bytes]]) -> dict[str, Any]:
-    """What a report says of walks along a path; each key carries its unit.
+    """Report walks along a path; each key carries its unit.
 
     Args:
         found: the walks.

@@ -123,7 +123,7 @@ def _report(
 
 
 def loop_entry(loop: Loop, settings: Settings) -> dict[str, Any]:
-    """What a report says of a loop; each key carries its unit."""
+    """Report a loop; each key carries its unit."""
     number, seam, asked = report_format.rounded, loop.seam, settings.loop
     return {
         "start": loop.start,

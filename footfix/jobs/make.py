@@ -173,7 +173,7 @@ def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
 
 
 def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -> dict[str, Any]:
-    """What a report says of locomotion made from cycles; each key carries its unit."""
+    """Report locomotion made from cycles; each key carries its unit."""
     number, course = report_format.rounded, made.foreseen.course
     times = made.postures.times
     phase = course.phases(times)

@@ -111,7 +111,7 @@ def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int]
 
 
 def check_belief(unit_m: float, up: str) -> None:
-    """See that a file can have such a unit [m] and upward axis.
+    """Check that a file can have such a unit [m] and upward axis.
 
     Raises:
         ValueError: it can't.
