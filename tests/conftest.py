@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+import once
 import pytest
 from hypothesis import settings
 
@@ -20,6 +23,18 @@ Run = Callable[..., tuple[int, str, str]]  # a command line: exit code, standard
 # Examples are not timed: on a busy machine any of them may take long.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Set a folder for what the processes of this run make once."""
+    if not hasattr(session.config, "workerinput"):
+        os.environ[once.FOLDER] = tempfile.mkdtemp(prefix="footfix-tests-")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Take it away again."""
+    if not hasattr(session.config, "workerinput"):
+        shutil.rmtree(os.environ.pop(once.FOLDER), ignore_errors=True)
 
 
 def shared(folder: str) -> list[Path]:
