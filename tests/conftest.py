@@ -42,6 +42,16 @@ def shared(folder: str) -> list[Path]:
     return sorted(path for path in (SHARED / folder).rglob("*") if path.suffix.lower() == ".bvh")
 
 
+def one_of_each_origin(most: float = 1e6) -> list[Path]:
+    """The smallest shared clip of each program or collection, of those up to a size [bytes]."""
+    smallest: dict[Path, Path] = {}
+    for path in shared("clips"):
+        known = smallest.setdefault(path.parent, path)
+        if path.stat().st_size < known.stat().st_size:
+            smallest[path.parent] = path
+    return [path for path in smallest.values() if path.stat().st_size <= most]
+
+
 def need(paths: list[Path], folder: str) -> list[Path]:
     """The same paths; skips the test, saying so, where there are none."""
     if not paths:
