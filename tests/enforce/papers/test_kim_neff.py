@@ -8,7 +8,7 @@ import artefacts
 import numpy as np
 import pytest
 from footplants import near_plants, plants_of, strays
-from walks import rig_of, straightness, walk
+from walks import rig_of, walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.kim_neff import Join, KimNeffParams, _join, correct, joins, mean_swivel, spline
@@ -161,33 +161,6 @@ def test_a_clip_whose_feet_stand_is_left_as_it_is() -> None:
     for k, joint in enumerate(found.joints):
         turn = rotation.multiply(rotation.inverse(made.clip.rotation(joint)), found.rotations[:, k])
         assert rotation.angle(turn).max() < 1e-6
-
-
-def test_on_a_belt_plants_go_with_the_belt() -> None:
-    made = walk("treadmill")
-    rig = rig_of(made)
-    plants = plants_of(rig, made.contacts)
-    ground = (np.arange(len(made.clip)) * made.clip.frame_time)[:, None] * np.array(made.belt)
-    clip = artefacts.wander(made.clip, 0.02, slowest=1.0)
-    after = apply(clip, correct(clip, rig, plants, PARAMS, ground=ground))
-    assert strays(after, rig, plants, ground).max() < 1e-6 < strays(clip, rig, plants, ground).max()
-
-
-def test_no_leg_becomes_straighter_than_captured_or_nearly_straight() -> None:
-    made = walk()
-    rig = rig_of(made)
-    clip = artefacts.wander(made.clip, 0.15, slowest=1.0)
-    after = apply(clip, correct(clip, rig, plants_of(rig, made.contacts), PARAMS))
-    assert np.all(straightness(after, rig) <= np.maximum(straightness(clip, rig), 0.9995) + 1e-9)
-    assert np.any(straightness(after, rig) > 0.9994)
-
-
-def test_a_leg_that_the_file_cannot_turn_is_left_alone() -> None:
-    clip, rig, plants = skated()
-    rotates = np.ones(len(clip.skeleton), dtype=bool)
-    rotates[rig.legs[1].ankle] = False
-    stiff = replace(clip, skeleton=replace(clip.skeleton, rotates=rotates))
-    assert set(correct(stiff, rig, plants, PARAMS).joints) == set(rig.legs[0].chain)
 
 
 def pushed(leg: CapturedLeg, amount: float, seed: int) -> Floats:
