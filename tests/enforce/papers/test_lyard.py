@@ -275,7 +275,7 @@ def test_turned_and_shifted_clips_give_the_turned_shift() -> None:
 
 
 def test_on_a_belt_planted_points_go_with_the_belt() -> None:
-    made = walk("treadmill")
+    made = walk("treadmill", duration=3.0)
     rig = rig_of(made)
     plants = plants_of(rig, made.contacts)
     ground = (np.arange(len(made.clip)) * made.clip.frame_time)[:, None] * np.array(made.belt)

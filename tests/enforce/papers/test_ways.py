@@ -46,7 +46,7 @@ def test_on_a_belt_plants_go_with_the_belt(way: Way) -> None:
 
 @WAYS
 def test_no_leg_becomes_straighter_than_captured_or_nearly_straight(way: Way) -> None:
-    made = walk()
+    made = walk(duration=3.0)
     rig = rig_of(made)
     clip = artefacts.wander(made.clip, 0.15, slowest=1.0)  # so far that plants are out of reach
     after = apply(clip, way(clip, rig, plants_of(rig, made.contacts)))
