@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from legmaker import KINDS, changed, changes, largest_turn
 from walker import Walk
-from walks import cleaned, extension, heights, rig_of, slides, straightness, walk
+from walks import cleaned, extension, heights, rig_of, slides, straightness
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.costs import CostParams

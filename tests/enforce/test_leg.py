@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import KINDS, Figure, figure, figure_of, with_knees
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.leg import (

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from footplants import plants_of, strays
 from scipy.interpolate import CubicHermiteSpline
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.hand_over import catmull_rom, cubic_roots, hand_over, offset_at, share_gone

@@ -10,7 +10,8 @@ import artefacts
 import numpy as np
 import pytest
 from footplants import plants_of, strays
-from walks import rig_of, straightness, walk
+from walks import rig_of, straightness
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.papers import glardon, kim_neff
