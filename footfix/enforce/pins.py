@@ -12,6 +12,7 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
+from footfix.enforce.pivots import held_alike, share_held
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Contacts, runs
 from footfix.notes import Note
@@ -38,6 +39,7 @@ class PinParams:
         tip: weight of the toes' tip against that of the toe joint [share].
         near: a plant nearer than this to the floor stands on it, else on a step of its own [leg lengths].
         sink: how deep a point may be in the floor, if it was not captured deeper [leg lengths].
+        turning: a foot that turns over the floor at this rate is held half as much [rad/s].
         asked: a place that labels ask for farther away is not taken, unless forced [leg lengths].
     """
 
@@ -50,6 +52,7 @@ class PinParams:
     tip: float = 0.3
     near: float = 0.067
     sink: float = 0.0033
+    turning: float = 4.0
     asked: float = 0.12
 
 
@@ -230,17 +233,33 @@ def pins(
     effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
     step = floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
     found: list[Pins] = []
+    both = _both(own, k, by_hand, len(leg.flexion))
     for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
         part = POINTS[min(point, TOE)]
         mine = [plant for plant in own if plant.part == part]
         rest = floors.tips[k] if point == TIP else floors.rest[effector[part]]
         if point == ANKLE:
+            share = share_held(leg, both, frame_time, params.turning)
+            alike = held_alike(found[0].hold, found[1].hold, both, share)
+            found = [replace(each, hold=hold) for each, hold in zip(found, alike, strict=True)]
             found.append(_ankle(found, own, leg, ground, keep, params))
             continue
         found.append(_pins(
             mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params
         ))  # fmt: skip
+        if point == TIP:  # while heel and toe stand, it counts as the ankle does at the other side of the toe joint
+            tip = np.where(both, params.ankle * found[TOE].hold, found[TIP].hold)
+            found[TIP] = replace(found[TIP], hold=tip)
     return tuple(found)
+
+
+def _both(own: Sequence[Footplant], k: int, by_hand: Sequence[bool], frames: int) -> Bools:
+    """Mark the steps (F - 1,) in which heel and toe stand by contacts that were detected."""
+    heel, toe = stands(own, frames, k + 1)[k]
+    both = heel & toe
+    for plant in own:
+        both[plant.frames] &= not (plant.force or by_hand[plant.id])
+    return np.asarray(both[1:] & both[:-1])
 
 
 def _ankle(

@@ -59,7 +59,7 @@ CLIPS = {
     "pybvh/cmu_12_01_walk.bvh": Bounds(toe=2.0, flat=2.0, knee=0.7, rise=31.0, jump=0.6, jitter=1.02),
     "radar_pn/walk.bvh": Bounds(toe=2.0, flat=10.5, knee=0.3, rise=44.0, jump=0.8, jitter=1.0),
     "t2m/animation.bvh": Bounds(toe=2.0, flat=2.0, knee=0.9, rise=19.0, jump=0.8, jitter=1.08),
-    "wham/sample.bvh": Bounds(toe=2.0, flat=8.0, knee=0.6, rise=50.0, jump=0.7, jitter=1.0),
+    "wham/sample.bvh": Bounds(toe=3.5, flat=8.0, knee=0.6, rise=50.0, jump=0.7, jitter=1.0),
 }  # fmt: skip
 
 UNTOUCHED = ("games105/idle.bvh",)  # there is nothing to do
