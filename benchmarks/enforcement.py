@@ -30,7 +30,7 @@ from walker import make
 from walker_gaits import Gait, Name
 
 from footfix import api
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.errors import FootfixError
 from footfix.formats.bvh import compose
 from footfix.formats.document import open_document, rewrite

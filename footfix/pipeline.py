@@ -18,7 +18,8 @@ from footfix.detect.run import detect_over
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.put_back import put_back, repeated
-from footfix.enforce.run import enforce, ground_of
+from footfix.enforce.run import enforce
+from footfix.enforce.task import ground_of
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
@@ -108,27 +109,6 @@ class Figure:
     ground: Floats
     thin: Doubled
     notes: tuple[Note, ...]
-
-
-def clean(
-    clip: Clip, settings: Settings | None = None, *, rig: Rig | None = None, contacts: Contacts | None = None
-) -> Result:
-    """Find the footplants of a clip and take the foot skate out.
-
-    Args:
-        clip: the motion, metres, y up.
-        settings: the parameters of all steps.
-        rig: legs and soles; found where it is not given.
-        contacts: which sole points are planted when; detected where they are not given.
-
-    Returns:
-        The corrected clip and all that was found on the way.
-
-    Raises:
-        NoLegsError: no legs were found, and no rig was given.
-    """
-    rigs = None if rig is None else (rig,)
-    return clean_figures(clip, settings, rigs=rigs, contacts=contacts, most=1)[0]
 
 
 def clean_figures(

@@ -10,7 +10,7 @@ import numpy as np
 from walks import rig_of, walk
 
 from footfix.enforce.leg import LegCalibration, LegTracks, calibrate, tracks
-from footfix.enforce.run import pose_of
+from footfix.enforce.task import pose_of
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts

@@ -20,7 +20,9 @@ from footfix.batch.outputs import Job
 from footfix.batch.task import Task
 from footfix.enforce.put_back import put_back
 from footfix.formats.contacts import Labels
-from footfix.jobs.clean import clean_file, measure_file, read
+from footfix.jobs.clean import clean_file
+from footfix.jobs.measure import measure_file
+from footfix.jobs.source import read
 from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -271,7 +273,7 @@ def test_frames_that_are_repeated_are_cleaned_as_if_they_were_not(times: int) ->
     clip = artefacts.wander(make(Gait(fps=30.0, duration=3.0)).clip, 0.05)
     long = replace(clip.frames(np.repeat(np.arange(len(clip)), times)), frame_time=clip.frame_time / times)
     rig = find_rig(clip)
-    one, other = (pipeline.clean(each, rig=rig) for each in (clip, long))
+    one, other = (pipeline.clean_figures(each, rigs=(rig,))[0] for each in (clip, long))
     assert "frames-doubled" in {note.id for note in other.notes} - {note.id for note in one.notes}
     for effector, again in zip(one.contacts.effectors, other.contacts.effectors, strict=True):
         assert [(times * c.start, times * c.end) for c in effector.contacts] == [

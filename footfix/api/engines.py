@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from footfix.api.clips import check_settings
+from footfix.api.parameters import check_settings
 from footfix.batch.cycles import load_model as _load_model
 from footfix.batch.files import read_whole, write_whole
 from footfix.errors import ArgumentError, InputError

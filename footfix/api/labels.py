@@ -6,14 +6,15 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from footfix.api.clips import check_settings, find_rigs
+from footfix.api.clips import find_rigs
+from footfix.api.parameters import check_settings
 from footfix.api.reports import source_of
 from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.errors import ArgumentError
 from footfix.formats import contacts as labels_format
 from footfix.formats.document import Document
 from footfix.formats.label_arrays import encode_npy, encode_npz
-from footfix.jobs import clean as job
+from footfix.jobs import contacts as job
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.leadin import motion_proper

@@ -21,8 +21,8 @@ from footfix.formats.suffixes import STDIN_NAME
 
 if TYPE_CHECKING:
     from footfix.formats.plans import PlanRow
-    from footfix.jobs.clean import Outputs
     from footfix.jobs.fit import FileCycles, Fitted
+    from footfix.jobs.outputs import Outputs
     from footfix.locomotion.cycles.model import CycleModel
     from footfix.settings import Settings
 

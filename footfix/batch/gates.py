@@ -78,7 +78,7 @@ def check(task: Task, data: bytes) -> FileResult:
     """
     from footfix.batch.clips import beside_of
     from footfix.batch.skins import skin_for
-    from footfix.jobs.clean import measure_file
+    from footfix.jobs.measure import measure_file
 
     source = task.job.source
     given = {**task.settings.gates, **task.extra.get("gates", {})}

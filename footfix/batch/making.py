@@ -21,7 +21,7 @@ from footfix.version import __version__
 
 if TYPE_CHECKING:
     from footfix.formats.contacts import Labels
-    from footfix.jobs.clean import Outputs
+    from footfix.jobs.outputs import Outputs
     from footfix.settings import Settings
 
 

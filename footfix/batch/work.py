@@ -21,7 +21,7 @@ from footfix.errors import InputError, OutputError
 from footfix.formats.suffixes import STDIN_NAME, in_file
 
 if TYPE_CHECKING:
-    from footfix.jobs.clean import Outputs
+    from footfix.jobs.outputs import Outputs
     from footfix.report.again import Again
 
 Work = Callable[[Task, bytes], FileResult]
@@ -154,7 +154,7 @@ def _detect(task: Task, data: bytes) -> FileResult:
 def _detect_clip(task: Task, data: bytes) -> FileResult:
     from footfix.formats.contacts import ENCODERS
     from footfix.formats.events import encode, events_of
-    from footfix.jobs.clean import contacts_json, detect_file
+    from footfix.jobs.contacts import contacts_json, detect_file
 
     kind, target = task.extra["kind"], _labels_of(task)
     contacts, entry, rig, notes, start = detect_file(

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.leg import effector_tracks
-from footfix.enforce.pins import Floors, Pins
+from footfix.enforce.pins import Pins
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig

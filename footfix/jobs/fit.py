@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from footfix.enforce.run import ground_of
+from footfix.enforce.task import ground_of
 from footfix.errors import InputError
-from footfix.jobs.clean import about, find_contacts, read
+from footfix.jobs.contacts import find_contacts
+from footfix.jobs.source import about, read
 from footfix.locomotion.cycles.eigencycles import SpaceParams
 from footfix.locomotion.cycles.fit import make_model
 from footfix.locomotion.cycles.leave_out import LeftOut

@@ -15,8 +15,10 @@ from footfix import version
 from footfix.errors import InputError, UsageError
 from footfix.formats.document import write_motion
 from footfix.formats.paths import DrawnPath
-from footfix.jobs.clean import Outputs, about, contacts_json, find_contacts, read, source_entry
+from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.loop import LEAST_FRAMES
+from footfix.jobs.outputs import Outputs
+from footfix.jobs.source import about, read, source_entry
 from footfix.locomotion.follow.run import At, Follow, follow_path
 from footfix.locomotion.follow.walk import Walk, make_walk
 from footfix.motion.clip import Clip, Floats

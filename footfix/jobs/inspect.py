@@ -8,7 +8,7 @@ from typing import Any
 from footfix.errors import InputError
 from footfix.formats.document import Beside, legible, open_document, repair
 from footfix.formats.suffixes import bare
-from footfix.jobs.clean import placed
+from footfix.jobs.source import placed
 from footfix.notes import Note
 from footfix.report import document as report_format
 from footfix.rig.find import find_rigs

@@ -15,7 +15,9 @@ from footfix.errors import InputError
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite, select
 from footfix.formats.suffixes import in_file
-from footfix.jobs.clean import Outputs, Status, about, contacts_json, find_contacts, read, source_entry
+from footfix.jobs.contacts import contacts_json, find_contacts
+from footfix.jobs.outputs import Outputs, Status
+from footfix.jobs.source import about, read, source_entry
 from footfix.locomotion.loop.run import Loop, as_round
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled

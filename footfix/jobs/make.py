@@ -17,7 +17,8 @@ from footfix.errors import UsageError
 from footfix.formats.bvh.compose import compose
 from footfix.formats.document import open_document
 from footfix.formats.plans import PlanRow
-from footfix.jobs.clean import Outputs, contacts_json
+from footfix.jobs.contacts import contacts_json
+from footfix.jobs.outputs import Outputs
 from footfix.locomotion.cycles.engine import Foreseen, Postures, foresee, free_postures, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point

@@ -9,7 +9,7 @@ import pytest
 from legmaker import largest_turn
 from walks import cleaned, rig_of, walk
 
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts

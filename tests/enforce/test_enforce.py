@@ -14,10 +14,12 @@ from walker import Walk
 from walks import cleaned, extension, heights, rig_of, slides, straightness, walk
 
 from footfix.enforce.correction import Correction, apply
+from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import HEEL, TIP, TOE, calibrate, tracks
-from footfix.enforce.problem import CostParams
-from footfix.enforce.run import EnforceParams, enforce, pose_of
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.run import enforce
 from footfix.enforce.style import StyleParams
+from footfix.enforce.task import pose_of
 from footfix.measure.clip import peak_acceleration
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton

@@ -8,7 +8,8 @@ from skinmaker import skin_of
 from walks import walk
 
 from footfix.enforce.correction import apply
-from footfix.enforce.run import EnforceParams, enforce
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.run import enforce
 from footfix.measure.clip import measure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip

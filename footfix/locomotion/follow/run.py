@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.errors import UsageError
 from footfix.locomotion.follow.balance import end_effectors
 from footfix.locomotion.follow.blend import Transition, blend_length, check_order

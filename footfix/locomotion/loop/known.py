@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.papers.leg import effector_tracks
-from footfix.enforce.run import pose_of
+from footfix.enforce.task import pose_of
 from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats

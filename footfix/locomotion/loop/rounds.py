@@ -10,7 +10,9 @@ import numpy as np
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.ground import GroundParams
-from footfix.enforce.run import Enforcement, EnforceParams, enforce, ground_of
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.run import Enforcement, enforce
+from footfix.enforce.task import ground_of
 from footfix.locomotion.loop.closing import decay
 from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation

@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.closing import Closed, close
 from footfix.locomotion.loop.cuts import Cut, calmer
 from footfix.locomotion.loop.known import closed_travel, completed, put_to_rest

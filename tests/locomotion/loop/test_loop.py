@@ -11,7 +11,7 @@ import pytest
 from walks import rig_of, walk
 
 import footfix
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.rounds import laid_contacts, lay
 from footfix.locomotion.loop.run import Loop, as_round, make_loop
