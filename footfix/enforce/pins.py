@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.floors import Floors, floor_steps, nominal
-from footfix.enforce.footplant import Footplant
+from footfix.enforce.footplant import Footplant, stands
 from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
 from footfix.enforce.pivots import held_alike, share_held
 from footfix.motion.clip import Bools, Floats
