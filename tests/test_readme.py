@@ -66,6 +66,11 @@ def test_the_commands_on_cycles_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         program, *rest = line.split()
         if program == "python":
             subprocess.run([sys.executable, *rest], check=True)
+            made = sorted((tmp_path / "gaits").iterdir())
+            assert len(made) == 12
+            for path in made:  # four walks have cycles enough
+                if path.stem not in ("walk_110cm_s", "walk_130cm_s", "walk_150cm_s", "walk_180cm_s"):
+                    path.unlink()
             continue
         monkeypatch.setattr(sys, "argv", [program, *rest])
         assert cli.run() == 0, line

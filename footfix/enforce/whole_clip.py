@@ -146,6 +146,6 @@ def correction(
             continue
         for joint, turn in local_rotations(clip, pose, leg, x[own]).items():
             joints.append(joint)
-            rotations.append(np.where(changed[:, None], turn, clip.turn(joint)))
+            rotations.append(np.where(changed[:, None], turn, clip.rotation(joint)))
     stacked = np.stack(rotations, axis=1) if rotations else np.zeros((len(clip), 0, 4))
     return Correction(rig.root, shift, tuple(joints), stacked)

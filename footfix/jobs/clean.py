@@ -48,7 +48,7 @@ def clean_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, proper = opened(data, name, settings, beside)
+    document, frame_range = opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip
     source = source_entry(data, name, clip)
@@ -57,7 +57,7 @@ def clean_file(
     if leave:
         settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         if leave:
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
         contacts = find_contacts(prepared, settings, labels)

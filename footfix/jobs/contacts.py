@@ -59,13 +59,13 @@ def planted(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, proper = opened(data, name, settings, beside)
+    document, frame_range = opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
 
 

@@ -134,15 +134,15 @@ def _offset(clip: Clip, root: int, cut: Cut, travel: Travel, tau: float, slope: 
     for joint in range(len(clip.skeleton)):
         if joint in clip.skeleton.ancestors(root):
             continue
-        gap, speed = _place_gap(clip.place(joint), cut, dt)
+        gap, speed = _place_gap(clip.position(joint), cut, dt)
         if np.any(gap) or np.any(speed):
-            places[joint] = np.array(out.place(joint), order="F")
+            places[joint] = np.array(out.position(joint), order="F")
             places[joint][some] += (fade.ahead(gap, speed) + fade.behind(gap, speed))[some]
-        gap, speed = _turn_gap(clip.turn(joint), cut, dt)
+        gap, speed = _turn_gap(clip.rotation(joint), cut, dt)
         if np.any(gap) or np.any(speed):
             joined = rotation.from_rotation_vector((fade.ahead(gap) + fade.behind(gap))[some])
             smooth = rotation.from_rotation_vector((fade.ahead(speed=speed) + fade.behind(speed=speed))[some])
-            turns[joint] = np.array(out.turn(joint), order="F")
+            turns[joint] = np.array(out.rotation(joint), order="F")
             turns[joint][some] = rotation.multiply(smooth, rotation.multiply(joined, turns[joint][some]))
     place, turn = root_in_world(clip, root)
     gap, speed = _place_gap(place, cut, dt, travel)
@@ -211,7 +211,7 @@ def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
     joints = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in joints:
-        for track, into in ((clip.place(joint), places), (clip.turn(joint), turns)):
+        for track, into in ((clip.position(joint), places), (clip.rotation(joint), turns)):
             if np.any(track[-1] != track[0]):
                 into[joint] = np.array(track, order="F")
                 into[joint][-1] = track[0]
@@ -249,12 +249,12 @@ def _blended(clip: Clip, root: int, cut: Cut, travel: Travel) -> Closed:
     for joint in range(len(clip.skeleton)):
         if joint in clip.skeleton.ancestors(root):
             continue
-        place, turn = clip.place(joint), clip.turn(joint)
+        place, turn = clip.position(joint), clip.rotation(joint)
         if np.any(place[a] != place[b]):
-            places[joint] = np.array(out.place(joint), order="F")
+            places[joint] = np.array(out.position(joint), order="F")
             places[joint][where] = (1.0 - w)[:, None] * place[a] + w[:, None] * place[b]
         if np.any(turn[a] != turn[b]):
-            turns[joint] = np.array(out.turn(joint), order="F")
+            turns[joint] = np.array(out.rotation(joint), order="F")
             turns[joint][where] = rotation.slerp(turn[a], turn[b], w)
     out = out.with_joints(places, turns)
     place, turn = _root_blended(clip, root, a, b, w, travel)
