@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.floors import Floors, floor_steps, nominal
-from footfix.enforce.footplant import Footplant
+from footfix.enforce.footplant import Footplant, stands
 from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
+from footfix.enforce.pivots import held_alike, share_held
 from footfix.motion.clip import Bools, Floats
 from footfix.rig.rig import Rig
 
@@ -32,9 +33,11 @@ class PinParams:
         edge: time at both ends of a detected contact in which the foot may still land or leave [s].
         edge_weight: weight of a pin at the outermost frame of these, of its own [share].
         ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
+        bare_ankle: the same of a foot without toe joint, whose heel and toe are guessed [share].
         tip: weight of the toes' tip against that of the toe joint [share].
         near: a plant nearer than this to the floor stands on it, else on a step of its own [leg lengths].
         sink: how deep a point may be in the floor, if it was not captured deeper [leg lengths].
+        turning: a foot that turns over the floor at this rate is held half as much [rad/s].
         asked: a place that labels ask for farther away is not taken, unless forced [leg lengths].
     """
 
@@ -44,9 +47,11 @@ class PinParams:
     edge: float = 0.015
     edge_weight: float = 0.05
     ankle: float = 0.4
+    bare_ankle: float = 1.6
     tip: float = 0.3
     near: float = 0.067
     sink: float = 0.0033
+    turning: float = 4.0
     asked: float = 0.12
 
 
@@ -106,22 +111,39 @@ def pins(
     effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
     step = floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
     found: list[Pins] = []
+    both = _both(own, k, by_hand, len(leg.flexion))
     for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
         part = POINTS[min(point, TOE)]
         mine = [plant for plant in own if plant.part == part]
         rest = floors.tips[k] if point == TIP else floors.rest[effector[part]]
         if point == ANKLE:
-            found.append(_ankle(found, own, leg, ground, keep, params))
+            share = share_held(leg, both, frame_time, params.turning)
+            alike = held_alike(found[0].hold, found[1].hold, both, share)
+            found = [replace(each, hold=hold) for each, hold in zip(found, alike, strict=True)]
+            weight = params.bare_ankle if rig.legs[k].toe is None else params.ankle
+            found.append(_ankle(found, own, leg, ground, keep, weight))
             continue
         found.append(_pins(
             mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params
         ))  # fmt: skip
+        if point == TIP:  # while heel and toe stand, it counts as the ankle does at the other side of the toe joint
+            tip = np.where(both, params.ankle * found[TOE].hold, found[TIP].hold)
+            found[TIP] = replace(found[TIP], hold=tip)
     return tuple(found)
+
+
+def _both(own: Sequence[Footplant], k: int, by_hand: Sequence[bool], frames: int) -> Bools:
+    """Mark the steps (F - 1,) in which heel and toe stand by contacts that were detected."""
+    heel, toe = stands(own, frames, k + 1)[k]
+    both = heel & toe
+    for plant in own:
+        both[plant.frames] &= not (plant.force or by_hand[plant.id])
+    return np.asarray(both[1:] & both[:-1])
 
 
 def _ankle(
     feet: Sequence[Pins], plants: Sequence[Footplant], leg: LegTracks, ground: Floats, keep: Sequence[bool],
-    params: PinParams,
+    weight: float,
 ) -> Pins:  # fmt: skip
     """The ankle's pin: it stands while heel and toe do, as surely as the less sure of them."""
     heel, toe = feet
@@ -133,7 +155,7 @@ def _ankle(
     slip = np.where(as_captured, np.diff(leg.ankle, axis=1), np.diff(ground.T, axis=1))
     nothing = np.zeros(frames)
     return Pins(
-        params.ankle * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
+        weight * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
         np.full(frames, -np.inf), np.zeros((3, frames)), nothing,
     )  # fmt: skip
 

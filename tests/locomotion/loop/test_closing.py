@@ -9,8 +9,8 @@ from walks import rig_of, walk
 from footfix.errors import InputError
 from footfix.locomotion.loop.closing import Closed, close, decay
 from footfix.locomotion.loop.cuts import Cut
+from footfix.locomotion.loop.holding import lay
 from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.rounds import lay
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.motion.kinematics import places
