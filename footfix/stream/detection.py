@@ -101,13 +101,13 @@ class Detector:
         self._frames = Ring((len(self._mates), 3, 3), round(max(_KNEES, look_ahead + 0.3) / frame_time) + 4)
 
     def add(self, tracks: Tracks) -> None:
-        """Take the next frames (n of them, with knees), and weigh what they show."""
+        """Take the next frames (n of them, with knees)."""
         feet = [np.stack([f.heel, f.toe, f.heel if f.knee is None else f.knee], axis=1) for f in tracks.feet]
         self._frames.append(np.stack(feet, axis=1))
         self._grid.add(tracks)
-        self._weigh()
 
-    def _weigh(self) -> None:
+    def weigh(self) -> None:
+        """Weigh what the newest frames show."""
         places = self._grid.steps.last(round(PAST / STEP))
         count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         curves, self._axes = weigh(places, count + _REACH, self._mates, self._jitter)
@@ -124,7 +124,7 @@ class Detector:
         self._answers.replace(self._grid.steps.end - count, answers.swapaxes(0, 1))
 
     def see(self, first: int) -> Seen:
-        """Say which soles are planted from frame `first` on."""
+        """Say which soles are planted from frame `first` on, by what was weighed."""
         end = self._frames.end
         answers = self._answers.last(self._path)
         last = len(answers)

@@ -20,7 +20,6 @@ from footfix.detect.evidence import (
     OWN,
     OWN_FLOOR,
     SPEED,
-    STEP,
 )
 from footfix.motion.clip import Floats
 from footfix.stream.filters import filtered, floors
