@@ -12,7 +12,8 @@ from footfix.enforce.solve import DAMPING, EPS, STATIC
 from footfix.enforce.terms import near
 from footfix.motion.clip import Floats, Ints, frozen
 from footfix.stream.legs import Legs
-from footfix.stream.objective import Normal, Stacked, normal
+from footfix.stream.objective import Normal, normal
+from footfix.stream.pins import Stacked
 
 _LONGEST = 0.1  # [m, rad] that a state goes in a round
 _FIRST = 4.0  # times `EPS` in all rounds but the last

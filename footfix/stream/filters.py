@@ -39,9 +39,7 @@ def filtered(x: Floats, *, seconds: float, degree: int, derivative: int = 0, ste
 
 
 @lru_cache(maxsize=64)
-def _weights(
-    window: int, seconds: float, degree: int, derivative: int, step: float
-) -> tuple[Floats, Floats, Floats]:
+def _weights(window: int, seconds: float, degree: int, derivative: int, step: float) -> tuple[Floats, Floats, Floats]:
     """The weights of a window's values in its first half (h, window), in its middle (window,), and in its last half."""
     all_of_it = savgol(np.eye(window), step, seconds=seconds, degree=degree, derivative=derivative)
     half = window // 2

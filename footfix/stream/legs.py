@@ -90,7 +90,9 @@ class Legs:
         at = 3 * L * len(_VECTORS)
         soles, tip = table[at : at + 6 * L].reshape(3, 2, L, n), table[at + 6 * L : at + 9 * L].reshape(3, L, n)
         flexion, least = table[at + 9 * L :].reshape(2, L, n)
-        return cls(kinds, *vectors, soles, tip, flexion, least)
+        return cls(
+            kinds, **dict(zip(_VECTORS, vectors, strict=True)), soles=soles, tip=tip, flexion=flexion, least=least
+        )
 
     def rows(self) -> Floats:
         """Pack all that differs from frame to frame in rows (F, 35 L)."""

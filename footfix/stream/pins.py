@@ -142,9 +142,7 @@ def _hold(out: Stacked, foot: Foot, k: int, point: int, start: int, end: int, as
         return
     begun = int(window[start]) if plant is None else plant.start
     weight = {TIP: asked.params.tip, ANKLE: asked.params.ankle}.get(point, 1.0)
-    out.hold[point, k, start : end - 1] = weight * _ramp(
-        window[start : end - 1] - begun, end < n, ground, asked.params
-    )
+    out.hold[point, k, start : end - 1] = weight * _ramp(window[start : end - 1] - begun, end < n, ground, asked.params)
     if point in (HEEL, TOE) and ground.heights:
         own = ground.level(asked.captured[1, point, k, start:end], k, point) if plant is None else plant.level
         out.level[point, k, start:end], out.draw[point, k, start:end] = own, _DRAWN

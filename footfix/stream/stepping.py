@@ -51,8 +51,8 @@ def stepping(
     moves = (apart > np.maximum(params.still, params.calm * rest)) & (speeds > speeds[mate])
     for k in np.flatnonzero(moves.any(axis=1)).tolist():
         for a, b in _from_rest_to_rest(moves[k], planted[k]):
-            ways = (_plain(each[:, k, a:b]) for each in (own, other))
-            whole = whole_step(*ways, float(rest[k, a:b].max()), params) * float(planted[mate[k], a:b].min())
+            one, mates_way = (_plain(each[:, k, a:b]) for each in (own, other))
+            whole = whole_step(one, mates_way, float(rest[k, a:b].max()), params) * float(planted[mate[k], a:b].min())
             steps[k, a:b] = np.maximum(steps[k, a:b], max(whole, float(steps[k, a:b].max())))
     found = _stands(answers, steps)
     alone = [k for k, other_foot in enumerate(mate) if other_foot == k]

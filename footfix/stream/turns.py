@@ -7,7 +7,7 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.stream.legs import Legs
 from footfix.stream.part import Part
@@ -40,7 +40,7 @@ def correction(part: Part, clip: Clip, pose: Pose, legs: Legs, x: Floats, shift:
     return Correction(part.known.rig.root, shift, tuple(which), np.stack(rotations, axis=1), part.known.followers)
 
 
-def _joints(part: Part, pose: Pose, legs: Legs) -> tuple[Floats, Floats, Floats]:
+def _joints(part: Part, pose: Pose, legs: Legs) -> tuple[Ints, Ints, Bools]:
     """(4, L) hip, knee, ankle and toe; (2, 4, L) where the pose has them and their parents; (4, L) which are turned."""
     parents, kinds = part.skeleton.parents, legs.kinds
     joints = np.array(
@@ -64,7 +64,7 @@ def _world(legs: Legs, x: Floats) -> Floats:
     return np.stack([swing, below[0], foot, below[1]])
 
 
-def _local(pose: Pose, slots: Floats, turns: Floats) -> Floats:
+def _local(pose: Pose, slots: Ints, turns: Floats) -> Floats:
     """(4, L, n, 4) local rotations of joints turned in the world, each below a parent that is turned as the one above.
 
     Args:
