@@ -178,10 +178,11 @@ class Engine:
         yield
         first = max(self._settled - BEFORE, 0)
         before = self._settled - first
-        on = np.concatenate([self._told[BEFORE - before :], seen.down[self._settled - seen.first :]])
+        down = self._standing(seen.down[self._settled - seen.first :], stop - self._settled)
+        on = np.concatenate([self._told[BEFORE - before :], down])
         legs, lift = self._window.lifted(self._past.legs(first), first)
         x = yield from self._window.solve(legs, on, first, stop, rounds, last=last)
-        events, settled = self._events(seen, stop), self._settled
+        events, settled = self._events(seen, on[: stop - first], first), self._settled
         self._told = np.concatenate([self._told, on[before : stop - first]])[-BEFORE:]
         self._settled = stop
         yield
@@ -221,10 +222,28 @@ class Engine:
     def _due_with(event: Event, number: int, first: int, stop: int) -> bool:
         return min(max(event.frame, first), stop - 1) == number
 
-    def _events(self, seen: Seen, stop: int) -> list[Event]:
-        """What begins or ends in the frames that are settled now, up to `stop`."""
-        begin = self._settled - seen.first
-        down = np.concatenate([self._told[-1:], seen.down[begin : begin + stop - self._settled]])
+    def _standing(self, down: Bools, settled: int) -> Bools:
+        """(n, 2 legs) contacts without those of feet that were let go, until these leave the floor or have caught up.
+
+        Args:
+            down: (n, 2 legs) contacts as detected.
+            settled: of these frames, how many are to be settled now.
+        """
+        if not any(self._window.left):
+            return down
+        down = down.copy()
+        for k, left in enumerate(self._window.left):
+            own = down[:, 2 * k : 2 * k + 2]
+            stays = int(np.argmin(np.append(own.any(axis=1), False)))
+            if left:
+                own[:stays] = False
+            if stays < settled:
+                self._window.left[k] = False
+        return down
+
+    def _events(self, seen: Seen, on: Bools, first: int) -> list[Event]:
+        """What begins or ends in the frames that are settled now, by contacts (n, 2 legs) from frame `first` on."""
+        down = np.concatenate([self._told[-1:], on[self._settled - first :]])
         found = []
         for sole, column in zip(self._rig.soles, self._order, strict=True):
             for k in np.flatnonzero(down[1:, column] != down[:-1, column]).tolist():

@@ -97,6 +97,11 @@ class Foot:
     plants: tuple[Plant | None, ...] = (None, None, None)
     step: float = 0.0
 
+    @property
+    def left(self) -> bool:
+        """Whether heel or toe was let go."""
+        return any(plant is not None and plant.free for plant in self.plants[:ANKLE])
+
 
 def masks(on: Bools) -> tuple[Bools, ...]:
     """Lay out when heel, toe, ankle and tip are to stand, of (n, 2) when heel and toe are planted."""

@@ -13,7 +13,7 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from footfix.enforce.floors import nominal
-from footfix.enforce.leg import LEG, ROOT
+from footfix.enforce.leg import ANKLE, LEG, ROOT
 from footfix.enforce.papers.ease import gamma
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
@@ -21,12 +21,14 @@ from footfix.enforce.whole_clip import costs_of, faded
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.calibration import Calibration
 from footfix.stream.descent import Fixed, descend
+from footfix.stream.exact import exact
 from footfix.stream.held import Foot, Ground, follow
 from footfix.stream.legs import Legs, places_of
 from footfix.stream.pins import Asked, Stacked, pins_of
 
 BEFORE = 2  # frames that were shown, in a window
 _FORGETS = 3.0  # [s] in which the fault that plants usually have is learnt anew
+_CAUGHT_UP = 0.01  # [leg lengths] a foot that was let go stands anew where it is this near to its capture
 _RAISED = 0.5  # [s] in which a figure is raised to its floor
 
 
@@ -60,6 +62,7 @@ class Window:
         self._feet = [Foot() for _ in rig.legs]
         self._first, self._seen, self._fault = first, first, known.fault
         self._x = np.zeros((ROOT + LEG * len(rig.legs), 0))  # of the frames of the window before
+        self.left = [False] * len(rig.legs)  # feet that were let go, and have not caught up with their capture
         self._fixed: dict[int, Fixed] = {}  # for windows of so many frames
         self._begin = self._shown = first  # numbers of the first of these, and of the first that was not shown
 
@@ -118,14 +121,22 @@ class Window:
             x = descend(problem, x, past, last=k == rounds - 1, legs=legs, pins=pins, fixed=fixed)
             if k < rounds - 1:
                 yield
-        places = self._places(legs, x)
-        for k in range(len(self._feet)):
-            self._feet[k] = follow(
-                self._feet[k], k, captured[:, :, k], places[:, :, k], (pins.place[:, :, k], pins.placed[:, k]),
-                on[:, 2 * k : 2 * k + 2], window, slice(past, stop - first), self._ground, asked.belt,
-            )  # fmt: skip
+        shown = slice(past, stop - first)
+        x = exact(legs, x, pins, shown, self._ground.leg_length)
+        self._follow(pins, on, shown, self._places(legs, x), asked)
         self._x, self._begin, self._shown = x, first, stop
         return faded(x, problem)
+
+    def _follow(self, pins: Stacked, on: Bools, shown: slice, places: Floats, asked: Asked) -> None:
+        """Keep account of plants after frames were shown, with their points at places (3, P, L, n) [m]."""
+        near = _CAUGHT_UP * self._ground.leg_length
+        for k, foot in enumerate(self._feet):
+            self._feet[k] = foot = follow(
+                foot, k, asked.captured[:, :, k], places[:, :, k], (pins.place[:, :, k], pins.placed[:, k]),
+                on[:, 2 * k : 2 * k + 2], asked.window, shown, self._ground, asked.belt,
+            )  # fmt: skip
+            off = (places - asked.captured)[::2, :ANKLE, k, shown.stop - 1]
+            self.left[k] = foot.left or (self.left[k] and bool(np.any(np.hypot(*off) > near)))
 
     def _problem(self, legs: Legs, pins: Stacked, captured: Floats, newest: Ints, *, last: bool) -> Problem:
         """The problem of a window; its pins are known apart from it."""
