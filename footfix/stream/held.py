@@ -97,6 +97,11 @@ class Foot:
     plants: tuple[Plant | None, ...] = (None, None, None)
     step: float = 0.0
 
+    def stands(self, point: int) -> bool:
+        """Tell whether a point stands, and where."""
+        plant = self.plants[point]
+        return plant is not None and plant.place is not None
+
     @property
     def left(self) -> bool:
         """Whether heel or toe was let go."""
@@ -138,7 +143,7 @@ def follow(
                 plant = Plant(int(window[t]), level, belt)
             if plant is not None and plant.place is None and window[t] > plant.start:
                 here = places[:, point, t].copy()
-                if pinned[1][point, t]:
+                if point != TOE and pinned[1][point, t]:
                     here[::2] = pinned[0][::2, point, t]
                 keeps = point == ANKLE or not ground.heights
                 plant = replace(plant, place=here, at=int(window[t]), level=float(here[1]) if keeps else plant.level)

@@ -13,7 +13,7 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from footfix.enforce.floors import nominal
-from footfix.enforce.leg import ANKLE, LEG, ROOT
+from footfix.enforce.leg import ANKLE, LEG, ROOT, TOE
 from footfix.enforce.papers.ease import gamma
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
@@ -122,7 +122,11 @@ class Window:
             if k < rounds - 1:
                 yield
         shown = slice(past, stop - first)
-        x = exact(legs, x, pins, shown, self._ground.leg_length)
+        if shown.stop > past:
+            x[:, shown] = exact(
+                legs.frames(shown), x[:, shown], pins.place[:, TOE, :, shown], pins.placed[TOE, :, shown] > 0.0,
+                [foot.stands(TOE) for foot in self._feet], self._ground.leg_length, self._frame_time,
+            )  # fmt: skip
         self._follow(pins, on, shown, self._places(legs, x), asked)
         self._x, self._begin, self._shown = x, first, stop
         return faded(x, problem)
