@@ -181,7 +181,7 @@ class Engine:
         down = self._standing(seen.down[self._settled - seen.first :], stop - self._settled)
         on = np.concatenate([self._told[BEFORE - before :], down])
         legs, lift = self._window.lifted(self._past.legs(first), first)
-        x = yield from self._window.solve(legs, on, first, stop, rounds, last=last)
+        x, on = yield from self._window.solve(legs, on, first, stop, rounds, last=last)
         events, settled = self._events(seen, on[: stop - first], first), self._settled
         self._told = np.concatenate([self._told, on[before : stop - first]])[-BEFORE:]
         self._settled = stop

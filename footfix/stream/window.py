@@ -24,6 +24,7 @@ from footfix.stream.descent import Fixed, descend
 from footfix.stream.exact import exact
 from footfix.stream.held import Foot, Ground, follow
 from footfix.stream.legs import Legs, places_of
+from footfix.stream.limits import limited
 from footfix.stream.pins import Asked, Stacked, pins_of
 
 BEFORE = 2  # frames that were shown, in a window
@@ -90,7 +91,7 @@ class Window:
 
     def solve(
         self, legs: Legs, on: Bools, first: int, stop: int, rounds: int, *, last: bool = False
-    ) -> Generator[None, None, Floats]:
+    ) -> Generator[None, None, tuple[Floats, Bools]]:
         """Find the state of the newest frames, and keep that of those that are shown now; pause after each round.
 
         Args:
@@ -102,7 +103,8 @@ class Window:
             last: whether no frames follow.
 
         Returns:
-            (U, n) the state, without what is too small to be seen; what is beyond `stop` is only a plan.
+            (U, n) the state, without what is too small to be seen; what is beyond `stop` is only a plan. And (n, 2
+            legs) the contacts without those of feet that could not get there in time.
         """
         n = len(on)
         window = first + np.arange(n)
@@ -122,14 +124,25 @@ class Window:
             if k < rounds - 1:
                 yield
         shown = slice(past, stop - first)
-        if shown.stop > past:
-            x[:, shown] = exact(
-                legs.frames(shown), x[:, shown], pins.place[:, TOE, :, shown], pins.placed[TOE, :, shown] > 0.0,
-                [foot.stands(TOE) for foot in self._feet], self._ground.leg_length, self._frame_time,
-            )  # fmt: skip
+        x, on = self._shown_so(legs, x, pins, on, shown)
         self._follow(pins, on, shown, self._places(legs, x), asked)
         self._x, self._begin, self._shown = x, first, stop
-        return faded(x, problem)
+        return faded(x, problem), on
+
+    def _shown_so(self, legs: Legs, x: Floats, pins: Stacked, on: Bools, shown: slice) -> tuple[Floats, Bools]:
+        """The state as it is shown, with toes where they stand and joints that don't jump, and who stands then."""
+        x[:, shown] = exact(
+            legs.frames(shown), x[:, shown], pins.place[:, TOE, :, shown], pins.placed[TOE, :, shown] > 0.0,
+            [foot.stands(TOE) for foot in self._feet], self._ground.leg_length, self._frame_time,
+        )  # fmt: skip
+        begin = max(shown.start - 1, 0)
+        some = slice(begin, shown.stop)
+        x[:, some], late = limited(legs.frames(some), x[:, some], shown.start - begin, self._frame_time)
+        if late.any():
+            on = on.copy()
+            for k in np.flatnonzero(late.any(axis=1)).tolist():
+                on[begin + int(np.argmax(late[k])) : shown.stop, 2 * k : 2 * k + 2] = False
+        return x, on
 
     def _follow(self, pins: Stacked, on: Bools, shown: slice, places: Floats, asked: Asked) -> None:
         """Keep account of plants after frames were shown, with their points at places (3, P, L, n) [m]."""
