@@ -104,8 +104,9 @@ class Foot:
 
     @property
     def left(self) -> bool:
-        """Whether heel or toe was let go."""
-        return any(plant is not None and plant.free for plant in self.plants[:ANKLE])
+        """Whether the foot was let go: its toe, or its heel if that stands alone; a heel may turn about its toe."""
+        heel, toe, _ = self.plants
+        return toe.free if toe is not None else heel is not None and heel.free
 
 
 def masks(on: Bools) -> tuple[Bools, ...]:
