@@ -23,11 +23,12 @@ from typing import Protocol
 import numpy as np
 
 from footfix.enforce.correction import apply
-from footfix.enforce.leg import ROOT
+from footfix.enforce.leg import ANKLE, ROOT
 from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import forward
 from footfix.settings import Settings
+from footfix.stream.belt import Belt
 from footfix.stream.detection import Detector, Seen
 from footfix.stream.events import Event, Kind
 from footfix.stream.legs import Legs, Measure
@@ -109,6 +110,7 @@ class Engine:
         )  # fmt: skip
         moves = bool(part.skeleton.translates[self._rig.root])
         self._window = Window(part.known, moves, frame_time, settings.enforce, shown)
+        self._belt = Belt(part.known.belt, frame_time, self._rig.leg_length, settings.enforce.ground)
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
         self._joints = posed_joints(part.skeleton, self._rig)
         self._measure = Measure(part, self._joints)
@@ -178,10 +180,12 @@ class Engine:
         yield
         first = max(self._settled - BEFORE, 0)
         before = self._settled - first
-        down = self._standing(seen.down[self._settled - seen.first :], stop - self._settled)
+        found = seen.down[self._settled - seen.first :]
+        down = self._standing(found, stop - self._settled)
         on = np.concatenate([self._told[BEFORE - before :], down])
         legs, lift = self._window.lifted(self._past.legs(first), first)
         x, on = yield from self._window.solve(legs, on, first, stop, rounds, last=last)
+        self._learn(legs.frames(slice(before, stop - first)), found[: stop - self._settled])
         events, settled = self._events(seen, on[: stop - first], first), self._settled
         self._told = np.concatenate([self._told, on[before : stop - first]])[-BEFORE:]
         self._settled = stop
@@ -189,6 +193,11 @@ class Engine:
         shown = slice(before, stop - first)
         shift = x[:ROOT, shown].T + lift[shown, None] * np.array([0.0, 1.0, 0.0])
         self._write(settled, legs.frames(shown), x[:, shown], shift, on[shown], events)
+
+    def _learn(self, legs: Legs, down: Bools) -> None:
+        """Learn of the ground from the frames that are settled now, with contacts (n, 2 legs) as detected."""
+        self._belt.follow(legs.places()[:, :ANKLE], legs.hip.mean(axis=1), down, self._settled)
+        self._window.belt = self._belt.velocity
 
     def _take(self, rows: Floats) -> None:
         """Kinematics of the newest frames."""

@@ -63,6 +63,7 @@ class Window:
         self._feet = [Foot() for _ in rig.legs]
         self._first, self._seen, self._fault = first, first, known.fault
         self._x = np.zeros((ROOT + LEG * len(rig.legs), 0))  # of the frames of the window before
+        self.belt = known.belt  # (3,) [m/s] of the ground under plants to come
         self.left = [False] * len(rig.legs)  # feet that were let go, and have not caught up with their capture
         self._fixed: dict[int, Fixed] = {}  # for windows of so many frames
         self._begin = self._shown = first  # numbers of the first of these, and of the first that was not shown
@@ -112,8 +113,7 @@ class Window:
         x = self._started(first, n)
         captured = legs.places()
         asked = Asked(
-            captured, self._places(legs, x), window, self._ground, self._known.belt * self._frame_time,
-            self._params.pins,
+            captured, self._places(legs, x), window, self._ground, self.belt * self._frame_time, self._params.pins,
         )  # fmt: skip
         pins = pins_of(self._feet, legs, on, asked)
         problem = self._problem(legs, pins, captured, window[-1:], last=last)
