@@ -9,9 +9,11 @@ begins anew from where the foot is by then, at the speed it has (what G eq. 11 d
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from footfix.enforce import solve
 from footfix.enforce.floors import nominal
 from footfix.enforce.leg import ANKLE, LEG, ROOT, TOE
 from footfix.enforce.papers.ease import gamma
@@ -27,6 +29,7 @@ from footfix.stream.legs import Legs, places_of
 from footfix.stream.limits import limited
 from footfix.stream.pins import Asked, Stacked, pins_of
 
+_FIRST = 8e-4  # [m/s] of slip below which its price is a parabola, in the first round of the last window
 BEFORE = 2  # frames that were shown, in a window
 _FORGETS = 3.0  # [s] in which the fault that plants usually have is learnt anew
 _CAUGHT_UP = 0.01  # [leg lengths] a foot that was let go stands anew where it is this near to its capture
@@ -117,12 +120,15 @@ class Window:
         )  # fmt: skip
         pins = pins_of(self._feet, legs, on, asked)
         problem = self._problem(legs, pins, captured, window[-1:], last=last)
-        rounds = rounds if n > BEFORE + 1 else 0
-        fixed = self._same(problem, n)
-        for k in range(rounds):
-            x = descend(problem, x, past, last=k == rounds - 1, legs=legs, pins=pins, fixed=fixed)
-            if k < rounds - 1:
-                yield
+        if last and n > BEFORE + 1:  # the only one that no frame waits for
+            problem = replace(problem, pins=pins.apart(legs.kinds.tips))
+            x = solve.descend(problem, x, rounds, first=_FIRST, last=rounds, fixed=window < self._shown)
+        elif n > BEFORE + 1:
+            fixed = self._same(problem, n)
+            for k in range(rounds):
+                x = descend(problem, x, past, last=k == rounds - 1, legs=legs, pins=pins, fixed=fixed)
+                if k < rounds - 1:
+                    yield
         shown = slice(past, stop - first)
         x, on = self._shown_so(legs, x, pins, on, shown)
         self._follow(pins, on, shown, self._places(legs, x), asked)
@@ -165,8 +171,6 @@ class Window:
 
     def _same(self, problem: Problem, n: int) -> Fixed:
         """What is the same in all windows of n frames."""
-        if not problem.onward:
-            return Fixed.of(problem)
         if n not in self._fixed:
             self._fixed[n] = Fixed.of(problem)
         return self._fixed[n]
