@@ -9,8 +9,15 @@ from conftest import SAMPLES
 
 import footfix
 from footfix.detect.tracks import Foot, Tracks
+from footfix.enforce.leg import LEG, ROOT
+from footfix.enforce.task import posed_joints
 from footfix.formats.bvh.document import Document
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose, forward
+from footfix.settings import Settings
+from footfix.stream.calibration import calibrate
+from footfix.stream.legs import Legs, Measure
+from footfix.stream.part import Part, part_of
 
 FRAMES = 150  # of a sample that are streamed
 
@@ -45,3 +52,20 @@ def cut(tracks: Tracks, start: int, stop: int) -> Tracks:
         for f in tracks.feet
     )
     return Tracks(tracks.pelvis[part], feet, tracks.leg_length, tracks.frame_time)
+
+
+def figure(name: str) -> tuple[Part, Clip, Pose, Legs]:
+    """A figure, some frames of it, their pose and its legs."""
+    clip = sample(name).clip.frames(slice(60))
+    part = part_of(clip.skeleton, calibrate(clip, Settings()))
+    own = Clip.from_tracks(
+        part.skeleton, [clip.position(joint) for joint in part.joints],
+        [clip.rotation(joint) for joint in part.joints], clip.frame_time,
+    )  # fmt: skip
+    pose = forward(own, posed_joints(part.skeleton, part.known.rig))
+    return part, own, pose, Measure(part, pose.joints)(pose, clip.frame_time)[0]
+
+
+def state(legs: Legs, size: float) -> Floats:
+    shape = (ROOT + LEG * len(legs.kinds.legs), legs.flexion.shape[1])
+    return np.random.default_rng(4).normal(size=shape) * size

@@ -65,8 +65,8 @@ class Shown:
 
 
 def frames_of(seconds: float, frame_time: float) -> int:
-    """Count the whole frames of a time [s]."""
-    return int(seconds / frame_time + 1e-6)
+    """Count the whole frames of a time [s]; files round the time of one, 0.016667 for a sixtieth of a second."""
+    return int(seconds / frame_time + 1e-2)
 
 
 class Codec(Protocol):

@@ -15,7 +15,7 @@ from footfix.enforce.leg import LEG, ROOT, TOE, K, W
 from footfix.enforce.papers.ease import ease_frames, gamma
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
-from footfix.stream.legs import POINTS, Legs, posed
+from footfix.stream.legs import POINTS, Legs, places_of, posed
 
 _FARTHEST = 0.02  # [leg lengths] a toe that is farther off than this can't be held
 _FOOT = 0.1  # share in it of the foot's turn
@@ -49,19 +49,20 @@ def exact(
     root, own = x[:ROOT], x[ROOT:].reshape(L, LEG, n).swapaxes(0, 1)  # (8, L, n)
     weights, change = np.ones(_MOVED.stop), np.zeros((_MOVED.stop, L, n))
     weights[W] = _FOOT
+    at = posed(legs, root, own)
+    place, near = _places(place, at.places[:, TOE], asked, stands, _FARTHEST * leg_length)
+    jacobian = at.jacobian[:, :, _TOE, ROOT : ROOT + _MOVED.stop]  # (L, n, 3, 7)
+    back = weights[:, None] * jacobian.swapaxes(2, 3)
+    square = jacobian @ back + (_LEAST * leg_length) ** 2 * np.eye(3)
+    back = back @ np.linalg.inv(square)  # (L, n, 7, 3)
+    moved, now = own, at.places
     for k in range(_ROUNDS):
+        now = now if k == 0 else places_of(legs, root, moved)
+        off = (place - now[:, TOE]) * near
+        off[1] = 0.0
+        change += (back @ off.transpose(1, 2, 0)[..., None])[..., 0].transpose(2, 0, 1)
         moved = own.copy()
         moved[_MOVED] += change
-        at = posed(legs, root, moved)
-        if k == 0:
-            place, near = _places(place, at.places[:, TOE], asked, stands, _FARTHEST * leg_length)
-        off = (place - at.places[:, TOE]) * near
-        off[1] = 0.0
-        jacobian = at.jacobian[:, :, _TOE, ROOT : ROOT + _MOVED.stop]  # (L, n, 3, 7)
-        back = weights[:, None] * jacobian.swapaxes(2, 3)
-        square = jacobian @ back + (_LEAST * leg_length) ** 2 * np.eye(3)
-        step = back @ np.linalg.solve(square, off.transpose(1, 2, 0)[..., None])
-        change += step[..., 0].transpose(2, 0, 1)
     _eased(change, asked, ease_frames(_EASE, frame_time))
     out = np.array(own)
     out[_MOVED] += change

@@ -6,40 +6,18 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from streams import sample
+from streams import figure, state
 
 from footfix.detect.tracks import tracks_of
 from footfix.enforce import posed as one_leg
 from footfix.enforce.correction import apply
 from footfix.enforce.leg import LEG, ROOT, LegTracks
 from footfix.enforce.leg import tracks as leg_tracks
-from footfix.enforce.task import posed_joints
 from footfix.enforce.whole_clip import correction as whole_correction
-from footfix.motion.clip import Clip, Floats
-from footfix.motion.kinematics import Pose, forward
-from footfix.settings import Settings
-from footfix.stream.calibration import calibrate
+from footfix.motion.clip import Floats
 from footfix.stream.legs import Legs, Measure, posed, turns_of
-from footfix.stream.part import Part, part_of
 from footfix.stream.past import Past
 from footfix.stream.turns import correction
-
-
-def figure(name: str) -> tuple[Part, Clip, Pose, Legs]:
-    """A figure, some frames of it, their pose and its legs."""
-    clip = sample(name).clip.frames(slice(60))
-    part = part_of(clip.skeleton, calibrate(clip, Settings()))
-    own = Clip.from_tracks(
-        part.skeleton, [clip.position(joint) for joint in part.joints],
-        [clip.rotation(joint) for joint in part.joints], clip.frame_time,
-    )  # fmt: skip
-    pose = forward(own, posed_joints(part.skeleton, part.known.rig))
-    return part, own, pose, Measure(part, pose.joints)(pose, clip.frame_time)[0]
-
-
-def state(legs: Legs, size: float) -> Floats:
-    shape = (ROOT + LEG * len(legs.kinds.legs), legs.flexion.shape[1])
-    return np.random.default_rng(4).normal(size=shape) * size
 
 
 def alike(ours: LegTracks, known: LegTracks) -> bool:
@@ -66,7 +44,7 @@ def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
 
 
 def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
-    part, clip, pose, legs = figure("walk_skate")
+    part, _, pose, legs = figure("walk_skate")
     again = Legs.of(legs.apart())
     past = Past(legs.kinds, pose.joints, 5, 64)
     past.append(np.zeros((60, 5)), legs, pose)

@@ -12,6 +12,7 @@ from footfix.motion.clip import Clip
 from footfix.motion.contacts import runs
 from footfix.motion.kinematics import forward
 from footfix.settings import Settings
+from footfix.stream.engine import HOP, frames_of
 from footfix.stream.live import Live, StreamParams
 
 
@@ -58,8 +59,7 @@ def test_feet_that_are_told_to_stand_stand(name: str) -> None:
                 track = pose.position(toe)[a + 1 : b - 1][:, ::2]
                 slides.append(1e3 * np.hypot(*(track - np.median(track, axis=0)).T).max())
     assert len(slides) >= 2
-    assert np.median(slides) < 0.5
-    assert np.mean(np.array(slides) <= 1.0) >= 0.8
+    assert max(slides) < 1.0
 
 
 @pytest.mark.parametrize("name", ["walk_skate", "turn"])
@@ -74,6 +74,29 @@ def test_no_joint_jumps_by_over_two_degrees_more_than_it_did(name: str) -> None:
             )
             near = np.maximum(was, np.maximum(np.append(was[1:], was[-1]), np.append(was[0], was[:-1])))
             assert (now - near).max() <= 2.0 * 120.0 * before.frame_time
+
+
+@pytest.mark.parametrize(("frame_time", "hop"), [(0.016667, 2), (0.0083334, 4), (0.0333333, 1), (1.0 / 240.0, 8)])
+def test_a_hop_is_a_thirtieth_of_a_second_however_the_rate_is_rounded(frame_time: float, hop: int) -> None:
+    assert frames_of(HOP, frame_time) == hop
+    assert frames_of(0.15, frame_time) == round(0.15 / frame_time - 0.4)
+
+
+def test_no_frame_takes_more_than_its_share_of_a_hops_parts() -> None:
+    file = sample("walk_skate")
+    clip = file.clip
+    stream = Live(clip.skeleton, 1.0 / 120.0, Settings(), StreamParams(), known=clip)
+    rows = np.concatenate([clip.positions.reshape(len(clip), -1), clip.rotations.reshape(len(clip), -1)], axis=1)
+    stream.push(rows[:40])
+    engine = stream._engine
+    assert engine is not None
+    done = []
+    for row in rows[40:80]:
+        before = 0 if len(engine._hop) == engine.hop - 1 else engine._done
+        stream.push(row[None])
+        done.append(engine._done - before)
+    assert max(done) <= 2
+    assert sum(done) == 6 * 10
 
 
 def test_frames_pushed_at_once_are_those_pushed_one_by_one() -> None:
