@@ -42,6 +42,7 @@ class Timeline:
         gone: (F,) [m] that the walks have gone, without what curves take; 0 at frame `first`.
         first: frames before the start.
         frame_time: [s].
+        keys: of each walk.
         transitions: the blends.
     """
 
@@ -49,6 +50,7 @@ class Timeline:
     gone: Floats
     first: int
     frame_time: float
+    keys: tuple[Keys, ...]
     transitions: tuple[Transition, ...] = field(default_factory=tuple)
 
     def __len__(self) -> int:
@@ -150,13 +152,13 @@ def make_timeline(
     if not blends:
         at, gone = _uniform(walks, paces, START, time)
         zone = Zone(slice(0, len(time)), (0, 0), (at, at), np.zeros(len(time)))
-        return Timeline((zone,), gone, lead, frame_time)
+        return Timeline((zone,), gone, lead, frame_time, tuple(keys))
     zones, far = [], []
     for blend, a, b in zip(blends, cuts[:-1], cuts[1:], strict=True):
         zone, gone = blend.lay(walks, keys, paces, time, slice(a, b))
         zones.append(zone)
         far.append(gone[a:b])
-    return Timeline(tuple(zones), np.concatenate(far), lead, frame_time, tuple(wanted))
+    return Timeline(tuple(zones), np.concatenate(far), lead, frame_time, tuple(keys), tuple(wanted))
 
 
 def lay_blends(
