@@ -13,7 +13,7 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import places
 
-_STEEP = 0.04  # of a clip's 99th percentile of acceleration, that a blend may add
+_STEEP = 0.02  # of a clip's 99th percentile of acceleration, that a blend may add
 _BEND = 5.8  # of a quintic step in unit time: the most that it accelerates
 _PHASES = 32  # at which two walks are compared
 

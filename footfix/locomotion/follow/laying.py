@@ -143,7 +143,7 @@ def _figure(
         shift += unslid(foot.toe, down, share, dt)
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
-    far = reaches(laid, rig)
+    far = reaches(laid, rig, posed.mixed)
     lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], far)
     lowered = envelope(lack, _window(posed))
     if np.any(lowered):

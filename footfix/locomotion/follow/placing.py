@@ -26,6 +26,7 @@ from footfix.motion.kinematics import forward
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
+_BENT = 0.992  # of a leg's bones, to which it is stretched at most where walks are mixed
 _MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
 
 
@@ -115,10 +116,25 @@ def hips_of(clip: Clip, rig: Rig) -> list[Floats]:
     return [seen.position(leg.hip) for leg in rig.legs]
 
 
-def reaches(clip: Clip, rig: Rig) -> list[Floats]:
-    """For each leg (F,) [m] from hip to ankle, as captured."""
-    seen = forward(clip, [joint for leg in rig.legs for joint in (leg.hip, leg.ankle)])
-    return [norm(seen.position(leg.ankle) - seen.position(leg.hip)) for leg in rig.legs]
+def reaches(clip: Clip, rig: Rig, mixed: Floats) -> list[Floats]:
+    """For each leg (F,) [m] how far from hip to ankle it may be stretched.
+
+    That is as far as it ever was captured. Where walks are mixed, the leg is not so straight that its knee would
+    shoot forwards and back by what a mixed foot strays: near the straight line it moves by much where the ankle moves
+    by little.
+
+    Args:
+        clip: F frames.
+        rig: its legs.
+        mixed: (F,) 0 where there is one walk, 1 where both count.
+    """
+    seen = forward(clip, [joint for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])
+    most = list[Floats]()
+    for leg in rig.legs:
+        hip, knee, ankle = (seen.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
+        far, bones = float(norm(ankle - hip).max()), norm(knee - hip) + norm(ankle - knee)
+        most.append(far - mixed * np.maximum(far - _BENT * bones, 0.0))
+    return most
 
 
 def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[float]) -> Clip:

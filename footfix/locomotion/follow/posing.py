@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.papers.leg import effector_tracks
+from footfix.locomotion.follow.blend import ease
 from footfix.locomotion.follow.keys import Keys, in_step, stance_of
 from footfix.locomotion.follow.mixing import joined, mixed, mixed_clip
 from footfix.locomotion.follow.steps import Steps, find_steps
@@ -15,10 +16,11 @@ from footfix.locomotion.follow.timeline import Timeline, Zone
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
-from footfix.motion.contacts import Contacts
+from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
+_BRIEF = 0.06  # [s] a gap in a contact that is shorter is none
 _ROUNDS = 3  # in which lengths of stances and weights are told by each other
 _ALIKE = 0.01  # [strides] by which stances of two walks may differ and still be of one length
 
@@ -54,6 +56,7 @@ class Posed:
         feet: one a leg.
         planted: (F, E) which sole points are planted.
         sure: (F, E) confidence of that.
+        mixed: (F,) 0 where one walk is shown, 1 where two count.
     """
 
     clip: Clip
@@ -63,6 +66,7 @@ class Posed:
     feet: tuple[Foot, ...]
     planted: Bools
     sure: Floats
+    mixed: Floats
 
 
 def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
@@ -82,9 +86,21 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
         Foot(each, *(np.concatenate([part.feet[k][n] for part in parts]) for n in range(4)))
         for k, each in enumerate(steps)
     )
-    planted = np.concatenate([part.planted for part in parts])
+    weight = timeline.weight()
+    planted = _closed(np.concatenate([part.planted for part in parts]), (weight > 0.0) & (weight < 1.0), timeline)
     sure = np.concatenate([_sure(walks, zone) for zone in timeline.zones])
-    return Posed(joined([part.clip for part in parts]), walks[0].root, walks[0].body, rig, feet, planted, sure)
+    clip, both = joined([part.clip for part in parts]), ease(8.0 * weight * (1.0 - weight))
+    return Posed(clip, walks[0].root, walks[0].body, rig, feet, planted, sure, both)
+
+
+def _closed(planted: Bools, mixed: Bools, timeline: Timeline) -> Bools:
+    """(F, E) contacts without brief gaps where one walk has ended its contact and the other leads before its end."""
+    brief, out = round(_BRIEF / timeline.frame_time), planted.copy()
+    for own in out.T:
+        for start, end in runs(~own):
+            if end - start <= brief and start > 0 and end < len(own) and bool(mixed[start:end].all()):
+                own[start:end] = True
+    return out
 
 
 def _steps(walks: Sequence[Walk], timeline: Timeline) -> list[Steps]:

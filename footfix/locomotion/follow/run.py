@@ -206,8 +206,8 @@ def _transitions(
         seconds = np.mean([w.stride_seconds * p.time for w, p in zip(pair, paces[k - 1 : k + 1], strict=True)])
         moment = float(keys[k - 1].time(np.array([frame]))[0])
         joint, asked, least = blend_length(*pair, (keys[k - 1], keys[k]), moment, ends)
-        low, high = max(params.shortest_blend, least), params.longest_blend * float(seconds)
-        length = float(np.clip(asked, low, max(low, high)))
+        high = max(params.shortest_blend, params.longest_blend * float(seconds))
+        length = float(np.clip(asked, min(max(params.shortest_blend, least), high), high))
         found.append(Transition(
             k - 1, k, start, start + length, float(way.place(np.array([gone]))[0]), skeleton.names[joint], asked,
             length != asked,

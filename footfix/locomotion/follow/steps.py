@@ -114,16 +114,15 @@ def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:
     return out
 
 
-def reach_lack(hips: Sequence[Floats], ankles: Sequence[Floats], captured: Sequence[Floats]) -> Floats:
-    """(F,) [m] by how much a figure is to be lowered so that no leg is stretched beyond what it was captured.
+def reach_lack(hips: Sequence[Floats], ankles: Sequence[Floats], farthest: Sequence[Floats]) -> Floats:
+    """(F,) [m] by how much a figure is to be lowered so that no leg is stretched too far.
 
     Args:
         hips, ankles: for each leg (F, 3) [m], the ankle where it is to be.
-        captured: for each leg (F,) [m] from hip to ankle.
+        farthest: for each leg (F,) [m] from hip to ankle, at most.
     """
     lack = np.zeros(len(hips[0]))
-    for hip, ankle, far in zip(hips, ankles, captured, strict=True):
-        most = np.maximum(far, far.max())
+    for hip, ankle, most in zip(hips, ankles, farthest, strict=True):
         line = hip - ankle
         level = np.hypot(line[:, 0], line[:, 2])
         up = np.sqrt(np.maximum(most**2 - level**2, (0.5 * most) ** 2))

@@ -58,9 +58,12 @@ class Timeline:
 
     def blended(self) -> Bools:
         """(F,) whether two walks are blended in a frame."""
-        weights = [np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones]
-        weight = np.concatenate(weights)
+        weight = self.weight()
         return np.asarray((weight > 0.0) & (weight < 1.0))
+
+    def weight(self) -> Floats:
+        """(F,) how much the second of two walks counts; 0 where one goes on by itself."""
+        return np.concatenate([np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones])
 
     def leads(self) -> Ints:
         """(F,) index of the walk that leads in each frame."""
