@@ -89,7 +89,7 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
     weight = timeline.weight()
     planted = _closed(np.concatenate([part.planted for part in parts]), (weight > 0.0) & (weight < 1.0), timeline)
     sure = np.concatenate([_sure(walks, zone) for zone in timeline.zones])
-    clip, both = joined([part.clip for part in parts]), ease(8.0 * weight * (1.0 - weight))
+    clip, both = joined([part.clip for part in parts]), ease(30.0 * weight * (1.0 - weight))
     return Posed(clip, walks[0].root, walks[0].body, rig, feet, planted, sure, both)
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from footfix.locomotion.follow.blend import Transition, ease
+from footfix.locomotion.follow.blend import Transition, handed
 from footfix.locomotion.follow.keys import Keys
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Bools, Floats, Ints
@@ -224,7 +224,7 @@ def _blend(
         last = keys[a].frame(np.array([first + strides]))[0]
     one = np.linspace(at[0], last, max(int(np.ceil((last - at[0]) * _FINE)), 8) + 1)
     two = one if same else _to(keys[a], keys[b], one)
-    weight = ease((one - at[0]) / (last - at[0]))
+    weight = handed((one - at[0]) / (last - at[0]))
     part = 0.5 * (weight[1:] + weight[:-1])
     steps = [np.diff(each) for each in (one, two)]
     dt = [step * walks[k].clip.frame_time * paces[k].time for k, step in zip((a, b), steps, strict=True)]
