@@ -15,7 +15,8 @@ from footfix.formats.paths import shape
 from footfix.locomotion.follow.blend import ease
 from footfix.locomotion.follow.keys import align
 from footfix.locomotion.follow.params import FollowParams
-from footfix.locomotion.follow.run import At, Follow, follow_path
+from footfix.locomotion.follow.planning import At
+from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.walk import Walk, check_alike, make_walk
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.run import make_loop
