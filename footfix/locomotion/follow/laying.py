@@ -29,6 +29,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.rig import Rig
 
+_CURVES = 0.5  # of what a leg is kept from being straight where walks are mixed, on curves
 _LINE = Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)  # along z
 
 
@@ -143,7 +144,7 @@ def _figure(
         shift += unslid(foot.toe, down, share, dt)
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
-    far = reaches(laid, rig, posed.mixed)
+    far = reaches(laid, rig, np.maximum(posed.mixed, _CURVES * firm))
     lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], far)
     lowered = envelope(lack, _window(posed))
     if np.any(lowered):

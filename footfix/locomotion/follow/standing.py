@@ -16,7 +16,7 @@ _TURNS = 0.05  # [rad/m] from this curvature on feet do not turn while they stan
 _STRAYS = 0.012  # [m] a toe that strays farther while it stands is left to inverse kinematics over the whole clip
 _EDGE = 0.015  # [s] at both ends of a contact in which the toe may still land or leave
 _EASE = 0.16  # [s] in which a foot gets back to how it was captured
-_SMOOTH = 0.08  # [s] over which the turn that is taken out of a stance is smoothed
+_SMOOTH = 0.1  # [s] over which the turn that is taken out of a stance is smoothed
 _SLACK = np.radians(1.0)  # that one way to read how far a foot turns may grow by for the sake of others
 _UP = np.array([0.0, 1.0, 0.0])
 
