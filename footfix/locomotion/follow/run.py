@@ -27,6 +27,8 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
+_GRIP = np.radians(40.0)  # of lean, at which shoes slip on most floors: a friction of 0.84
+
 
 @dataclass(frozen=True, eq=False)
 class Walked:
@@ -178,10 +180,33 @@ def _finished(
     clip = apply(clip, found.correction)
     walked = _walked(made, path, clip, some)
     frames = _like(walks[0], timeline, some)
+    notes = (*notes, *_too_much(walked, plants))
     return Follow(
         clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
         tuple(walks), frames, plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
     )  # fmt: skip
+
+
+def _too_much(walked: Walked, plants: Sequence[Footplant]) -> tuple[Note, ...]:
+    """Say where a path asks for more than a figure could do."""
+    notes: tuple[Note, ...] = ()
+    at = int(np.argmax(np.abs(walked.lean)))
+    lean, speed = abs(float(walked.lean[at])), float(walked.speed[at])
+    if lean > _GRIP:
+        most = speed * np.sqrt(np.tan(_GRIP) / np.tan(lean))
+        text = (
+            f"at {speed:.1f} m/s the figure leans by {np.degrees(lean):.0f} degrees {walked.arc[at]:.1f} m on, where "
+            f"feet would slip; a wider curve, or a speed below {most:.1f} m/s, keeps them on the floor"
+        )
+        notes += (Note("too-fast", text),)
+    let_go = sum(plant.outcome in ("released", "partly") for plant in plants)
+    if let_go:
+        text = (
+            f"{let_go} of {len(plants)} plants are not held throughout: the path turns by more than the legs reach "
+            "while a foot stands; a wider curve holds them"
+        )
+        notes += (Note("feet-let-go", text),)
+    return notes
 
 
 def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
