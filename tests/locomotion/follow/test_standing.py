@@ -10,9 +10,9 @@ from conftest import SHARED
 from walks import rig_of, walk
 
 from footfix.enforce.params import EnforceParams
-from footfix.formats.bvh import decode
 from footfix.formats.paths import shape
 from footfix.jobs.follow import walk_of
+from footfix.jobs.source import read
 from footfix.locomotion.follow.holding import stands
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.planning import At
@@ -101,8 +101,8 @@ def test_a_captured_foot_turns_no_more_on_a_circle_than_straight_on(name: str) -
     if not path.is_file():
         pytest.skip(f"no clips: {path} is absent")
     settings = Settings()
-    found = walk_of(decode(path.read_bytes()).clip, name, settings)
-    params = replace(settings.follow, seconds=6.0)
+    found = walk_of(read(path.read_bytes(), name, settings).clip, name, settings)
+    params = replace(settings.follow, seconds=5.0)
     straight, bent = (_along(way, found, params) for way in ("line:8", "circle:2"))
     assert np.all(turned(bent) <= turned(straight) + 2.0)
 
