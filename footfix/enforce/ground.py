@@ -91,7 +91,7 @@ def _of_gait(drifts: Sequence[_Drift], gait: Gait) -> Floats:
 
 def _velocity(drifts: Sequence[_Drift], rig: Rig, pose: Pose, frame_time: float, params: GroundParams) -> Floats:
     hips = np.mean([pose.position(leg.hip) for leg in rig.legs], axis=0)
-    frames = len(hips)
+    frames, legs = len(hips), len(rig.legs)
     velocity = np.zeros((frames, 3))
     if len(drifts) < 4:
         return velocity
@@ -110,7 +110,7 @@ def _velocity(drifts: Sequence[_Drift], rig: Rig, pose: Pose, frame_time: float,
         start, end = min(drift.start for drift in some), max(drift.end for drift in some)
         travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)
         along = _go_along(some, travel, params.belt_walk * rig.leg_length, params)
-        if along is not None and len({drift.leg for drift in some}) > 1:
+        if along is not None and len({d.leg for d, goes in zip(some, along.tolist(), strict=True) if goes}) == legs:
             on_belt[k : k + params.belt_plants] |= along
     for first, last in runs(_without_gaps(on_belt, _OUTLIERS)):
         some = drifts[first:last]
