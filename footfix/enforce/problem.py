@@ -6,6 +6,7 @@ Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near 
            + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    what stands does not move: friction, c a metre
            + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   what stands is drawn to its floor
            + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor
+           + FLOOR of a skin's vertices, see `vertices`
            + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
            + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
            + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay near; y = d, q, k, w - q, b
@@ -18,14 +19,16 @@ reweighting (Weiszfeld): 1/2 c h |s|^2 / (|s_before| + eps), a bound from above 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from footfix.enforce.assembly import Pull, add_points
-from footfix.enforce.leg import LEG, ROOT, B, K, LegTracks, Q, W
+from footfix.enforce.leg import ANKLE, LEG, ROOT, B, K, LegTracks, Q, W
 from footfix.enforce.pins import Pins
 from footfix.enforce.posed import places_of, posed
+from footfix.enforce.vertices import Vertices, add_floor, floor_cost, floor_weight
 from footfix.motion.clip import Bools, Floats, Ints
 
 # r: the standard deviations below are those of independent frames, so many a second
@@ -108,6 +111,7 @@ class Problem:
         fault: (F,) [m] how far what is to stand nearby slides, or is from its floor.
         cut: whether a T-pose was cut off before the first frame, and after the last.
         onward: whether the motion goes on after the last frame, in a stream.
+        skins: vertices of the foot of some legs, by the leg's index.
     """
 
     legs: tuple[LegTracks, ...]
@@ -121,6 +125,7 @@ class Problem:
     root_moves: bool = True
     cut: tuple[bool, bool] = (False, False)
     onward: bool = False
+    skins: Mapping[int, Vertices] = field(default_factory=dict)
 
     @property
     def frames(self) -> int:
@@ -240,6 +245,9 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
         pulls = (_pull(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
         cost += sum(pull.cost for pull in pulls)
         cost += _bounds(problem, k, own, 0, None)
+        if k in problem.skins:
+            weight = floor_weight(problem.frame_time, problem.leg_length, _RATE)
+            cost += floor_cost(problem.skins[k], leg, places[ANKLE], own, weight)
     return cost
 
 
@@ -258,6 +266,9 @@ def _leg(problem: Problem, k: int, x: Floats, eps: float, static: float, root: b
     pulls = [_pull(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True)]
     cost += sum(pull.cost for pull in pulls)
     add_points(at, pulls, out.gradient, out.main, out.next, root=root)
+    if k in problem.skins:
+        weight = floor_weight(problem.frame_time, problem.leg_length, _RATE)
+        cost += add_floor(problem.skins[k], leg, at, x[own], weight, out.gradient, out.main)
     if root:
         return System(rows, out.gradient, out.main, out.next, out.near, cost)
     near, stays = _near(problem, x, rows)
