@@ -19,10 +19,10 @@ from footfix.motion.clip import Floats, Ints, Skeleton
 from footfix.motion.kinematics import Pose
 from footfix.rig.mesh import FootMesh
 
-_NEAR = 0.12  # [leg lengths] over the floor, up to which the lowest vertices of a foot are looked for
+_NEAR = 0.08  # [leg lengths] over the floor, up to which the lowest vertices of a foot are looked for
 _LACKS = 0.0006  # [leg lengths] by which the lowest of all vertices may be below those that are chosen
 _MOST = 20  # vertices of a foot
-_LOOKED_AT = 120  # frames
+_LOOKED_AT = 300  # frames
 _TILTS = (-0.25, -0.12, 0.0, 0.12, 0.25)  # [rad] by which a correction may turn a foot about two level axes
 _SIGMA = 0.0008  # [leg lengths]
 
