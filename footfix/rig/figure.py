@@ -24,7 +24,7 @@ _BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
 _HIGH = 0.45  # [leg lengths] of hips and shoulders over the lowest joint, at least, when it stands up
 _GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
 _FRONT = re.compile(r"front|fore(?!arm)", re.IGNORECASE)
-_REAR = re.compile(r"back|hind|rear", re.IGNORECASE)
+_REAR = re.compile(r"back|hind|(?<!fo)rear", re.IGNORECASE)
 _MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; a gallop leaves half
 
 
