@@ -16,6 +16,7 @@ from footfix.formats import contacts as labels_format
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, open_document, rewrite
 from footfix.formats.suffixes import bare
+from footfix.jobs.legs import with_shared_legs
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
@@ -146,6 +147,7 @@ def clean_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
+    settings = with_shared_legs(data, name, settings, beside)
     document, proper = _opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip
@@ -296,6 +298,7 @@ def _planted(
     skin: Skin | None,
 ) -> tuple[Document, dict[str, Any], Prepared, Contacts]:
     """A file as a document, its source entry, its figures, and their contacts."""
+    settings = with_shared_legs(data, name, settings, beside)
     document, proper = _opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip
