@@ -63,7 +63,9 @@ def _best(by_animation: Mapping[str, _Legs]) -> _Legs:
 def _found(data: bytes, file: str, limits: Limits, beside: Beside | None) -> Mapping[str, _Legs]:
     """For each animation that is looked at the legs that it shows; none where it shows none."""
     names = clips_of(data, name=file, limits=limits, beside=beside) or ()
-    some = np.unique(np.linspace(0, len(names) - 1, _MOST).astype(np.intp)) if len(names) > 1 else []
+    if len(names) < 2:
+        return {}
+    some = np.unique(np.linspace(0, len(names) - 1, _MOST).astype(np.intp)).tolist()
     return {names[k]: _legs_of(data, f"{file}#{names[k]}", limits, beside) for k in some}
 
 
