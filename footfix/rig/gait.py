@@ -21,10 +21,11 @@ _LOWEST = 0.02  # share of its frames that may be lower than what counts as a fo
 _SLOWEST = 0.25  # [leg lengths/s] of a ground that passes
 _ONE_WAY = 0.65  # share of the way of low feet that is to be left when all their steps are added up
 _EACH = (0.4, 2.0)  # times the common speed that each foot has while it is low, on average
-_RISE = (0.025, -0.03)  # [leg lengths] by which feet are higher on their way forth than back, on average, and each
+_RISE = (0.012, -0.03)  # [leg lengths] by which feet are higher on their way forth than back, on average, and each
 _STAYS = 0.1  # times the speed of the ground, below which the hips travel
 _FEWEST = 12  # frames
-_KEPT = (0.2, 2.5)  # times the common speed at which a low foot is taken for one that stands
+_KEPT = (0.3, 2.0)  # times the common speed at which a low foot is taken for one that stands
+_FLIGHT = 0.1  # weight of the usual speed of the ground against that of a foot at its lowest
 _SMOOTH = 0.1  # [s] over which the speed of the ground, as low feet tell it, is smoothed
 
 
@@ -58,7 +59,8 @@ def gait_in_place(rig: Rig, pose: Pose, frame_time: float) -> Gait | None:
     speeds = np.stack(steps) / frame_time  # (legs, F - 1, 2) [m/s]
     over = np.stack(heights)
     over = over - np.quantile(over, _LOWEST, axis=1, keepdims=True)
-    low = over <= np.minimum(_LOW[0] * size, _LOW[1] * np.quantile(over, 0.95, axis=1, keepdims=True))
+    limit = np.minimum(_LOW[0] * size, _LOW[1] * np.quantile(over, 0.95, axis=1, keepdims=True))
+    low = over <= limit
     each = np.array([own[stands].mean(axis=0) for own, stands in zip(speeds, low, strict=True)])  # (legs, 2)
     common = each.mean(axis=0)
     speed = float(np.linalg.norm(common))
@@ -76,10 +78,10 @@ def gait_in_place(rig: Rig, pose: Pose, frame_time: float) -> Gait | None:
         return None
     if rise.mean() < _RISE[0] or rise.min() < _RISE[1] or travel > _STAYS * speed:
         return None
-    weights = low & (along > _KEPT[0] * speed) & (along < _KEPT[1] * speed)
-    pace = _pace(along, weights, frame_time, speed)
+    stands = low & (along > _KEPT[0] * speed) & (along < _KEPT[1] * speed)
+    usual = float(np.median(along[stands])) if stands.any() else speed
+    pace = _pace(along, np.where(stands, 1.0 - over / limit, 0.0), frame_time, usual)
     level = np.array([ahead[0], 0.0, ahead[1]])
-    usual = float(np.median(along[weights])) if weights.any() else speed
     passed = np.concatenate([[0.0], np.cumsum(pace) * frame_time])
     return Gait(usual * level, passed[:, None] * level)
 
@@ -92,15 +94,11 @@ def _steps(rig: Rig, leg: int, pose: Pose) -> tuple[Floats, Floats]:
     return np.diff(tracks, axis=1)[which, frames][:, [0, 2]], heights[which, frames]
 
 
-def _pace(along: Floats, low: Floats, frame_time: float, speed: float) -> Floats:
-    """(F - 1,) [m/s] the speed of the ground: that of feet that are low, and drawn through where none is."""
-    count = low.sum(axis=0)
-    known = np.flatnonzero(count)
-    if not len(known):
-        return np.full(along.shape[1], speed)
-    mean = np.where(low, along, 0.0).sum(axis=0)[known] / count[known]
-    drawn = np.interp(np.arange(along.shape[1]), known, mean)
-    return np.asarray(savgol(drawn[:, None], frame_time, seconds=_SMOOTH, degree=1)[:, 0])
+def _pace(along: Floats, weights: Floats, frame_time: float, usual: float) -> Floats:
+    """(F - 1,) [m/s] the speed of the ground: that of feet, more the lower they are; the usual one in flight."""
+    total = weights.sum(axis=0) + _FLIGHT
+    mean = ((weights * along).sum(axis=0) + _FLIGHT * usual) / total
+    return np.asarray(savgol(mean, frame_time, seconds=_SMOOTH, degree=1))
 
 
 def carried(clip: Clip, rig: Rig, passed: Floats) -> Clip:
