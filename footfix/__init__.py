@@ -23,25 +23,13 @@ from typing import TYPE_CHECKING, Any
 from footfix.version import __version__
 
 if TYPE_CHECKING:
-    from footfix.api.clips import (
-        animations,
-        apply,
-        clean,
-        clean_figures,
-        detect,
-        find_rig,
-        find_rigs,
-        global_positions,
-        load,
-        make_settings,
-        measure,
-        presets,
-        save,
-    )
+    from footfix.api.clips import apply, clean, clean_figures, detect, find_rig, find_rigs, global_positions, measure
     from footfix.api.engines import Ahead, Engine, Frame, fit_cycles, load_model, save_model
+    from footfix.api.files import animations, load, save
     from footfix.api.follows import follow
     from footfix.api.labels import load_contacts, save_contacts
     from footfix.api.loops import loop
+    from footfix.api.parameters import make_settings, presets
     from footfix.api.positions import HUMANML3D_NAMES, HUMANML3D_PARENTS, CleanedPositions, clean_positions
     from footfix.api.reports import clean_file, make_page, make_report, summarize
     from footfix.api.streams import Stream
@@ -49,7 +37,7 @@ if TYPE_CHECKING:
     from footfix.enforce.footplant import Footplant
     from footfix.errors import ArgumentError, FootfixError, InputError, NoLegsError, OutputError, UsageError
     from footfix.formats.document import Document
-    from footfix.jobs.clean import Outputs
+    from footfix.jobs.outputs import Outputs
     from footfix.locomotion.follow.run import Follow
     from footfix.locomotion.loop.run import Loop
     from footfix.measure.arrays import PhysDiff, jitter, physdiff, skating_ratio, slides, weighted_skate
@@ -64,10 +52,9 @@ if TYPE_CHECKING:
     from footfix.settings import Settings
 
 _NAMES = {
-    "footfix.api.clips": (
-        "animations apply clean clean_figures detect find_rig find_rigs global_positions load make_settings measure "
-        "presets save"
-    ),
+    "footfix.api.clips": "apply clean clean_figures detect find_rig find_rigs global_positions measure",
+    "footfix.api.files": "animations load save",
+    "footfix.api.parameters": "make_settings presets",
     "footfix.api.follows": "follow",
     "footfix.api.engines": "Ahead Engine Frame fit_cycles load_model save_model",
     "footfix.api.labels": "load_contacts save_contacts",
@@ -78,7 +65,7 @@ _NAMES = {
     "footfix.enforce.footplant": "Footplant",
     "footfix.errors": "ArgumentError FootfixError InputError NoLegsError OutputError UsageError",
     "footfix.formats.document": "Document",
-    "footfix.jobs.clean": "Outputs",
+    "footfix.jobs.outputs": "Outputs",
     "footfix.locomotion.follow.run": "Follow",
     "footfix.locomotion.loop.run": "Loop",
     "footfix.measure.arrays": "PhysDiff jitter physdiff skating_ratio slides weighted_skate",

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from footfix.detect.run import DetectParams
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.errors import UsageError
 from footfix.formats.bvh.text import Limits
 from footfix.locomotion.follow.params import FollowParams

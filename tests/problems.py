@@ -1,6 +1,6 @@
 """Small problems for the tests of enforcement, and their terms written down a second time, residual by residual.
 
-`residuals` follows the table of `footfix.enforce.problem` line by line and shares nothing with its arithmetic but the
+`residuals` follows the table of `footfix.enforce.terms` line by line and shares nothing with its arithmetic but the
 places of the sole points.
 """
 
@@ -12,12 +12,14 @@ import numpy as np
 from legmaker import figure
 from scipy.spatial.transform import Rotation
 
-from footfix.enforce import problem as terms
-from footfix.enforce import vertices
+from footfix.enforce import costs, vertices
+from footfix.enforce.assembly import System
+from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import ANKLE, LEG, ROOT, B, K, LegTracks, W
+from footfix.enforce.objective import systems
 from footfix.enforce.pins import Pins
 from footfix.enforce.posed import places_of
-from footfix.enforce.problem import CostParams, Problem, System, systems
+from footfix.enforce.problem import Problem
 from footfix.motion.clip import Floats
 
 # Everything away from its capture is free: what a term costs is all there is.
@@ -76,7 +78,7 @@ def residuals(
     SLIP is weighted by the slip of the places `near_at`, if not its own (Weiszfeld); one-sided terms are what they are.
     """
     c, size, dt, deg = of.costs, of.leg_length, of.frame_time, np.pi / 180.0
-    frames, per_frame = of.frames, np.sqrt(terms._RATE * of.frame_time)
+    frames, per_frame = of.frames, np.sqrt(costs.RATE * of.frame_time)
     out: list[Floats] = []
     # NEAR, CUT
     s0, s2 = of.near()
@@ -84,7 +86,7 @@ def residuals(
     out.append(per_frame * np.diff(x, n=2, axis=1) / dt**2 / s2[:, None])
     for end, frame in zip(of.cut, (0, frames - 1), strict=True):
         if end:
-            sc = np.array([terms._CUT_ROOT * size] * ROOT + [terms._CUT * deg] * (len(x) - ROOT))
+            sc = np.array([costs.CUT_ROOT * size] * ROOT + [costs.CUT * deg] * (len(x) - ROOT))
             out.append(x[:, frame] / (sc * dt / (1.0 / 120.0)))
     here = places(of, x)
     before = here if near_at is None else near_at
@@ -96,11 +98,11 @@ def residuals(
             # LEVEL, FLOOR, PLACE
             on = pin.stands.astype(float) * np.sqrt(pin.draw)
             out.append(per_frame * on * (place[1] - pin.level) / (c.level * size))
-            out.append(per_frame * np.maximum(0.0, pin.lowest - place[1]) / (terms._FLOOR * size))
-            out.append(per_frame * np.sqrt(pin.placed) * (place - pin.place) / (terms._PLACE * size))
+            out.append(per_frame * np.maximum(0.0, pin.lowest - place[1]) / (costs.FLOOR * size))
+            out.append(per_frame * np.sqrt(pin.placed) * (place - pin.place) / (costs.PLACE * size))
         # KNEE
         flexion = leg.flexion + own[K]
-        out.append(per_frame * np.maximum(0.0, leg.least - flexion) / (terms._KNEE * deg))
+        out.append(per_frame * np.maximum(0.0, leg.least - flexion) / (costs.KNEE * deg))
         out += _speeds(of, leg, own)
         if k in of.skins:
             low = np.maximum(0.0, of.skins[k].lowest - heights(of, x, k))
@@ -125,13 +127,13 @@ def bounds(of: Problem) -> list[tuple[Floats, Floats, float]]:
     """FAR: for each bounded turn its matrix (m, U), how far it goes freely (F,), and the standard deviation beyond."""
     c, size, deg = of.costs, of.leg_length, np.pi / 180.0
     one = np.eye(of.unknowns)
-    found = [(one[:ROOT], np.full(of.frames, c.root_farthest * size), terms._FAR_ROOT * size)]
+    found = [(one[:ROOT], np.full(of.frames, c.root_farthest * size), costs.FAR_ROOT * size)]
     small = c.unnoticed_turn * np.maximum(of.fault / (c.noticed * size), 1.0)
     for k in range(len(of.legs)):
         own = one[of.columns(k)]
         joints = (own[:3], c.line_farthest), (own[3:4], c.ankle_farthest), (own[4:7] - own[:3], c.ankle_farthest)
-        for turn, far in (*joints, (own[7:8] / terms._TOES, c.toes_farthest)):
-            found.append((turn, np.minimum(small, far) * deg, terms._FAR_TURN * deg))
+        for turn, far in (*joints, (own[7:8] / costs.TOES, c.toes_farthest)):
+            found.append((turn, np.minimum(small, far) * deg, costs.FAR_TURN * deg))
     return found
 
 
@@ -143,18 +145,18 @@ def curvature(of: Problem, x: Floats) -> Floats:
             long = float(np.linalg.norm(y))
             if long > far[f]:
                 across = (1.0 - far[f] / long) * (np.eye(len(y)) - np.outer(y, y) / long**2)
-                out[f, :, f] += terms._RATE * of.frame_time / sigma**2 * turn.T @ across @ turn
+                out[f, :, f] += costs.RATE * of.frame_time / sigma**2 * turn.T @ across @ turn
     return out.reshape(of.frames * of.unknowns, -1)
 
 
 def _slips(of: Problem, pin: Pins, place: Floats, before: Floats, eps: float, static: float) -> list[Floats]:
-    less = np.array([[1.0], [terms._UPRIGHT], [1.0]])
+    less = np.array([[1.0], [costs.UPRIGHT], [1.0]])
     slip, then = (less * (each[:, 1:] - each[:, :-1] - pin.slip) for each in (place, before))
     long = np.linalg.norm(then, axis=0)
     weight = of.costs.slide / of.leg_length * pin.hold / (long + eps)
     flat = np.hypot(then[0], then[2])
     rounded = flat - eps * np.log(1.0 + flat / eps)
-    more = (static - 1.0) / (1.0 + (rounded / of.frame_time / (terms._STATIC * of.leg_length)) ** 4)
+    more = (static - 1.0) / (1.0 + (rounded / of.frame_time / (costs.STATIC * of.leg_length)) ** 4)
     static_weight = of.costs.slide / of.leg_length * pin.hold / (flat + eps) * more
     return [np.sqrt(weight + np.stack([static_weight, 0.0 * flat, static_weight])) * slip]
 
@@ -165,7 +167,7 @@ def _speeds(of: Problem, leg: LegTracks, own: Floats) -> list[Floats]:
     half = 0.5 * own[K] * leg.axis
     for turn in (own[:3] - half, own[K : K + 1], own[4:7] - own[:3] - half):
         step = np.linalg.norm(np.diff(turn, axis=1), axis=0)
-        out.append(np.maximum(0.0, step - most) / np.radians(terms._SPEED))
+        out.append(np.maximum(0.0, step - most) / np.radians(costs.SPEED))
     return out
 
 
@@ -174,7 +176,7 @@ def slip_cost(of: Problem, x: Floats, eps: float) -> float:
     cost = 0.0
     for pins, points in zip(of.pins, places(of, x), strict=True):
         for pin, place in zip(pins, points, strict=True):
-            slip = (np.diff(place, axis=1) - pin.slip) * [[1.0], [terms._UPRIGHT], [1.0]]
+            slip = (np.diff(place, axis=1) - pin.slip) * [[1.0], [costs.UPRIGHT], [1.0]]
             long = np.linalg.norm(slip, axis=0)
             cost += of.costs.slide / of.leg_length * float(pin.hold @ (long - eps * np.log(1.0 + long / eps)))
     return cost

@@ -9,7 +9,8 @@ from walker import Walk, make
 from walker_gaits import Gait
 
 from footfix.enforce.correction import apply
-from footfix.enforce.run import Enforcement, EnforceParams, enforce
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.run import Enforcement, enforce
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Leg, Rig, SolePoint

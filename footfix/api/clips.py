@@ -1,24 +1,19 @@
-"""Clips: read, found legs in, cleaned, measured, written."""
+"""Clips: found legs in, cleaned and measured."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 from footfix import pipeline
+from footfix.api.parameters import check_settings
 from footfix.arguments import check_clip, check_contacts, check_rig
-from footfix.config import nested, presets, read_preset
 from footfix.detect import run as detection
 from footfix.enforce.correction import Correction
 from footfix.enforce.correction import apply as apply_correction
 from footfix.errors import ArgumentError
-from footfix.formats.bvh import compose
-from footfix.formats.document import Beside, Document, clips_of, one_format, rewrite
-from footfix.formats.suffixes import in_file, is_motion
-from footfix.jobs import clean as job
+from footfix.jobs.source import LEAST_FRAMES
 from footfix.measure.clip import Measures
 from footfix.measure.clip import measure as measured
 from footfix.motion.clip import Clip, Floats
@@ -28,141 +23,11 @@ from footfix.pipeline import Result
 from footfix.rig import find
 from footfix.rig.rig import Rig
 from footfix.rig.skin import Skin
-from footfix.settings import Layer, Settings
-from footfix.settings import compose as settings_of
+from footfix.settings import Settings
 
 __all__ = [
-    "animations", "apply", "clean", "clean_figures", "detect", "find_rig", "find_rigs", "global_positions", "load",
-    "make_settings", "measure", "presets", "save",
+    "apply", "clean", "clean_figures", "detect", "find_rig", "find_rigs", "global_positions", "measure",
 ]  # fmt: skip
-
-
-def load(
-    path: str | os.PathLike[str], settings: Settings | None = None, *, animation: str | None = None
-) -> Document:  # fmt: skip
-    """Read a file of motion: BVH or glTF.
-
-    Examples:
-        >>> walk = load("sample_data/walk_skate.bvh")
-        >>> walk.clip.positions.shape, round(walk.clip.fps), walk.unit_m, walk.up
-        ((301, 21, 3), 60, 0.01, 'y')
-
-    Args:
-        path: the file.
-        settings: how its unit and up axis are found, and how large it may be.
-        animation: which one of a glTF file that holds several (`animations` lists them); character.glb#Walk as the
-            path says the same.
-
-    Returns:
-        The file; its `.clip` is the motion in metres, y up, its `.notes` what was odd about it.
-
-    Raises:
-        InputError: it can't be read, holds numbers that are none, or several animations, of which none was named.
-        OSError: it can't be opened.
-    """
-    file, named = _file_and_clip(path, animation)
-    name = f"{file}#{named}" if named else file
-    return job.read(Path(file).read_bytes(), name, check_settings(settings), beside=_beside(file))
-
-
-def animations(path: str | os.PathLike[str]) -> tuple[str, ...]:
-    """List the animations of a glTF file by name; a BVH file is one clip, which has no name.
-
-    Examples:
-        >>> animations("sample_data/walk_skate.bvh")
-        ()
-
-    Args:
-        path: the file.
-
-    Raises:
-        InputError: it can't be read, or holds no animation.
-        OSError: it can't be opened.
-    """
-    file = os.fspath(path)
-    return clips_of(Path(file).read_bytes(), name=file, beside=_beside(file)) or ()
-
-
-def _file_and_clip(path: str | os.PathLike[str], animation: str | None) -> tuple[str, str]:
-    """The file that a path means, and the animation in it; "" where neither names one."""
-    name = os.fspath(path)
-    file, named = (name, "") if Path(name).exists() else in_file(name)
-    if named and animation not in (None, named):
-        raise ArgumentError(f"{name} names the animation {named!r}, and animation={animation!r} another one")
-    return file, animation or named
-
-
-def _beside(file: str) -> Beside:
-    """What reads the files that a glTF file names."""
-    return lambda name: (Path(file).parent / name).read_bytes()
-
-
-def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = None) -> None:
-    """Write a file of motion, whole or not at all.
-
-    Args:
-        path: the file; one that is there is replaced.
-        clip: the motion.
-        like: the document the clip came from. Its text is kept, and only the numbers of channels that
-            changed are written anew; of a glTF file, all other animations are kept, too. Without it, a plain BVH file
-            in centimetres, y up, is composed.
-
-    Raises:
-        ArgumentError: the clip is none, or not of the document's joints; or the path is that of another format.
-        OutputError: it could not be written; what stood there still does.
-    """
-    from footfix.batch.files import write_whole
-
-    check_clip(clip)
-    if like is not None and clip.skeleton.names != like.clip.skeleton.names:
-        raise ArgumentError(f"the clip's joints are not those of {like.name}; leave out `like` to write a plain file")
-    if like is not None and len(clip) != like.frames:
-        raise ArgumentError(f"the clip has {len(clip)} frames, {like.name} has {like.frames}; leave out `like`")
-    name = os.fspath(path)
-    if is_motion(name) and not one_format(name, ".bvh" if like is None else like.name):
-        wanted = "needs `like`, the document that it came from" if like is None else f"and {like.name} differ in format"
-        raise ArgumentError(f"{name} {wanted}; a clip is written in the format that it was read from, or as BVH")
-    write_whole(Path(path), compose(clip) if like is None else rewrite(like, clip)[0])
-
-
-def make_settings(preset: str | None = None, values: Mapping[str, Any] | None = None) -> Settings:
-    """Make settings from a preset and from values, as a config file and `--set` do.
-
-    Examples:
-        >>> make_settings("video", {"detect.method": "threshold"}).detect.method
-        'threshold'
-
-    Args:
-        preset: one of `presets()`.
-        values: dotted names, or groups of them as mappings, over the preset.
-
-    Raises:
-        UsageError: an unknown preset or setting, or a value of the wrong kind; says which ones there are.
-    """
-    layers = [] if preset is None else [Layer(f"preset {preset}", read_preset(preset))]
-    layers += [Layer("values", nested(name, value)) for name, value in (values or {}).items()]
-    return settings_of(layers)
-
-
-def check_settings(settings: Any) -> Settings:
-    """Refuse settings that are none.
-
-    Args:
-        settings: what was given; None stands for the defaults.
-
-    Returns:
-        The settings.
-
-    Raises:
-        ArgumentError: it is a mapping, a name or something else.
-    """
-    if settings is None:
-        return Settings()
-    if isinstance(settings, (dict, str)):
-        raise ArgumentError(f"Settings are wanted, not {settings!r}; footfix.make_settings(preset, values) makes them")
-    if not isinstance(settings, Settings):
-        raise ArgumentError(f"Settings are wanted, not {type(settings).__name__}")
-    return settings
 
 
 def find_rig(
@@ -171,6 +36,7 @@ def find_rig(
     """Find legs, sole points, leg length and floor of a clip's figure; of the first one where there are several.
 
     Examples:
+        >>> from footfix.api.files import load
         >>> rig = find_rig(load("sample_data/walk_skate.bvh").clip)
         >>> [sole.name for sole in rig.soles], round(rig.leg_length, 2)
         (['left_heel', 'left_toe', 'right_heel', 'right_toe'], 0.88)
@@ -220,6 +86,7 @@ def detect(clip: Clip, rig: Rig | None = None, settings: Settings | None = None)
     """Find when heel and toe of each foot are planted; frames that lead in and out of the motion are left out.
 
     Examples:
+        >>> from footfix.api.files import load
         >>> contacts = detect(load("sample_data/walk_skate.bvh").clip)
         >>> contacts.mask().shape, contacts.names[:2]
         ((301, 4), ('left_heel', 'left_toe'))
@@ -250,6 +117,7 @@ def clean(
     """Find the footplants of a clip and take the foot skate out.
 
     Examples:
+        >>> from footfix.api.files import load
         >>> walk = load("sample_data/walk_skate.bvh")
         >>> result = clean(walk.clip)
         >>> result.before.slide_mm > 40.0, result.after.slide_mm < 1.0
@@ -298,7 +166,7 @@ def clean_figures(
     """
     settings = check_settings(settings)
     check_clip(clip)
-    if len(clip) < job.LEAST_FRAMES:
+    if len(clip) < LEAST_FRAMES:
         raise ArgumentError(f"a clip of {len(clip)} frames is too short to hold a motion")
     rigs = (find_rigs(clip, settings) if rigs is None else tuple(check_rig(rig, clip) for rig in rigs))[:most]
     if contacts is not None:
@@ -310,6 +178,7 @@ def measure(clip: Clip, rig: Rig | None = None, contacts: Contacts | None = None
     """Measure what the feet of a clip do; the names of the measures carry their units.
 
     Examples:
+        >>> from footfix.api.files import load
         >>> found = measure(load("sample_data/walk_skate.bvh").clip)
         >>> found.slide_mm > 40.0, found.coverage > 0.5
         (True, True)

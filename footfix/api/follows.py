@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from footfix.api.clips import check_settings
+from footfix.api.parameters import check_settings
 from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
 from footfix.formats.paths import shape
@@ -25,7 +25,7 @@ def follow(
     """Lead captured walks along a path, one handed over to the next.
 
     Examples:
-        >>> from footfix.api.clips import load
+        >>> from footfix.api.files import load
         >>> walk = load("sample_data/walk_skate.bvh").clip
         >>> found = follow("circle:3", [walk])
         >>> round(found.path.length, 1), bool(found.walked.lean.max() > 0.01)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from footfix import pipeline
-from footfix.api.clips import check_settings, find_rigs
+from footfix.api.clips import find_rigs
+from footfix.api.parameters import check_settings
 from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.errors import ArgumentError
 from footfix.jobs.loop import LEAST_FRAMES
@@ -22,7 +23,7 @@ def loop(
     """Cut a seamless cycle out of a walk, close it, and hold its feet where they are planted.
 
     Examples:
-        >>> from footfix.api.clips import load
+        >>> from footfix.api.files import load
         >>> cycle = loop(load("sample_data/walk_skate.bvh").clip)
         >>> cycle.strides, len(cycle.clip) == cycle.end - cycle.start + 1
         (1, True)

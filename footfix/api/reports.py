@@ -8,14 +8,15 @@ from collections.abc import Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
-from footfix.api.clips import check_settings
+from footfix.api.parameters import check_settings
 from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
 from footfix.formats.document import Document, rewrite
 from footfix.formats.suffixes import in_file
 from footfix.jobs import clean as job
-from footfix.jobs.clean import Outputs
+from footfix.jobs.contacts import contacts_json
+from footfix.jobs.outputs import Outputs
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import joined as all_contacts
 from footfix.pipeline import Result
@@ -109,7 +110,7 @@ def make_page(
     """
     results = (result,) if isinstance(result, Result) else tuple(result)
     report = make_report(results, before, like=like, settings=settings)
-    contacts = job.contacts_json(
+    contacts = contacts_json(
         all_contacts([each.contacts for each in results]), report["source"], report["rig"], check_settings(settings)
     )
     rig = joined([each.rig for each in results])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from footfix.api.clips import check_settings
+from footfix.api.parameters import check_settings
 from footfix.arguments import check_frame_time
 from footfix.errors import ArgumentError
 from footfix.formats.bvh.document import Document

@@ -139,10 +139,10 @@ def _live(
 
 
 def _document(path: Path, settings: Settings) -> Document:
-    """A file of the figure, in metres and y up."""
+    """Read a file of the figure, in metres and y up."""
     from footfix.batch.files import read_whole
     from footfix.formats.bvh.document import Document
-    from footfix.jobs.clean import read
+    from footfix.jobs.source import read
 
     document = read(read_whole(path, settings.limits.bytes), str(path), settings)
     if not isinstance(document, Document):

@@ -1,4 +1,4 @@
-"""detect(clip, rig, params): one detector over a clip, or over its motion proper alone."""
+"""detect(clip, rig, params): one detector over a clip, or over its motion range alone."""
 
 from __future__ import annotations
 

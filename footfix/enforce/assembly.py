@@ -1,4 +1,4 @@
-"""The linear system of a leg: what pulls at its points, carried over to the unknowns of a state.
+"""The linear system at a state, and what pulls at a leg's points, carried over to the unknowns.
 
 All points hang from one ankle on one foot: so their pulls are added up there first, by places and by turns of the
 foot in the world, and carried to the unknowns once.
@@ -13,9 +13,39 @@ import numpy as np
 
 from footfix.enforce.leg import ROOT, TIP, B
 from footfix.enforce.posed import Posed, cross
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Floats, Ints
 
 _QK, _W = slice(0, 4), slice(4, 7)  # of a leg's unknowns: what moves the ankle, and what turns the foot
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Gradient and Gauss-Newton matrix of an objective at a state: block tridiagonal but for NEAR's second differences.
+
+    Args:
+        rows: (n,) which unknowns.
+        gradient: (n, F).
+        main: (n, n, F) blocks of each frame with itself; what is above their diagonal is left out.
+        next: (n, n, F - 1) blocks of each frame's successor (rows) with it (columns).
+        near: (3, n, F) the main diagonal, and the first and second one below it, in frames, of NEAR.
+        cost: the objective there.
+    """
+
+    rows: Ints
+    gradient: Floats
+    main: Floats
+    next: Floats
+    near: Floats
+    cost: float
+
+
+def product(bands: Floats, x: Floats) -> Floats:
+    """Multiply NEAR's matrix (3, n, F) by a state, (n, F)."""
+    out = bands[0] * x
+    for k in (1, 2):
+        out[:, k:] += bands[k, :, :-k] * x[:, :-k]
+        out[:, :-k] += bands[k, :, :-k] * x[:, k:]
+    return np.asarray(out)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,13 +1,23 @@
-"""Footplant: one contact of one effector, where it stands, and what became of it."""
+"""Footplants: one contact of one effector each, where it stands, and what became of it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from footfix.motion.contacts import Part
+import numpy as np
+
+from footfix.enforce.leg import POINTS, LegTracks
+from footfix.motion.clip import Bools
+from footfix.motion.contacts import Contacts, Part
+from footfix.notes import Note
+from footfix.rig.rig import Rig
 
 Outcome = Literal["pinned", "partly", "released", "kept"]
+
+_BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
+FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
 
 
 @dataclass(frozen=True)
@@ -52,3 +62,59 @@ class Footplant:
     def frames(self) -> slice:
         """Its frames as a slice."""
         return slice(self.start, self.end)
+
+    @property
+    def point(self) -> int:
+        """Its place among the points of a foot (`leg.POINTS`)."""
+        return POINTS.index(self.part)
+
+
+def footplants(
+    contacts: Contacts, rig: Rig, legs: Sequence[LegTracks], farthest: float
+) -> tuple[tuple[Footplant, ...], tuple[Note, ...]]:
+    """Make a footplant of each contact; forbidden ones are none.
+
+    Places that contacts ask for are left out where a foot can't be brought there: labels come from other versions of
+    a clip, too, on another path, or of a figure of another size.
+
+    Args:
+        contacts: as detected or given, the effectors in the order of `rig.soles`.
+        rig: its sole points.
+        legs: as captured.
+        farthest: [leg lengths] a place that is asked for farther away is not taken, unless forced.
+
+    Returns:
+        The footplants by effector, then time, and a note where a place was left out.
+    """
+    made: list[Footplant] = []
+    asked = taken = 0
+    for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
+        for c in effector.contacts:
+            if c.wish == "forbid" or c.end <= c.start:
+                continue
+            place, force = c.position, c.wish == "force"
+            if place is not None and not force:
+                own = np.median(legs[sole.leg].place(POINTS.index(sole.part))[:, c.start : c.end], axis=1)
+                near = float(np.hypot(*(own - np.array(place))[[0, 2]])) <= farthest * rig.leg_length
+                asked, taken = asked + 1, taken + near
+                place = place if near else None
+            made.append(Footplant(
+                len(made), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence, force, place
+            ))  # fmt: skip
+    if asked == taken:
+        return tuple(made), ()
+    text = f"{asked - taken} of {asked} positions in the labels are too far from the motion and were ignored"
+    return tuple(made), (Note("places-not-taken", text),)
+
+
+def given(contacts: Contacts, plant: Footplant) -> bool:
+    """Tell whether somebody gave a contact, so that its ends are certain."""
+    return plant.force or (contacts.method in _BY_HAND and plant.confidence >= 1.0)
+
+
+def stands(plants: Sequence[Footplant], frames: int, legs: int) -> Bools:
+    """Mark the frames in which heel and toe of each leg are planted, (legs, 2, F)."""
+    on = np.zeros((legs, 2, frames), dtype=np.bool_)
+    for plant in plants:
+        on[plant.leg, plant.point, plant.frames] = True
+    return on

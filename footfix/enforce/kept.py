@@ -7,9 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from footfix.enforce.footplant import Footplant
+from footfix.enforce.floors import Floors
+from footfix.enforce.footplant import FEWEST, Footplant
 from footfix.enforce.leg import POINTS, LegTracks
-from footfix.enforce.pins import FEWEST, Floors, PinParams
+from footfix.enforce.pins import PinParams
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import PUT_TO_REST, runs
 from footfix.motion.segments import segments

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import LegTracks
 from footfix.enforce.papers.leg import effector_tracks
-from footfix.enforce.pins import Floors, Pins
+from footfix.enforce.pins import Pins
 from footfix.enforce.vertices import Vertices, depths, vertices_of
 from footfix.motion.clip import Bools, Floats, Skeleton
 from footfix.motion.kinematics import Pose

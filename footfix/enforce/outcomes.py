@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.footplant import Footplant, Outcome
+from footfix.enforce.floors import Floors
+from footfix.enforce.footplant import FEWEST, Footplant, Outcome
 from footfix.enforce.kept import core
 from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
-from footfix.enforce.pins import FEWEST, Floors
 from footfix.enforce.posed import places_of
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs

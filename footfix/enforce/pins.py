@@ -10,16 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.footplant import Footplant
+from footfix.enforce.floors import Floors, floor_steps, nominal
+from footfix.enforce.footplant import Footplant, stands
 from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
+from footfix.enforce.pivots import held_alike, share_held
 from footfix.motion.clip import Bools, Floats
-from footfix.motion.contacts import Contacts, runs
-from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
 _FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
-FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
 _KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
 
 
@@ -35,9 +33,11 @@ class PinParams:
         edge: time at both ends of a detected contact in which the foot may still land or leave [s].
         edge_weight: weight of a pin at the outermost frame of these, of its own [share].
         ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
+        bare_ankle: the same of a foot without toe joint, whose heel and toe are guessed [share].
         tip: weight of the toes' tip against that of the toe joint [share].
         near: a plant nearer than this to the floor stands on it, else on a step of its own [leg lengths].
         sink: how deep a point may be in the floor, if it was not captured deeper [leg lengths].
+        turning: a foot that turns over the floor at this rate is held half as much [rad/s].
         asked: a place that labels ask for farther away is not taken, unless forced [leg lengths].
     """
 
@@ -47,9 +47,11 @@ class PinParams:
     edge: float = 0.015
     edge_weight: float = 0.05
     ankle: float = 0.4
+    bare_ankle: float = 1.6
     tip: float = 0.3
     near: float = 0.067
     sink: float = 0.0033
+    turning: float = 4.0
     asked: float = 0.12
 
 
@@ -86,127 +88,6 @@ class Pins:
         return replace(self, hold=hold, draw=draw, spans=tuple(s for s in self.spans if s not in spans))
 
 
-@dataclass(frozen=True, eq=False)
-class Floors:
-    """How high each sole point's joint is while it stands on the floor.
-
-    Args:
-        rest: (E,) [m] usual height of the toe joint, or of the heel, at rest.
-        tips: (legs,) [m] usual height of the toes' tip while the foot lies flat.
-        plants: for each plant, by its id, the height [m] its joint stands at.
-    """
-
-    rest: Floats
-    tips: Floats
-    plants: tuple[float, ...]
-
-
-def footplants(
-    contacts: Contacts, rig: Rig, legs: Sequence[LegTracks], params: PinParams
-) -> tuple[tuple[Footplant, ...], tuple[Note, ...]]:
-    """Make a footplant of each contact; forbidden ones are none.
-
-    Places that contacts ask for are left out where a foot can't be brought there: labels come from other versions of
-    a clip, too, on another path, or of a figure of another size.
-
-    Args:
-        contacts: as detected or given, the effectors in the order of `rig.soles`.
-        rig: its sole points.
-        legs: as captured.
-        params: how far away a place may be.
-
-    Returns:
-        The footplants by effector, then time, and a note where a place was left out.
-    """
-    made: list[Footplant] = []
-    asked = taken = 0
-    for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
-        for c in effector.contacts:
-            if c.wish == "forbid" or c.end <= c.start:
-                continue
-            place, force = c.position, c.wish == "force"
-            if place is not None and not force:
-                own = np.median(legs[sole.leg].place(POINTS.index(sole.part))[:, c.start : c.end], axis=1)
-                near = float(np.hypot(*(own - np.array(place))[[0, 2]])) <= params.asked * rig.leg_length
-                asked, taken = asked + 1, taken + near
-                place = place if near else None
-            made.append(Footplant(
-                len(made), e, sole.name, sole.leg, sole.part, c.start, c.end, c.confidence, force, place
-            ))  # fmt: skip
-    if asked == taken:
-        return tuple(made), ()
-    text = f"{asked - taken} of {asked} positions in the labels are too far from the motion and were ignored"
-    return tuple(made), (Note("places-not-taken", text),)
-
-
-def lacks(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig) -> Floats:
-    """Measure what each plant's joint lacks to the height at which its sole is on the rig's floor, (N,) [m]."""
-    return np.array([
-        nominal(rig, p.effector) - np.median(legs[p.leg].place(_point(p))[1, p.frames]) for p in plants
-    ])  # fmt: skip
-
-
-def given(contacts: Contacts, plant: Footplant) -> bool:
-    """Tell whether somebody gave a contact, so that its ends are certain."""
-    return plant.force or (contacts.method in _BY_HAND and plant.confidence >= 1.0)
-
-
-def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, params: PinParams) -> Floors:
-    """Find the height at which each joint stands on its floor, from the heights at which it usually does.
-
-    Args:
-        plants: of the clip.
-        legs: as captured.
-        rig: its floor and soles.
-        params: what is near.
-    """
-    near = params.near * rig.leg_length
-    rest = np.array([nominal(rig, e) for e in range(len(rig.soles))])
-    own = [float(np.median(legs[p.leg].place(_point(p))[1, p.frames])) for p in plants]
-    for e in range(len(rest)):
-        mine = [p for p in plants if p.effector == e and abs(own[p.id] - rest[e]) < near]
-        if mine:
-            rest[e] = np.median(np.concatenate([legs[p.leg].place(_point(p))[1, p.frames] for p in mine]))
-    on = stands(plants, len(legs[0].flexion), len(legs))
-    tips = np.zeros(len(legs))
-    for k, leg in enumerate(legs):
-        flat = on[k, 0] & on[k, 1]
-        if len(leg.points) > 2:
-            frames = flat if np.any(flat) else on[k, 1] if np.any(on[k, 1]) else np.ones_like(flat)
-            tips[k] = np.median(leg.place(TIP)[1, frames])
-    heights = tuple(height(own[p.id], float(rest[p.effector]), nominal(rig, p.effector), near) for p in plants)
-    return Floors(rest, tips, heights)
-
-
-def height(own: float, rest: float, floor: float, near: float) -> float:
-    """[m] the height a plant stands at: its own on a step, the usual one of its joint near that.
-
-    Where a joint usually is below the rig's floor, no plant that came in higher is drawn below the floor with it.
-    """
-    if abs(own - rest) >= near:
-        return own
-    return max(rest, min(own, floor))
-
-
-def nominal(rig: Rig, effector: int) -> float:
-    """Get the height [m] of a sole point's joint, its sole on the rig's floor: a toe joint's own height above it."""
-    sole = rig.soles[effector]
-    at_joint = sole.part == "toe" and rig.legs[sole.leg].toe is not None
-    return rig.floor + (float(np.linalg.norm(sole.offset)) if at_joint else 0.0)
-
-
-def stands(plants: Sequence[Footplant], frames: int, legs: int) -> Bools:
-    """Mark the frames in which heel and toe of each leg are planted, (legs, 2, F)."""
-    on = np.zeros((legs, 2, frames), dtype=np.bool_)
-    for plant in plants:
-        on[plant.leg, _point(plant), plant.frames] = True
-    return on
-
-
-def _point(plant: Footplant) -> int:
-    return POINTS.index(plant.part)
-
-
 def pins(
     plants: Sequence[Footplant], leg: LegTracks, k: int, rig: Rig, ground: Floats, floors: Floors, keep: Sequence[bool],
     by_hand: Sequence[bool], frame_time: float, *, heights: bool, params: PinParams,
@@ -230,22 +111,39 @@ def pins(
     effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
     step = floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
     found: list[Pins] = []
+    both = _both(own, k, by_hand, len(leg.flexion))
     for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
         part = POINTS[min(point, TOE)]
         mine = [plant for plant in own if plant.part == part]
         rest = floors.tips[k] if point == TIP else floors.rest[effector[part]]
         if point == ANKLE:
-            found.append(_ankle(found, own, leg, ground, keep, params))
+            share = share_held(leg, both, frame_time, params.turning)
+            alike = held_alike(found[0].hold, found[1].hold, both, share)
+            found = [replace(each, hold=hold) for each, hold in zip(found, alike, strict=True)]
+            weight = params.bare_ankle if rig.legs[k].toe is None else params.ankle
+            found.append(_ankle(found, own, leg, ground, keep, weight))
             continue
         found.append(_pins(
             mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params
         ))  # fmt: skip
+        if point == TIP:  # while heel and toe stand, it counts as the ankle does at the other side of the toe joint
+            tip = np.where(both, params.ankle * found[TOE].hold, found[TIP].hold)
+            found[TIP] = replace(found[TIP], hold=tip)
     return tuple(found)
+
+
+def _both(own: Sequence[Footplant], k: int, by_hand: Sequence[bool], frames: int) -> Bools:
+    """Mark the steps (F - 1,) in which heel and toe stand by contacts that were detected."""
+    heel, toe = stands(own, frames, k + 1)[k]
+    both = heel & toe
+    for plant in own:
+        both[plant.frames] &= not (plant.force or by_hand[plant.id])
+    return np.asarray(both[1:] & both[:-1])
 
 
 def _ankle(
     feet: Sequence[Pins], plants: Sequence[Footplant], leg: LegTracks, ground: Floats, keep: Sequence[bool],
-    params: PinParams,
+    weight: float,
 ) -> Pins:  # fmt: skip
     """The ankle's pin: it stands while heel and toe do, as surely as the less sure of them."""
     heel, toe = feet
@@ -257,7 +155,7 @@ def _ankle(
     slip = np.where(as_captured, np.diff(leg.ankle, axis=1), np.diff(ground.T, axis=1))
     nothing = np.zeros(frames)
     return Pins(
-        params.ankle * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
+        weight * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
         np.full(frames, -np.inf), np.zeros((3, frames)), nothing,
     )  # fmt: skip
 
@@ -317,19 +215,3 @@ def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParam
         if end < frames:
             ramp[-soft:] = np.minimum(ramp[-soft:], rise[::-1])
     return ramp
-
-
-def floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
-    """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
-    step = np.zeros(frames)
-    steps = [floors.plants[p.id] - floors.rest[p.effector] for p in plants]
-    by_plant = sorted((p.start, p.end, up if abs(up) >= near else 0.0) for p, up in zip(plants, steps, strict=True))
-    if not by_plant:
-        return step
-    known = np.full(frames, np.nan)
-    for start, end, high in by_plant:
-        known[start:end] = np.fmin(known[start:end], high)
-    for start, end in runs(np.isnan(known)):
-        sides = known[max(start - 1, 0)], known[min(end, frames - 1)]
-        known[start:end] = np.fmin(*sides)
-    return known

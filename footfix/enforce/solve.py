@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from footfix.enforce.assembly import System
 from footfix.enforce.leg import ROOT
+from footfix.enforce.objective import objective, systems
 from footfix.enforce.pins import Pins
 from footfix.enforce.posed import places_of
-from footfix.enforce.problem import Problem, System, objective, systems
+from footfix.enforce.problem import Problem
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.costs import RATE
 from footfix.enforce.leg import ANKLE, LEG, B, K, LegTracks, Q, W
 from footfix.enforce.posed import Posed, cross, exponential, rotated
 from footfix.motion import rotation
@@ -126,9 +127,9 @@ def floor_cost(vertices: Vertices, leg: LegTracks, ankle: Floats, x: Floats, wei
     return 0.5 * weight * float(np.sum(np.maximum(vertices.lowest - heights, 0.0) ** 2))
 
 
-def floor_weight(frame_time: float, leg_length: float, rate: float) -> float:
+def floor_weight(frame_time: float, leg_length: float) -> float:
     """[1/m^2] what the square of a depth costs in a frame."""
-    return rate * frame_time / (_SIGMA * leg_length) ** 2
+    return RATE * frame_time / (_SIGMA * leg_length) ** 2
 
 
 def add_floor(

@@ -2,130 +2,32 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from footfix import version
-from footfix.errors import InputError
-from footfix.formats import contacts as labels_format
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Beside, Document, open_document, rewrite
-from footfix.formats.suffixes import bare
+from footfix.formats.document import Beside, Document, rewrite
+from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.legs import with_shared_legs
+from footfix.jobs.outputs import Outputs, Status
+from footfix.jobs.source import LEAST_FRAMES, about, opened, source_entry, suited
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
-from footfix.motion.contacts import joined as all_contacts
-from footfix.motion.leadin import motion_proper
 from footfix.notes import Note
-from footfix.pipeline import Prepared, Result, correct, measure_as_it_is, measure_figures, prepare
-from footfix.pipeline import find_contacts as detected
+from footfix.pipeline import Result, correct, measure_figures, prepare
 from footfix.report import document as report_format
 from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
-from footfix.rig.params import RigParams
 from footfix.rig.rig import joined
 from footfix.rig.skin import Skin
-from footfix.rig.units import infer_units
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
     from footfix.report.again import Again
-    from footfix.report.offenders import Offender
-
-# Fewer frames than this hold no motion: there is no speed to look at.
-LEAST_FRAMES = 3
-
-Status = Literal["cleaned", "unchanged", "failed"]
-
-
-@dataclass(frozen=True)
-class Outputs:
-    """What came of one clip.
-
-    Args:
-        status: "cleaned", or "unchanged" where nothing needed doing.
-        motion: the corrected file; the very bytes that came in where nothing changed.
-        contacts: the contacts file.
-        report: the report file as a document.
-        pages: further outputs by suffix (".report.html", ".png").
-        offenders: the worst plants as small pictures, where a page is made.
-    """
-
-    status: Status
-    motion: bytes
-    contacts: bytes
-    report: Mapping[str, Any]
-    pages: Mapping[str, bytes] = field(default_factory=dict)
-    offenders: tuple[Offender, ...] = ()
-
-
-@contextmanager
-def about(name: str) -> Iterator[None]:
-    """Errors from below, where nothing knows of files, say which file they are about."""
-    try:
-        yield
-    except InputError as error:
-        raise error if error.file else error.within(name) from None
-
-
-def read(data: bytes, name: str, settings: Settings, *, beside: Beside | None = None) -> Document:
-    """Read a file as a document in metres, y up; `beside` reads files that it names.
-
-    Raises:
-        InputError: it can't be read, or holds numbers that are none.
-    """
-    return _opened(data, name, settings, beside)[0]
-
-
-def _opened(data: bytes, name: str, settings: Settings, beside: Beside | None) -> tuple[Document, slice]:
-    """A file as a document in metres, y up, and the frames of it that are motion."""
-    document = open_document(data, name=name, limits=settings.limits, beside=beside)
-    for broken in document.unusable:
-        raise InputError(broken.text, file=name, line=broken.line, column=broken.column)
-    if document.frames == 0:
-        return document, slice(0, 0)
-    proper = motion_proper(document.clip)
-    with about(name):
-        return placed(document, settings.rig, proper)[0], proper
-
-
-def suited(settings: Settings, document: Document) -> Settings:
-    """Suit settings to a file's format: animations of games are likely to be cycles."""
-    if not document.metric or settings.enforce.cycle != "find":
-        return settings
-    return replace(settings, enforce=replace(settings.enforce, cycle="likely"))
-
-
-def placed(
-    document: Document, params: RigParams, proper: slice | None = None
-) -> tuple[Document, tuple[Note, ...]]:
-    """The document with its unit and up axis as found, and what was doubtful about them."""
-    found = infer_units(document.clip, params, proper, metric=document.metric)
-    return document.placed(unit_m=found.unit_m, up=found.up), found.notes
-
-
-def source_entry(data: bytes, name: str, clip: Clip) -> dict[str, Any]:
-    """What contacts and report say of the file they are about."""
-    return {
-        "file": bare(name),
-        "sha256": hashlib.sha256(data).hexdigest(),
-        "frames": len(clip),
-        "frame_time": clip.frame_time,
-    }
-
-
-def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None) -> Contacts:
-    """Contacts of all figures, from the labels where they speak, from the detector elsewhere."""
-    if labels is None:
-        return detected(prepared, settings)
-    blank = all_contacts([rig.no_contacts(prepared.clip) for rig in prepared.rigs])
-    given, open_ones = labels_format.fit(labels, blank)
-    return labels_format.merge(given, detected(prepared, settings), open_ones) if open_ones else given
 
 
 def clean_file(
@@ -148,7 +50,7 @@ def clean_file(
         InputError: the clip can't be used; says why.
     """
     settings = with_shared_legs(data, name, settings, beside)
-    document, proper = _opened(data, name, settings, beside)
+    document, frame_range = opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip
     source = source_entry(data, name, clip)
@@ -157,7 +59,7 @@ def clean_file(
     if leave:
         settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         if leave:
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
         contacts = find_contacts(prepared, settings, labels)
@@ -174,20 +76,6 @@ def clean_file(
     ground = figures[0].ground
     pages, offenders = draw(clip, reread, joined(prepared.rigs), report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)
-
-
-def contacts_json(contacts: Contacts, source: Mapping[str, Any], rig: Mapping[str, Any], settings: Settings) -> bytes:
-    """The contacts file of a clip."""
-    return labels_format.encode_json(
-        contacts,
-        source=source,
-        rig={key: rig[key] for key in ("unit_m", "up", "leg_length_m", "floor_m")},
-        detector={
-            "method": contacts.method,
-            "version": version.__version__,
-            "settings": plain(getattr(settings.detect, contacts.method, None)) or {},
-        },
-    )
 
 
 def report_of(
@@ -250,65 +138,3 @@ def _too_short(
     contacts_file = contacts_json(replace(contacts, method=settings.detect.method), source, report["rig"], settings)
     pages, _ = draw(None, None, None, report, contacts_file, settings.report)
     return Outputs("unchanged", data, contacts_file, report, pages)
-
-
-def measure_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None,
-    skin: Skin | None = None,
-) -> tuple[dict[str, Any], dict[str, float | None], list[dict[str, Any]], list[dict[str, Any]]]:
-    """Measure one clip as it is; nothing is corrected.
-
-    Returns:
-        The source entry, the measures, the notes, and each plant with its slide.
-
-    Raises:
-        InputError: the clip can't be used; says why.
-    """
-    document, source, prepared, contacts = _planted(data, name, settings, labels, "measure", beside, skin)
-    found = measure_as_it_is(document.clip, prepared, contacts, settings)
-    measures = report_format.worst([report_format.measures(each) for each, _ in found])
-    plants = [
-        {"effector": each.effector, "start": each.start, "end": each.end,
-         "slide_mm": report_format.rounded(each.slide_mm)}
-        for _, of_figure in found
-        for each in of_figure
-    ]  # fmt: skip
-    return source, measures, _doubts(document, prepared, contacts), plants
-
-
-def detect_file(
-    data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, beside: Beside | None = None,
-    skin: Skin | None = None,
-) -> tuple[Contacts, dict[str, Any], dict[str, Any], list[dict[str, Any]], float]:
-    """Find the contacts of one clip.
-
-    Returns:
-        The contacts, its source and rig entries, its notes, and the time of its first frame [s].
-
-    Raises:
-        InputError: the clip can't be used; says why.
-    """
-    document, source, prepared, contacts = _planted(data, name, settings, labels, "find contacts in", beside, skin)
-    entry = report_format.rig(prepared.rigs[0], document.clip, unit_m=document.unit_m, up=document.up)
-    return contacts, source, entry, _doubts(document, prepared, contacts), document.start
-
-
-def _planted(
-    data: bytes, name: str, settings: Settings, labels: Labels | None, purpose: str, beside: Beside | None,
-    skin: Skin | None,
-) -> tuple[Document, dict[str, Any], Prepared, Contacts]:
-    """A file as a document, its source entry, its figures, and their contacts."""
-    settings = with_shared_legs(data, name, settings, beside)
-    document, proper = _opened(data, name, settings, beside)
-    settings = suited(settings, document)
-    clip = document.clip
-    if len(clip) < LEAST_FRAMES:
-        raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
-    with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
-        return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
-
-
-def _doubts(document: Document, prepared: Prepared, contacts: Contacts) -> list[dict[str, Any]]:
-    notes = (note for rig in prepared.rigs for note in rig.notes)
-    return report_format.notes((*document.notes, *notes, *prepared.notes, *contacts.notes))

@@ -16,7 +16,7 @@ from footfix.errors import InputError
 from footfix.formats.bvh.text import Limits
 from footfix.formats.document import Beside, clips_of, neighbours_of, open_document
 from footfix.formats.suffixes import in_file
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.rig.figure import Figure, figures
 from footfix.rig.params import LegParams, RigParams
 from footfix.rig.sample import sample
@@ -75,7 +75,7 @@ def _legs_of(data: bytes, name: str, limits: Limits, beside: Beside | None) -> _
         if document.unusable or document.frames < 2:
             return ()
         clip = document.clip
-        shown = figures(sample(clip, motion_proper(clip)), RigParams(), y_up=True)
+        shown = figures(sample(clip, motion_range(clip)), RigParams(), y_up=True)
     except InputError:
         return ()
     return _as_params(shown[0], clip.skeleton.names) if len(shown) == 1 else ()

@@ -17,7 +17,8 @@ from footfix.errors import UsageError
 from footfix.formats.bvh.compose import compose
 from footfix.formats.document import open_document
 from footfix.formats.plans import PlanRow
-from footfix.jobs.clean import Outputs, contacts_json
+from footfix.jobs.contacts import contacts_json
+from footfix.jobs.outputs import Outputs
 from footfix.locomotion.cycles.engine import Foreseen, Postures, foresee, free_postures, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point
@@ -125,7 +126,7 @@ def make_file(
     plants = _plants(made, model)
     source = {**source, "frames": len(clip), "frame_time": clip.frame_time}
     legs = model.legs.turned
-    turned = np.stack([made.clip.turn(joint) for joint in legs], axis=1)
+    turned = np.stack([made.clip.rotation(joint) for joint in legs], axis=1)
     still = np.zeros((len(clip), 3))
     correction = Correction(model.rig.root, still, legs, turned)
     every = Doubled(np.arange(len(clip)), len(clip))
@@ -172,7 +173,7 @@ def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
 
 
 def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -> dict[str, Any]:
-    """What a report says of locomotion made from cycles; each key carries its unit."""
+    """Report locomotion made from cycles; each key carries its unit."""
     number, course = report_format.rounded, made.foreseen.course
     times = made.postures.times
     phase = course.phases(times)

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from footfix.enforce.run import ground_of
+from footfix.enforce.task import ground_of
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.document import Beside, open_document

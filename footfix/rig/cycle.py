@@ -69,7 +69,7 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cyc
     joints = [joint for joint in range(len(clip.skeleton)) if joint not in above]
 
     def step(a: Ints, b: Ints) -> Floats:  # (n, J, 3) [rad]
-        before, after = (np.stack([take_frames(clip.turn(joint), at) for joint in joints], axis=1) for at in (a, b))
+        before, after = (np.stack([take_frames(clip.rotation(joint), at) for joint in joints], axis=1) for at in (a, b))
         return rotation.to_rotation_vector(rotation.multiply(rotation.inverse(before), after))
 
     every = np.arange(0, frames - 1, 1 if frames * clip.frame_time <= _LONGEST else 1 + frames // 200)

@@ -106,4 +106,4 @@ def carried(clip: Clip, rig: Rig, passed: Floats) -> Clip:
     top = rig.root
     while clip.skeleton.parents[top] >= 0:
         top = int(clip.skeleton.parents[top])
-    return clip.with_joints({top: clip.place(top) - passed}, {})
+    return clip.with_joints({top: clip.position(top) - passed}, {})

@@ -11,7 +11,8 @@ from footfix.detect.run import detect_contacts
 from footfix.detect.tracks import tracks_of
 from footfix.enforce.kept import faults as faults_of
 from footfix.enforce.leg import LegCalibration
-from footfix.enforce.run import noises, task_of
+from footfix.enforce.task import task_of
+from footfix.enforce.whole_clip import noises
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.notes import Note
 from footfix.rig.crop import crop

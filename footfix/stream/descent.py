@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.enforce.problem import Problem, System
+from footfix.enforce.assembly import System
+from footfix.enforce.problem import Problem
 from footfix.enforce.solve import DAMPING, EPS, STATIC, solved
 from footfix.motion.clip import Floats, Ints
 from footfix.stream.objective import Legs, Normal, Stacked, normal

@@ -21,7 +21,8 @@ import numpy as np
 from footfix.detect.tracks import tracks_of
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.leg import LEG, ROOT, LegTracks, tracks
-from footfix.enforce.run import correction, pose_of
+from footfix.enforce.task import pose_of
+from footfix.enforce.whole_clip import correction
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.settings import Settings
 from footfix.stream.detection import Detector, Seen

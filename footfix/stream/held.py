@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from footfix.enforce.floors import height
 from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
 from footfix.enforce.papers.ease import gamma
-from footfix.enforce.pins import Pins, height
+from footfix.enforce.pins import Pins
 from footfix.motion.clip import Bools, Floats, Ints
 
 STANDING = (HEEL, TOE, ANKLE)  # the points that have plants; the ankle stands while heel and toe do

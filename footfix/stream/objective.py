@@ -1,4 +1,4 @@
-"""The objective of `enforce.problem`, for all legs and points of a short window together.
+"""The objective of `enforce.terms`, for all legs and points of a short window together.
 
 The same terms and derivatives as for a whole clip, laid out for few frames: there the arrays are long and each leg,
 point and bound is worked on by itself; here they are short, and what takes the time is the number of operations.
@@ -13,26 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.assembly import product
+from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, TOES, UPRIGHT
 from footfix.enforce.leg import LEG, ROOT, TIP, B, K, LegTracks, Q, W
 from footfix.enforce.pins import Pins
 from footfix.enforce.posed import cross, exponential, left_jacobian, rotated
-from footfix.enforce.problem import (
-    _FAR_TURN,
-    _FLOOR,
-    _KNEE,
-    _PLACE,
-    _RATE,
-    _SPEED,
-    _STATIC,
-    _TOES,
-    _UPRIGHT,
-    Problem,
-    _friction,
-    _near,
-    _root_bound,
-    _smooth,
-    product,
-)
+from footfix.enforce.problem import Problem
+from footfix.enforce.terms import friction, near, root_bound, smooth
 from footfix.motion.clip import Floats
 
 POINTS = 4
@@ -174,7 +161,7 @@ class Normal:
         gradient: (F, U).
         main: (F, U, U) blocks of each frame with itself.
         next: (F - 1, U, U) of each frame's successor (rows) with it (columns).
-        near: (3, U, F) as of `enforce.problem.System`.
+        near: (3, U, F) as of `enforce.assembly.System`.
     """
 
     gradient: Floats
@@ -184,7 +171,7 @@ class Normal:
 
 
 def normal(problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, static: float) -> Normal:
-    """Linearise the objective of a window at a state (U, F); see `enforce.problem.systems`."""
+    """Linearise the objective of a window at a state (U, F); see `enforce.objective.systems`."""
     F, L = x.shape[1], len(problem.legs)
     own = x[ROOT:].reshape(L, LEG, F).swapaxes(0, 1)  # (8, L, F)
     at = posed(legs, x[:ROOT], own)
@@ -215,29 +202,29 @@ def _together(problem: Problem, x: Floats, gradient: Floats, main: Floats, next_
             out[:, rows, rows] = each[:, ROOT:, ROOT:]
             out[:, rows, :ROOT] = each[:, ROOT:, :ROOT]
             out[:, :ROOT, rows] = each[:, :ROOT, ROOT:]
-    far, sigma = _root_bound(problem)
-    weight = _RATE * problem.frame_time / sigma**2
+    far, sigma = root_bound(problem)
+    weight = RATE * problem.frame_time / sigma**2
     pull, bend = _beyond(x[:ROOT], far, weight)
     if pull is not None and bend is not None:
         whole[:, :ROOT] += pull.T
         blocks[:, :ROOT, :ROOT] += bend.transpose(2, 0, 1)
-    near, _ = _near(problem, x, np.arange(U))
-    return Normal(whole + product(near, x).T, blocks, nexts, near)
+    bands, _ = near(problem, x, np.arange(U))
+    return Normal(whole + product(bands, x).T, blocks, nexts, bands)
 
 
 def _pull(problem: Problem, pin: Stacked, place: Floats, eps: float, static: float) -> tuple[Floats, Floats, Floats]:
     """SLIP, LEVEL, FLOOR and PLACE: gradient and second derivatives by place (3, P, L, F), and between frames."""
-    size, per_frame = problem.leg_length, _RATE * problem.frame_time
+    size, per_frame = problem.leg_length, RATE * problem.frame_time
     slip = np.diff(place, axis=-1) - pin.slip
     flat = slip[0] ** 2 + slip[2] ** 2
-    long = np.sqrt(flat + (_UPRIGHT * slip[1]) ** 2)
+    long = np.sqrt(flat + (UPRIGHT * slip[1]) ** 2)
     c = problem.costs.slide / size * pin.hold
-    step = c / (long + eps) * np.array([1.0, _UPRIGHT**2, 1.0]).reshape(3, 1, 1, 1)
+    step = c / (long + eps) * np.array([1.0, UPRIGHT**2, 1.0]).reshape(3, 1, 1, 1)
     if static > 1.0:
-        flat, still = np.sqrt(flat), _STATIC * size * problem.frame_time
-        more, _ = _friction(_smooth(flat, eps) / still)
+        flat, still = np.sqrt(flat), STATIC * size * problem.frame_time
+        more, _ = friction(smooth(flat, eps) / still)
         step[::2] += c * (static - 1.0) * more / (flat + eps)
-    asked = per_frame / (_PLACE * size) ** 2 * pin.placed
+    asked = per_frame / (PLACE * size) ** 2 * pin.placed
     stiff = np.repeat(asked[None], 3, axis=0)
     force = asked * (place - pin.place)
     pulled = step * slip
@@ -247,7 +234,7 @@ def _pull(problem: Problem, pin: Stacked, place: Floats, eps: float, static: flo
     stiff[..., :-1] += step
     level = per_frame / (problem.costs.level * size) ** 2 * pin.draw
     low = np.maximum(pin.lowest - place[1], 0.0)
-    floor = per_frame / (_FLOOR * size) ** 2
+    floor = per_frame / (FLOOR * size) ** 2
     force[1] += level * (place[1] - pin.level) - floor * low
     stiff[1] += level + floor * (low > 0.0)
     return force, stiff, step
@@ -255,7 +242,7 @@ def _pull(problem: Problem, pin: Stacked, place: Floats, eps: float, static: flo
 
 def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floats) -> None:
     """KNEE: no knee is straighter than the figure's own."""
-    weight = _RATE * problem.frame_time / np.radians(_KNEE) ** 2
+    weight = RATE * problem.frame_time / np.radians(KNEE) ** 2
     lacks = np.maximum(legs.least - legs.flexion - x[K], 0.0)
     gradient[..., ROOT + K] -= weight * lacks
     main[..., ROOT + K, ROOT + K] += weight * (lacks > 0.0)
@@ -264,12 +251,12 @@ def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floa
 def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
     """FAR of line, knee, ankle and toes."""
     c = problem.costs
-    weight = _RATE * problem.frame_time / np.radians(_FAR_TURN) ** 2
+    weight = RATE * problem.frame_time / np.radians(FAR_TURN) ** 2
     kinds = (
         (x[Q], c.line_farthest, ((Q, 1.0),)),
         (x[K : K + 1], c.ankle_farthest, ((slice(K, K + 1), 1.0),)),
         (x[W] - x[Q], c.ankle_farthest, ((W, 1.0), (Q, -1.0))),
-        (x[B : B + 1] / _TOES, c.toes_farthest, ((slice(B, B + 1), 1.0 / _TOES),)),
+        (x[B : B + 1] / TOES, c.toes_farthest, ((slice(B, B + 1), 1.0 / TOES),)),
     )
     for turn, most, parts in kinds:
         pull, bend = _beyond(turn, problem.farthest(most), weight)
@@ -300,7 +287,7 @@ def _beyond(turn: Floats, far: Floats, weight: float) -> tuple[Floats | None, Fl
 
 def _fast(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floats, next_: Floats) -> None:
     """SPEED of hip, knee and ankle."""
-    most, sigma = np.radians(problem.costs.speed) * problem.frame_time, np.radians(_SPEED)
+    most, sigma = np.radians(problem.costs.speed) * problem.frame_time, np.radians(SPEED)
     half = 0.5 * legs.axis
     bent = half * x[K]
     kinds = (

@@ -12,11 +12,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from footfix.enforce.floors import nominal
 from footfix.enforce.leg import LEG, ROOT, LegTracks, raise_leg
 from footfix.enforce.papers.ease import gamma
-from footfix.enforce.pins import nominal
+from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
-from footfix.enforce.run import EnforceParams, costs_of, faded
+from footfix.enforce.whole_clip import costs_of, faded
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.calibration import Calibration
 from footfix.stream.descent import descend

@@ -16,7 +16,7 @@ from conftest import ROOT, SAMPLES
 from walks import walk
 
 import footfix
-from footfix.jobs import clean as job
+from footfix.jobs import source
 
 SETTINGS = footfix.Settings()
 SAMPLE = SAMPLES / "walk_skate.bvh"
@@ -100,7 +100,7 @@ def test_a_file_of_joints_of_another_clip_is_not_written(tmp_path: Path) -> None
 
 
 def test_every_figure_of_a_clip_is_cleaned() -> None:
-    both = job.read(side_by_side(exports.bvh(walk().clip), exports.bvh(walk("run").clip)), "both.bvh", SETTINGS).clip
+    both = source.read(side_by_side(exports.bvh(walk().clip), exports.bvh(walk("run").clip)), "both.bvh", SETTINGS).clip
     one, other = footfix.clean_figures(both)
     assert one.clip is other.clip
     assert other.contacts.names[0] == "figure2_left_heel"

@@ -18,8 +18,10 @@ from footfix.formats import contacts as contacts_format
 from footfix.formats.bvh import decode
 from footfix.formats.contacts import Labels
 from footfix.formats.labels import fit
-from footfix.jobs.clean import Outputs, clean_file, read
+from footfix.jobs.clean import clean_file
 from footfix.jobs.inspect import inspect_file
+from footfix.jobs.outputs import Outputs
+from footfix.jobs.source import read
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, runs
 from footfix.report.inspection import describe

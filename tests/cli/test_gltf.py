@@ -210,7 +210,7 @@ def test_an_uneven_gait_in_place_stands_on_a_ground_that_passes_evenly(run: Run,
     settings = replace(SETTINGS, loop=replace(SETTINGS.loop, in_place=True))
     looped = footfix.loop(walk(name, 60.0, 3.0).clip, settings).clip
     phase = np.linspace(0.0, 2.0 * np.pi, len(looped))[:, None]
-    uneven = looped.with_joints({0: looped.place(0) + 0.035 * np.sin(phase) * [0.3, 0.0, 1.0]}, {})
+    uneven = looped.with_joints({0: looped.position(0) + 0.035 * np.sin(phase) * [0.3, 0.0, 1.0]}, {})
     path, out = tmp_path / "figure.glb", tmp_path / "out"
     path.write_bytes(character({"Go": uneven}, scale=0.01, z_up=True, mid_step=True, skins=2).glb())
     assert run("clean", path, "-o", out, *QUICK)[0] == 0

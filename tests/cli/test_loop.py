@@ -19,8 +19,8 @@ from walker import make
 from walker_gaits import Gait
 
 from footfix.formats.bvh import decode
-from footfix.jobs.clean import Outputs
 from footfix.jobs.loop import loop_file
+from footfix.jobs.outputs import Outputs
 from footfix.locomotion.loop.params import LoopParams
 from footfix.settings import ReportParams, Settings
 

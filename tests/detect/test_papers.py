@@ -13,7 +13,7 @@ from skinmaker import skin_of
 from walker import Walk, make
 from walker_plan import Gait
 
-from footfix.api.clips import load
+from footfix.api.files import load
 from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.cycles import CycleParams, find_cycles, zigzag
 from footfix.detect.lyard import LyardParams, lyard

@@ -14,10 +14,12 @@ from walker import Walk
 from walks import cleaned, extension, heights, rig_of, slides, straightness, walk
 
 from footfix.enforce.correction import Correction, apply
+from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import HEEL, TIP, TOE, calibrate, tracks
-from footfix.enforce.problem import CostParams
-from footfix.enforce.run import EnforceParams, enforce, pose_of
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.run import enforce
 from footfix.enforce.style import StyleParams
+from footfix.enforce.task import pose_of
 from footfix.measure.clip import peak_acceleration
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
@@ -255,7 +257,8 @@ def test_no_strength_no_change_and_half_strength_half_way(method: Method, solver
     after, found = cleaned(clip, rig, made.contacts, EnforceParams(strength=strength, method=method, solver=solver))
     if strength == 0.0:
         for joint in range(len(clip.skeleton)):
-            assert rotation.angle(rotation.multiply(rotation.inverse(clip.turn(joint)), after.turn(joint))).max() < 1e-6
+            turned = rotation.multiply(rotation.inverse(clip.rotation(joint)), after.rotation(joint))
+            assert rotation.angle(turned).max() < 1e-6
         assert np.array_equal(after.positions, clip.positions)
     else:
         whole, _ = cleaned(clip, rig, made.contacts, EnforceParams(method=method, solver=solver))
@@ -653,7 +656,7 @@ def test_where_a_pose_was_cut_off_the_correction_starts_small() -> None:
         found = enforce(clip, rig, made.contacts, EnforceParams(), cut=cut)
         shift = np.linalg.norm(found.correction.root_shift[0])
         turns = [
-            rotation.angle(rotation.multiply(rotation.inverse(clip.turn(j)), found.correction.rotations[:, k]))[0]
+            rotation.angle(rotation.multiply(rotation.inverse(clip.rotation(j)), found.correction.rotations[:, k]))[0]
             for k, j in enumerate(found.correction.joints)
         ]
         sizes[cut[0]] = float(shift), float(np.degrees(max(turns)))

@@ -9,10 +9,11 @@ import pytest
 from legmaker import Figure, figure_of
 from walks import rig_of, walk
 
+from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.kept import core, faults, kept
 from footfix.enforce.leg import HEEL, TOE
-from footfix.enforce.pins import Floors, PinParams
+from footfix.enforce.pins import PinParams
 from footfix.motion.clip import Floats
 
 FRAMES = 121

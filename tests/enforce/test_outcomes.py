@@ -11,11 +11,12 @@ import pytest
 from legmaker import Figure, figure_of
 from walks import cleaned, rig_of, walk
 
+from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import HEEL, TOE, LegTracks
 from footfix.enforce.outcomes import CorrectedLeg, outcomes
-from footfix.enforce.pins import Floors
-from footfix.enforce.run import EnforceParams, pose_of
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.task import pose_of
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contact
 

@@ -10,11 +10,11 @@ import pytest
 from legmaker import Figure, figure, figure_of
 from walks import rig_of, walk
 
-from footfix.enforce import pins as pinning
-from footfix.enforce.footplant import Footplant
+from footfix.enforce.floors import floors, lacks, nominal
+from footfix.enforce.footplant import Footplant, footplants, given, stands
 from footfix.enforce.kept import kept
 from footfix.enforce.leg import ANKLE, HEEL, TIP, TOE
-from footfix.enforce.pins import PinParams, Pins, footplants, given, lacks, nominal, pins, stands
+from footfix.enforce.pins import PinParams, Pins, pins
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, Contacts
 
@@ -47,8 +47,8 @@ def laid_out(
     ground: Floats | None = None,
 ) -> tuple[tuple[Pins, ...], tuple[Footplant, ...]]:  # fmt: skip
     """The pins of a leg, none or all of its plants kept."""
-    plants, _ = footplants(contacts, made.rig, made.legs, PARAMS)
-    level = pinning.floors(plants, made.legs, made.rig, PARAMS)
+    plants, _ = footplants(contacts, made.rig, made.legs, PARAMS.asked)
+    level = floors(plants, made.legs, made.rig, PARAMS.near * made.rig.leg_length)
     by_hand = [given(contacts, plant) for plant in plants]
     moves = np.zeros((len(made.clip), 3)) if ground is None else ground
     found = pins(
@@ -68,7 +68,7 @@ def test_each_contact_is_a_footplant_and_what_is_forbidden_is_none() -> None:
         left_heel=[Contact(0, 10, 0.5), Contact(20, 30, wish="forbid"), Contact(40, 50, wish="force")],
         right_toe=[Contact(5, 6, 0.9)],
     )
-    found, notes = footplants(contacts, made.rig, made.legs, PARAMS)
+    found, notes = footplants(contacts, made.rig, made.legs, PARAMS.asked)
     assert notes == ()
     told = [(p.id, p.effector, p.name, p.leg, p.part, p.start, p.end, p.confidence, p.force) for p in found]
     assert told == [
@@ -88,7 +88,7 @@ def test_places_far_from_the_motion_are_not_taken_unless_forced() -> None:
     asked = [tuple(each.tolist()) for each in (near, far, far)]
     spans = [Contact(0, 10, 1.0, asked[0]), Contact(20, 30, 1.0, asked[1]), Contact(40, 50, 1.0, asked[2], "force")]
     contacts = contacts_of(made, left_heel=spans)
-    found, notes = footplants(contacts, made.rig, made.legs, PARAMS)
+    found, notes = footplants(contacts, made.rig, made.legs, PARAMS.asked)
     assert [plant.asked for plant in found] == [asked[0], None, asked[2]]
     assert [note.id for note in notes] == ["places-not-taken"] and notes[0].text.startswith("1 of 2 positions")
 
@@ -100,7 +100,7 @@ def test_ends_are_certain_where_somebody_gave_them() -> None:
         ("auto", 0.9, "force", True),
     ):  # fmt: skip
         contacts = contacts_of(made, method, left_toe=[Contact(3, 9, confidence, wish=wish)])  # type: ignore[arg-type]
-        (plant,), _ = footplants(contacts, made.rig, made.legs, PARAMS)
+        (plant,), _ = footplants(contacts, made.rig, made.legs, PARAMS.asked)
         assert given(contacts, plant) is certain
 
 
@@ -202,7 +202,7 @@ def test_a_toe_joint_stands_as_high_over_the_floor_as_over_its_sole() -> None:
 def test_plants_lack_what_the_figure_is_sunk() -> None:
     made = moved(still(), np.tile([0.0, -0.03, 0.0], (FRAMES, 1)))
     contacts = contacts_of(made, **{name: [Contact(0, FRAMES)] for name in made.contacts.names})
-    plants, _ = footplants(contacts, made.rig, made.legs, PARAMS)
+    plants, _ = footplants(contacts, made.rig, made.legs, PARAMS.asked)
     assert np.allclose(lacks(plants, made.legs, made.rig), 0.03, atol=1e-3)
 
 
@@ -213,8 +213,8 @@ def test_feet_on_the_floor_share_its_usual_height_and_those_on_a_step_have_their
     made = moved(made, up)
     spans = [Contact(0, 30), Contact(40, 80), Contact(90, 110)]
     contacts = contacts_of(made, left_toe=spans, right_toe=[Contact(0, 30)])
-    plants, _ = footplants(contacts, made.rig, made.legs, PARAMS)
-    found = pinning.floors(plants, made.legs, made.rig, PARAMS)
+    plants, _ = footplants(contacts, made.rig, made.legs, PARAMS.asked)
+    found = floors(plants, made.legs, made.rig, PARAMS.near * made.rig.leg_length)
     base = float(made.legs[0].place(TOE)[1, 0]) - 0.004
     assert found.rest[1] == pytest.approx(base + 0.010)  # 40 frames against 30
     assert found.plants[:3] == pytest.approx((base + 0.010, base + 0.010, base + 0.20))
@@ -277,8 +277,8 @@ def test_a_place_that_is_asked_for_is_where_the_joint_goes() -> None:
 
 def kept_of(made: Figure, contacts: Contacts, *, heights: bool = True, ground: Floats | None = None) -> list[bool]:
     rig = made.rig
-    plants, _ = footplants(contacts, rig, made.legs, PARAMS)
-    level = pinning.floors(plants, made.legs, rig, PARAMS)
+    plants, _ = footplants(contacts, rig, made.legs, PARAMS.asked)
+    level = floors(plants, made.legs, rig, PARAMS.near * rig.leg_length)
     moves = np.zeros((len(made.clip), 3)) if ground is None else ground
     return list(kept(
         plants, made.legs, moves, level, made.clip.frame_time, rig.leg_length, heights=heights, params=PARAMS
@@ -386,8 +386,8 @@ def test_where_feet_usually_are_below_the_floor_none_is_drawn_there_that_came_in
     lowered = moved(made, down)
     rig = made.rig
     contacts = contacts_of(lowered, left_heel=[Contact(0, 30, 0.9), Contact(30, FRAMES, 0.9)])
-    plants, _ = footplants(contacts, rig, lowered.legs, PARAMS)
-    found = pinning.floors(plants, lowered.legs, rig, PARAMS)
+    plants, _ = footplants(contacts, rig, lowered.legs, PARAMS.asked)
+    found = floors(plants, lowered.legs, rig, PARAMS.near * rig.leg_length)
     heel = next(e for e, sole in enumerate(rig.soles) if sole.name == "left_heel")
     own = [float(np.median(lowered.legs[0].place(HEEL)[1, p.frames])) for p in plants]
     assert found.rest[heel] == pytest.approx(own[1]) and own[1] < nominal(rig, heel) - 0.02 * leg
@@ -402,7 +402,7 @@ def test_what_a_plant_lacks_is_told_by_its_median_height() -> None:
     up = np.zeros((FRAMES, 3))
     up[:30, 1], up[30:40, 1] = -0.03, 0.5  # [m] while it leaves
     made = moved(still(), up)
-    plants, _ = footplants(contacts_of(made, left_toe=[Contact(0, 40)]), made.rig, made.legs, PARAMS)
+    plants, _ = footplants(contacts_of(made, left_toe=[Contact(0, 40)]), made.rig, made.legs, PARAMS.asked)
     still_lacks = lacks(plants, still().legs, made.rig)
     assert lacks(plants, made.legs, made.rig) == pytest.approx(still_lacks + 0.03)
 
@@ -412,7 +412,15 @@ def test_the_tips_of_toes_rest_at_their_median_height_while_the_foot_is_flat() -
     up[:30, 1], up[30:40, 1], up[40:, 1] = -0.03, 0.5, 0.2  # [m]
     made, tip = moved(still(), up), float(still().legs[0].place(TIP)[1, 0])
     for spans in ({"left_heel": [Contact(0, 40)], "left_toe": [Contact(0, 60)]}, {"left_toe": [Contact(0, 40)]}):
-        plants, _ = footplants(contacts_of(made, **spans), made.rig, made.legs, PARAMS)
-        level = pinning.floors(plants, made.legs, made.rig, PARAMS)
+        plants, _ = footplants(contacts_of(made, **spans), made.rig, made.legs, PARAMS.asked)
+        level = floors(plants, made.legs, made.rig, PARAMS.near * made.rig.leg_length)
         assert level.tips[0] == pytest.approx(tip - 0.03)
         assert level.tips[1] == pytest.approx(float(np.median(made.legs[1].place(TIP)[1])))
+
+
+def test_the_ankle_of_a_foot_without_toe_joint_counts_more_than_its_guessed_sole() -> None:
+    made = figure("no toes")
+    found, _ = laid_out(made, made.contacts)
+    assert made.rig.legs[0].toe is None
+    assert found[ANKLE].hold.any() and PARAMS.bare_ankle > 1.0
+    assert np.allclose(found[ANKLE].hold, PARAMS.bare_ankle * np.minimum(found[HEEL].hold, found[TOE].hold))

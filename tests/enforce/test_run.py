@@ -9,7 +9,8 @@ import numpy as np
 from walks import rig_of, walk
 
 from footfix.enforce.correction import apply
-from footfix.enforce.run import EnforceParams, enforce
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.run import enforce
 from footfix.enforce.style import StyleParams
 
 

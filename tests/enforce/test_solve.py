@@ -12,12 +12,15 @@ from legmaker import figure_of
 from problems import FREE, dense, idle, places, problem, state, system
 from walks import rig_of, walk
 
-from footfix.enforce import run
 from footfix.enforce import solve as solver
+from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import HEEL, LEG, ROOT, TOE, B
-from footfix.enforce.problem import CostParams, Problem, objective, systems
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.objective import objective, systems
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.problem import Problem
 from footfix.enforce.solve import EPS, descend, solve, thinned
+from footfix.enforce.task import task_of
+from footfix.enforce.whole_clip import problem_of
 from footfix.motion.clip import Floats
 
 # A quadratic problem: legs that can't turn, and a root that is wanted elsewhere.
@@ -39,7 +42,7 @@ def skating(fps: float = 60.0, frames: int = 150) -> Problem:
     rig = rig_of(made)
     clip = artefacts.wander(made.clip, 0.04, slowest=1.0).frames(slice(0, frames))
     contacts = replace(made.contacts, frames=frames).with_mask(made.contacts.mask()[:frames])
-    return run.problem_of(clip, rig, run.task_of(clip, rig, contacts, EnforceParams()), EnforceParams(), (False, False))
+    return problem_of(clip, rig, task_of(clip, rig, contacts, EnforceParams()), EnforceParams(), (False, False))
 
 
 def least(of: Problem, fixed: Floats | None = None, x: Floats | None = None) -> Floats:

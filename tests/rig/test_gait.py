@@ -22,7 +22,7 @@ def made(name: str, fps: float = 60.0, **more: float) -> tuple[Walk, Rig]:
 
 def held(walk: Walk) -> tuple[Clip, Floats]:
     """The walk with its root's mean travel taken out, and (3,) [m/s] what was taken."""
-    place = walk.clip.place(0)
+    place = walk.clip.position(0)
     seconds = walk.clip.frame_time * np.arange(len(place))
     speed = np.polyfit(seconds, place[:, [0, 2]], 1)[0]
     travel = np.array([speed[0], 0.0, speed[1]])
@@ -55,7 +55,7 @@ def test_who_travels_or_stays_for_another_reason_has_no_ground_that_passes(name:
 def test_feet_that_slide_forth_and_back_are_no_gait() -> None:
     walk, rig = made("stand")
     sway = 0.25 * np.sin(np.linspace(0.0, 12.0 * np.pi, len(walk.clip)))[:, None] * [0.0, 0.0, 1.0]
-    assert found(walk.clip.with_joints({0: walk.clip.place(0) + sway}, {}), rig) is None
+    assert found(walk.clip.with_joints({0: walk.clip.position(0) + sway}, {}), rig) is None
 
 
 def test_a_figure_that_is_turned_has_its_ground_turned() -> None:
@@ -63,7 +63,7 @@ def test_a_figure_that_is_turned_has_its_ground_turned() -> None:
     clip, _ = held(walk)
     about = rotation.about_vertical(1.1)
     turned = clip.with_joints(
-        {0: rotation.rotate(about, clip.place(0))}, {0: rotation.multiply(about, clip.turn(0))}
+        {0: rotation.rotate(about, clip.position(0))}, {0: rotation.multiply(about, clip.rotation(0))}
     )  # fmt: skip
     one, other = found(clip, rig), found(turned, rig)
     assert one is not None and other is not None

@@ -1,4 +1,4 @@
-"""The objective of a window is that of `enforce.problem`, term by term."""
+"""The objective of a window is that of `enforce.terms`, term by term."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from streams import sample
 
-from footfix.enforce.problem import Problem, objective, systems
-from footfix.enforce.run import EnforceParams, problem_of, task_of
+from footfix.enforce.objective import objective, systems
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.problem import Problem
 from footfix.enforce.solve import descend as descend_clip
+from footfix.enforce.task import task_of
+from footfix.enforce.whole_clip import problem_of
 from footfix.motion.clip import Floats
 from footfix.pipeline import find_contacts, prepare
 from footfix.rig.find import find_rigs

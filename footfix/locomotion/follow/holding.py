@@ -8,7 +8,8 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.papers.leg import effector_tracks
-from footfix.enforce.run import Enforcement, EnforceParams, enforce
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.run import Enforcement, enforce
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig

@@ -9,12 +9,12 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.closing import Closed, close
 from footfix.locomotion.loop.cuts import Cut, calmer
+from footfix.locomotion.loop.holding import ground_under, hold
 from footfix.locomotion.loop.known import closed_travel, completed, put_to_rest
 from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.rounds import ground_under, hold
 from footfix.locomotion.loop.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.loop.settle import settled
 from footfix.locomotion.loop.single import cuts_of
@@ -176,7 +176,7 @@ def _calmest(
     for cut in (best, *tried[: _TRIED - 1]):
         calm = calmer(clip, rig, cut, params)
         closed = close(clip, rig, calm, params)
-        seen = max(ratios(closed.clip, rig, closed.travel)[1] - 1.0, 0.0) if tried else 0.0
+        seen = max(closed.worst_ratio - 1.0, 0.0)
         found.append((calm.cost + _SEEN * rig.leg_length * seen, calm, closed))
     return tuple((cut, closed) for _, cut, closed in sorted(found, key=lambda each: each[0]))
 
@@ -202,8 +202,8 @@ def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding
     far, spot = found.seam.slide_mm, found.distance < _SPOT * rig.leg_length
     if far is None or far <= _SLIDES * 1000.0 * rig.leg_length or spot or put_to_rest(whole, rig, within):
         return found
-    cut = Cut(0, length, -1, strides, 0, 0.0)
-    return _held(whole, rig, contacts, cut, Closed(whole, 0, travel), params, holding, len(clip))
+    cut, closed = Cut(0, length, -1, strides, 0, 0.0), Closed(whole, 0, travel, found.seam.worst_ratio)
+    return _held(whole, rig, contacts, cut, closed, params, holding, len(clip))
 
 
 def _as_it_is(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from walks import rig_of, walk
 
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.errors import InputError, UsageError
 from footfix.formats.paths import shape
 from footfix.locomotion.follow.blend import ease

@@ -11,9 +11,9 @@ import pytest
 from walks import rig_of, walk
 
 import footfix
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
+from footfix.locomotion.loop.holding import laid_contacts, lay
 from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.rounds import laid_contacts, lay
 from footfix.locomotion.loop.run import Loop, as_round, make_loop
 from footfix.locomotion.loop.seam import ratios
 from footfix.motion import rotation

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from walks import rig_of, walk
 
-from footfix.enforce.run import EnforceParams
+from footfix.enforce.params import EnforceParams
 from footfix.errors import InputError
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.run import Loop, make_loop

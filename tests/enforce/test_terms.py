@@ -9,9 +9,12 @@ import pytest
 from legmaker import figure
 from problems import FREE, curvature, dense, differences, idle, places, problem, residuals, slip_cost, state, system
 
-from footfix.enforce import problem as terms
+from footfix.enforce import costs
+from footfix.enforce.assembly import product
+from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, Q, W
-from footfix.enforce.problem import CostParams, Problem, objective, product, systems
+from footfix.enforce.objective import objective, systems
+from footfix.enforce.problem import Problem
 from footfix.enforce.vertices import Vertices
 from footfix.motion.clip import Floats
 
@@ -223,9 +226,9 @@ def test_noise_makes_accelerations_cheaper_and_no_more_than_so_much_if_it_may_be
     assert np.allclose(noisy.near()[1], s2 * np.sqrt(1.0 + 6.0 * 0.4**2))
     assert np.allclose(noisy.near()[0], of.near()[0])
     mad = replace(of, noise=100.0 * sigma)
-    assert np.allclose(mad.near()[1], s2 * np.sqrt(1.0 + terms._NOISY**2))
+    assert np.allclose(mad.near()[1], s2 * np.sqrt(1.0 + costs.NOISY**2))
     white = replace(mad, white=np.arange(of.unknowns) % 2 == 0)
-    times = np.where(white.white, np.sqrt(1.0 + 6.0 * 100.0**2), np.sqrt(1.0 + terms._NOISY**2))
+    times = np.where(white.white, np.sqrt(1.0 + 6.0 * 100.0**2), np.sqrt(1.0 + costs.NOISY**2))
     assert np.allclose(white.near()[1], s2 * times)
 
 
@@ -241,7 +244,7 @@ def test_slip_by_hand() -> None:
     assert objective(still, x, 1e-3) == pytest.approx(expected, rel=1e-6)
     x[:] = 0.0
     x[1, 3:] = 0.05  # up and down it counts by little
-    expected = 0.5 * still.costs.slide / still.leg_length * terms._UPRIGHT * 0.05
+    expected = 0.5 * still.costs.slide / still.leg_length * costs.UPRIGHT * 0.05
     assert objective(still, x, 1e-9) == pytest.approx(expected, rel=1e-5)
 
 
@@ -249,7 +252,7 @@ def test_static_friction_is_more_than_kinetic() -> None:
     """It holds what hardly moves: its weight is so many times as much there, half of that at its speed, none above."""
     of = problem({(0, TOE): replace(idle(7), hold=np.ones(6))})
     still = replace(of, legs=tuple(leg.frames(np.zeros(7, dtype=int)) for leg in of.legs))
-    speed = terms._STATIC * still.leg_length * still.frame_time  # [m] from frame to frame
+    speed = costs.STATIC * still.leg_length * still.frame_time  # [m] from frame to frame
     for slip, times in ((1e-6, 8.0), (speed, 4.5), (30.0 * speed, 1.0)):
         x = np.zeros((of.unknowns, 7))
         x[0, 6] = slip
@@ -280,12 +283,12 @@ def test_floor_and_knee_by_hand() -> None:
     base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][TIP]
     of = problem({(0, TIP): replace(idle(7), lowest=base[1] + np.array([0.01, 0.02, 0, 0, 0, 0, -1.0]))})
     per_frame = 60.0 * of.frame_time
-    expected = 0.5 * per_frame * (0.01**2 + 0.02**2) / (terms._FLOOR * of.leg_length) ** 2
+    expected = 0.5 * per_frame * (0.01**2 + 0.02**2) / (costs.FLOOR * of.leg_length) ** 2
     assert objective(of, np.zeros((of.unknowns, 7)), EPS) == pytest.approx(expected, rel=1e-9)
     of = problem()
     straight = (np.degrees(of.legs[0].flexion) - np.degrees(of.legs[0].least)) * DEG
     assert straight.min() > 0.03
-    expected = 0.5 * per_frame * (0.02 / (terms._KNEE * DEG)) ** 2
+    expected = 0.5 * per_frame * (0.02 / (costs.KNEE * DEG)) ** 2
     assert one(of, ROOT + K, 4, -straight[4] - 0.02) == pytest.approx(expected, rel=1e-9)
     assert one(of, ROOT + K, 4, -straight[4] + 0.01) < 1e-9 and one(of, ROOT + K, 4, 1.0) < 1e-7
 
@@ -297,7 +300,7 @@ def test_speed_by_hand() -> None:
     beyond = 3.0
     half = 0.5 * (most + beyond)  # a knee's bend turns hip and ankle by half of it: no more than they may
     assert half < most
-    expected = 2 * 0.5 * (beyond / terms._SPEED) ** 2
+    expected = 2 * 0.5 * (beyond / costs.SPEED) ** 2
     assert one(of, ROOT + K, 3, (most + beyond) * DEG) == pytest.approx(expected, rel=1e-9)
     assert one(of, ROOT + 4, 3, (most + beyond) * DEG) == pytest.approx(expected, rel=1e-9)
     assert one(of, ROOT + 1, 3, (most + beyond) * DEG) == pytest.approx(2.0 * expected, rel=1e-9)  # hip and ankle
@@ -319,11 +322,11 @@ def test_speed_by_hand() -> None:
 def test_how_far_by_hand() -> None:
     of = problem(costs=replace(FREE, root_farthest=0.06, line_farthest=12.0, ankle_farthest=25.0))
     per_frame, size = 60.0 * of.frame_time, of.leg_length
-    expected = 0.5 * per_frame * (0.01 / terms._FAR_ROOT) ** 2
+    expected = 0.5 * per_frame * (0.01 / costs.FAR_ROOT) ** 2
     for row in range(ROOT):
         assert one(of, row, 2, -0.07 * size) == pytest.approx(expected, rel=1e-9)
     assert one(of, 0, 2, 0.059 * size) < 1e-9
-    turn = 0.5 * per_frame * (2.0 / terms._FAR_TURN) ** 2
+    turn = 0.5 * per_frame * (2.0 / costs.FAR_TURN) ** 2
     assert one(of, ROOT + 2, 5, 14.0 * DEG) == pytest.approx(turn, rel=1e-9)
     assert one(of, ROOT + 6, 5, -27.0 * DEG) == pytest.approx(turn, rel=1e-9)
     x = np.zeros((of.unknowns, 7))
@@ -338,7 +341,7 @@ def test_what_nobody_notices_is_worth_a_small_turn_by_hand() -> None:
     noticed = 0.02 * of.leg_length
     of = replace(of, fault=noticed * np.array([0.0, 1.0, 1.5, 3.0, 4.0, 9.0, np.inf]))
     np.testing.assert_allclose(of.farthest(8.0) / DEG, [2.0, 2.0, 3.0, 6.0, 8.0, 8.0, 8.0], rtol=1e-12)
-    turn = 0.5 * 60.0 * of.frame_time * (1.0 / terms._FAR_TURN) ** 2
+    turn = 0.5 * 60.0 * of.frame_time * (1.0 / costs.FAR_TURN) ** 2
     for frame, degrees in ((0, 3.0), (2, 4.0), (5, 9.0)):
         assert one(of, ROOT + 3, frame, degrees * DEG) == pytest.approx(turn, rel=1e-6)
 
@@ -347,15 +350,15 @@ def test_place_and_cut_by_hand() -> None:
     base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][HEEL]
     pin = replace(idle(7), place=base + [[0.003], [0.0], [0.004]], placed=np.array([0, 0, 1.0, 100.0, 0, 0, 0]))
     of = problem({(0, HEEL): pin})
-    expected = 0.5 * 60.0 * of.frame_time * 101.0 * (0.005 / (terms._PLACE * of.leg_length)) ** 2
+    expected = 0.5 * 60.0 * of.frame_time * 101.0 * (0.005 / (costs.PLACE * of.leg_length)) ** 2
     assert objective(of, np.zeros((of.unknowns, 7)), EPS) == pytest.approx(expected, rel=1e-9)
     for cut, ends in (((True, False), (0,)), ((False, True), (6,)), ((True, True), (0, 6)), ((False, False), ())):
         of = problem(cut=cut)
         frames = 120.0 * of.frame_time  # so many 1/120 s is a frame
         for frame in range(7):
-            turn = 0.5 * (0.01 / (terms._CUT * DEG * frames)) ** 2
+            turn = 0.5 * (0.01 / (costs.CUT * DEG * frames)) ** 2
             assert one(of, ROOT + 4, frame, 0.01) == pytest.approx(turn * (frame in ends), rel=1e-6, abs=1e-8)
-            shift = 0.5 * (0.01 / (terms._CUT_ROOT * of.leg_length * frames)) ** 2
+            shift = 0.5 * (0.01 / (costs.CUT_ROOT * of.leg_length * frames)) ** 2
             assert one(of, 1, frame, 0.01) == pytest.approx(shift * (frame in ends), rel=1e-6, abs=1e-8)
 
 

@@ -1,0 +1,95 @@
+"""The height at which each joint of a foot stands: on the floor, or on a step of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.footplant import Footplant, stands
+from footfix.enforce.leg import TIP, LegTracks
+from footfix.motion.clip import Floats
+from footfix.motion.contacts import runs
+from footfix.rig.rig import Rig
+
+
+@dataclass(frozen=True, eq=False)
+class Floors:
+    """How high each sole point's joint is while it stands on the floor.
+
+    Args:
+        rest: (E,) [m] usual height of the toe joint, or of the heel, at rest.
+        tips: (legs,) [m] usual height of the toes' tip while the foot lies flat.
+        plants: for each plant, by its id, the height [m] its joint stands at.
+    """
+
+    rest: Floats
+    tips: Floats
+    plants: tuple[float, ...]
+
+
+def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, near: float) -> Floors:
+    """Find the height at which each joint stands on its floor, from the heights at which it usually does.
+
+    Args:
+        plants: of the clip.
+        legs: as captured.
+        rig: its floor and soles.
+        near: [m] a plant nearer than this to the floor stands on it, else on a step of its own.
+    """
+    rest = np.array([nominal(rig, e) for e in range(len(rig.soles))])
+    own = [float(np.median(legs[p.leg].place(p.point)[1, p.frames])) for p in plants]
+    for e in range(len(rest)):
+        mine = [p for p in plants if p.effector == e and abs(own[p.id] - rest[e]) < near]
+        if mine:
+            rest[e] = np.median(np.concatenate([legs[p.leg].place(p.point)[1, p.frames] for p in mine]))
+    on = stands(plants, len(legs[0].flexion), len(legs))
+    tips = np.zeros(len(legs))
+    for k, leg in enumerate(legs):
+        flat = on[k, 0] & on[k, 1]
+        if len(leg.points) > 2:
+            frames = flat if np.any(flat) else on[k, 1] if np.any(on[k, 1]) else np.ones_like(flat)
+            tips[k] = np.median(leg.place(TIP)[1, frames])
+    heights = tuple(height(own[p.id], float(rest[p.effector]), nominal(rig, p.effector), near) for p in plants)
+    return Floors(rest, tips, heights)
+
+
+def height(own: float, rest: float, floor: float, near: float) -> float:
+    """[m] the height a plant stands at: its own on a step, the usual one of its joint near that.
+
+    Where a joint usually is below the rig's floor, no plant that came in higher is drawn below the floor with it.
+    """
+    if abs(own - rest) >= near:
+        return own
+    return max(rest, min(own, floor))
+
+
+def nominal(rig: Rig, effector: int) -> float:
+    """Get the height [m] of a sole point's joint, its sole on the rig's floor: a toe joint's own height above it."""
+    sole = rig.soles[effector]
+    at_joint = sole.part == "toe" and rig.legs[sole.leg].toe is not None
+    return rig.floor + (float(np.linalg.norm(sole.offset)) if at_joint else 0.0)
+
+
+def lacks(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig) -> Floats:
+    """Measure what each plant's joint lacks to the height at which its sole is on the rig's floor, (N,) [m]."""
+    return np.array([
+        nominal(rig, p.effector) - np.median(legs[p.leg].place(p.point)[1, p.frames]) for p in plants
+    ])  # fmt: skip
+
+
+def floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
+    """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
+    step = np.zeros(frames)
+    steps = [floors.plants[p.id] - floors.rest[p.effector] for p in plants]
+    by_plant = sorted((p.start, p.end, up if abs(up) >= near else 0.0) for p, up in zip(plants, steps, strict=True))
+    if not by_plant:
+        return step
+    known = np.full(frames, np.nan)
+    for start, end, high in by_plant:
+        known[start:end] = np.fmin(known[start:end], high)
+    for start, end in runs(np.isnan(known)):
+        sides = known[max(start - 1, 0)], known[min(end, frames - 1)]
+        known[start:end] = np.fmin(*sides)
+    return known

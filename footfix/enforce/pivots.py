@@ -1,0 +1,50 @@
+"""Feet that turn on the floor turn about the end they turned about.
+
+Heel and toe of a foot that turns slip by w r and w (l - r), if it turns at a rate w about a point r from the heel. Held
+alike, their sum is w l wherever that point is, so that only nearness to the capture says where; held unlike, the foot
+would always turn about the end that is held more.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from footfix.enforce.leg import HEEL, TOE, LegTracks
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.smoothing import savgol
+
+_SMOOTH = 0.09  # [s] window of the rate
+
+
+def held_alike(heel: Floats, toe: Floats, both: Bools, share: Floats) -> tuple[Floats, Floats]:
+    """Hold heel and toe as surely as the surer of them while both stand.
+
+    Args:
+        heel, toe: (F - 1,) how much a metre of slip counts.
+        both: (F - 1,) whether both stand.
+        share: (F - 1,) what is left of it where the foot turns.
+    """
+    surer = np.maximum(heel, toe) * share
+    return np.where(both, surer, heel), np.where(both, surer, toe)
+
+
+def share_held(leg: LegTracks, both: Bools, frame_time: float, turning: float) -> Floats:
+    """Compute what is left (F - 1,) of the hold on a foot that turns by itself: skate takes heel and toe along alike.
+
+    Args:
+        leg: as captured.
+        both: (F - 1,) whether heel and toe stand.
+        frame_time: [s].
+        turning: [rad/s] the rate at which half is left.
+    """
+    return np.where(both, 1.0 / (1.0 + (turn_rate(leg, frame_time) / turning) ** 2), 1.0)
+
+
+def turn_rate(leg: LegTracks, frame_time: float) -> Floats:
+    """Compute how fast (F - 1,) [rad/s] the line from heel to toe turns over the floor."""
+    x, y, z = leg.place(TOE) - leg.place(HEEL)  # (F,) [m]
+    long = np.maximum(np.hypot(x, z), 0.5 * np.sqrt(x**2 + y**2 + z**2))  # a foot on its tip has no direction
+    line = np.stack([x, z], axis=1)
+    velocity = savgol(line, frame_time, seconds=_SMOOTH, degree=2, derivative=1)  # (F, 2) [m/s]
+    rate = np.abs(line[:, 0] * velocity[:, 1] - line[:, 1] * velocity[:, 0]) / np.maximum(long, 1e-9) ** 2
+    return np.asarray(np.minimum(rate[1:], rate[:-1]))

@@ -1,0 +1,92 @@
+"""What is to stand where in a clip: its legs as captured, its footplants, their floors and the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from footfix.enforce import ground as grounds
+from footfix.enforce import mesh as meshes
+from footfix.enforce.floors import Floors, lacks
+from footfix.enforce.floors import floors as floors_of
+from footfix.enforce.footplant import Footplant, footplants, given
+from footfix.enforce.ground import GroundParams
+from footfix.enforce.kept import kept
+from footfix.enforce.leg import LegCalibration, LegTracks, calibrate, raise_leg, tracks
+from footfix.enforce.params import EnforceParams
+from footfix.enforce.style import styled
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import Contacts
+from footfix.motion.kinematics import Pose, forward
+from footfix.notes import Note
+from footfix.rig.rig import Rig
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What is to stand where.
+
+    Args:
+        pose: of the clip, from `pose_of`.
+        calibration: what was measured of each leg on the whole clip.
+        legs: as captured, raised by `lift`.
+        plants: what is to stand.
+        keep: for each plant whether it stands well enough.
+        by_hand: for each plant whether its ends are certain.
+        floors: the heights that joints stand at.
+        ground: (F, 3) [m] displacement of the ground.
+        lift: [m] by which the whole figure is raised.
+        notes: what a person should know.
+    """
+
+    pose: Pose
+    calibration: tuple[LegCalibration, ...]
+    legs: tuple[LegTracks, ...]
+    plants: tuple[Footplant, ...]
+    keep: tuple[bool, ...]
+    by_hand: tuple[bool, ...]
+    floors: Floors
+    ground: Floats
+    lift: float
+    notes: tuple[Note, ...]
+
+
+def pose_of(clip: Clip, rig: Rig) -> Pose:
+    """Compute forward kinematics of all that enforcement looks at: the rig's joints and what its legs hang from."""
+    joints = set(rig.joints())
+    for leg in rig.legs:
+        hinged = [leg.hip, leg.knee, leg.ankle] + ([] if leg.toe is None else [leg.toe])
+        joints.update(int(clip.skeleton.parents[joint]) for joint in hinged)
+    return forward(clip, sorted(joints - {-1}))
+
+
+def ground_of(clip: Clip, rig: Rig, contacts: Contacts, params: GroundParams) -> Floats:
+    """Find how far the ground under planted feet has moved on purpose, (F, 3) [m]; zeros on a floor at rest."""
+    return grounds.belt(rig, rig.pose(clip), contacts, clip.frame_time, params)
+
+
+def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Task:
+    """What is to stand where in a clip of F frames, by its contacts."""
+    pose = pose_of(clip, rig)
+    calibration = calibrate(rig, pose, clip)
+    legs = tracks(clip, rig, pose, calibration)
+    plants, notes = footplants(contacts, rig, legs, params.pins.asked)
+    ground = grounds.belt(rig, pose, contacts, clip.frame_time, params.ground)
+    notes += grounds.belt_notes(ground, clip.frame_time)
+    lift = 0.0
+    if params.heights == "floor" and params.method != "root" and clip.skeleton.translates[rig.root]:
+        lift = grounds.lift(lacks(plants, legs, rig), rig.leg_length, params.ground)
+    if lift:
+        legs = tuple(raise_leg(leg, lift) for leg in legs)
+        text = f"the whole figure is {'raised' if lift > 0 else 'lowered'} by {1000.0 * abs(lift):.0f} mm to its floor"
+        notes += (Note("height-moved", text),)
+    floors = floors_of(plants, legs, rig, params.pins.near * rig.leg_length)
+    plants = styled(plants, legs, rig, floors, params.style)
+    keep = kept(
+        plants, legs, ground, floors, clip.frame_time, rig.leg_length,
+        heights=params.heights == "floor", params=params.pins,
+    )  # fmt: skip
+    if rig.meshes and params.heights == "floor":
+        deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)
+        keep = tuple(stays and not sinks for stays, sinks in zip(keep, deep.tolist(), strict=True))
+    by_hand = tuple(given(contacts, plant) for plant in plants)
+    return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)

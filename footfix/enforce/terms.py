@@ -1,0 +1,256 @@
+"""The terms of the objective, each with its weight and its derivative: their sum over the whole clip is minimised.
+
+Unknowns of frame t (see `leg`):  d of the root;  q, k, w, b of each leg;  x = (d, q, k, w, b, q, k, w, b, ...).
+
+Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near the capture, and near its accelerations
+           + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    what stands does not move: friction, c a metre
+           + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   what stands is drawn to its floor
+           + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor (see `vertices`, too)
+           + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
+           + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
+           + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay near; y = d, q, k, w - q, b
+           + 1/2 sum_t r dt |(p - place) / sp|^2              PLACE   what was asked for
+           + 1/2 |x / sc|^2 at a cut                          CUT     after a T-pose the correction starts small
+
+SLIP is an L1 norm: where holding costs more than sliding, the foot slides there, and only there. It is solved by
+reweighting (Weiszfeld): 1/2 c h |s|^2 / (|s_before| + eps), a bound from above that touches at s_before.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from footfix.enforce.assembly import Pull, System, product
+from footfix.enforce.costs import (
+    CUT,
+    CUT_ROOT,
+    FAR_ROOT,
+    FAR_TURN,
+    FLOOR,
+    KNEE,
+    PLACE,
+    RATE,
+    SPEED,
+    STATIC,
+    TOES,
+    UPRIGHT,
+)
+from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
+from footfix.enforce.pins import Pins
+from footfix.enforce.problem import Problem
+from footfix.motion.clip import Floats, Ints
+
+
+def near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
+    """Evaluate NEAR and CUT of some unknowns: (3, n, F) the bands of their matrix, and what they cost.
+
+    Their derivative by x is that matrix times x (`assembly.product`).
+
+    Args:
+        problem: the clip's.
+        x: (U, F) a state.
+        rows: (n,) which unknowns.
+    """
+    s0, s2 = (each[rows] for each in problem.near())
+    dt, F = problem.frame_time, problem.frames
+    stay = RATE * dt / s0**2  # (n,)
+    calm = RATE * dt / s2**2 / dt**4
+    bands = np.zeros((3, len(rows), F))
+    bands[0] += stay[:, None]
+    if F > 2:  # D2' D2
+        for offset, weight in ((0, 1.0), (1, 4.0), (2, 1.0)):
+            bands[0, :, offset : F - 2 + offset] += weight * calm[:, None]
+        for offset in (0, 1):
+            bands[1, :, offset : F - 2 + offset] -= 2.0 * calm[:, None]
+        bands[2, :, : F - 2] += calm[:, None]
+    sigma = np.where(rows < ROOT, CUT_ROOT * problem.leg_length, np.radians(CUT)) * 120.0 * dt
+    for end, frame in zip(problem.cut, (0, F - 1), strict=True):
+        if end:
+            bands[0, :, frame] += 1.0 / sigma**2
+    if problem.onward and F > 2:
+        _onward(bands, s0, s2, dt)
+    return bands, 0.5 * float(np.sum(x[rows] * product(bands, x[rows])))
+
+
+def _onward(bands: Floats, s0: Floats, s2: Floats, dt: float) -> None:
+    """Add what the way back from the last frame's state x and speed v costs, where nothing is planted any more.
+
+    The least integral of r ((x / s0)^2 + (x'' / s2)^2) from then on is r (s2/s0 p x^2 + 2 x v / (s0 s2) + p v^2),
+    p = sqrt(2 / (s0 s2)) / s2. Source: the linear-quadratic regulator of a double integrator (Riccati's equation).
+    """
+    both, fast = 1.0 / (s0 * s2) / dt, np.sqrt(2.0 / (s0 * s2)) / s2 / dt**2
+    bands[0, :, -1] += RATE * (s2 / s0 * fast * dt**2 + 2.0 * both + fast)
+    bands[0, :, -2] += RATE * fast
+    bands[1, :, -2] -= RATE * (both + fast)
+
+
+def point_terms(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> Pull:
+    """Evaluate SLIP, LEVEL, FLOOR and PLACE of a point, and their derivatives by its place.
+
+    Args:
+        problem: the clip's.
+        pin: what the point is to do.
+        place: (3, F) [m] where it is.
+        eps: [m] of slip below which SLIP is a parabola.
+        static: times as much as sliding what hardly moves is held.
+    """
+    slipped, force, stiff, step = _slip(problem, pin, place, eps, static)
+    raised, push, stiffer = _level_and_floor(problem, pin, place[1])
+    force[1] += push
+    stiff[1] += stiffer
+    asked = RATE * problem.frame_time * pin.placed / (PLACE * problem.leg_length) ** 2
+    away = place - pin.place
+    cost = slipped + raised + 0.5 * float(np.sum(asked * away**2))
+    return Pull(cost, force + asked * away, stiff + asked, step)
+
+
+def _slip(
+    problem: Problem, pin: Pins, place: Floats, eps: float, static: float
+) -> tuple[float, Floats, Floats, Floats]:
+    """SLIP, c h |s| with s = p(t + 1) - p(t) - slip, less of it up and down: its cost, force, stiffness and step.
+
+    Reweighted, its derivative by p(t + 1) is c h s / (|s| + eps), by p(t) the same with the sign turned round.
+    """
+    size = problem.leg_length
+    force, stiff = np.zeros_like(place), np.zeros_like(place)
+    slip = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
+    long = np.sqrt(slip[0] ** 2 + (UPRIGHT * slip[1]) ** 2 + slip[2] ** 2)
+    c = problem.costs.slide / size * pin.hold
+    cost = float(np.sum(c * smooth(long, eps)))  # what the reweighting descends on
+    step = c / (long + eps) * np.array([[1.0], [UPRIGHT**2], [1.0]])
+    if static > 1.0:  # over the floor only
+        flat, still = np.hypot(slip[0], slip[2]), STATIC * size * problem.frame_time
+        more, total = friction(smooth(flat, eps) / still)
+        cost += float(np.sum(c * (static - 1.0) * still * total))
+        step += c * (static - 1.0) * more / (flat + eps) * np.array([[1.0], [0.0], [1.0]])
+    force[:, 1:] += step * slip
+    force[:, :-1] -= step * slip
+    stiff[:, 1:] += step
+    stiff[:, :-1] += step
+    return cost, force, stiff, step
+
+
+def _level_and_floor(problem: Problem, pin: Pins, height: Floats) -> tuple[float, Floats, Floats]:
+    """LEVEL, a (p_y - level)^2, and FLOOR, max(0, lowest - p_y)^2: their cost, force and stiffness by the height."""
+    size, per_frame = problem.leg_length, RATE * problem.frame_time
+    level = np.where(pin.stands, per_frame * pin.draw / (problem.costs.level * size) ** 2, 0.0)
+    off, low = height - pin.level, np.maximum(pin.lowest - height, 0.0)
+    floor = per_frame / (FLOOR * size) ** 2 * (low > 0.0)
+    cost = 0.5 * float(np.sum(level * off**2 + floor * low**2))
+    return cost, level * off - floor * low, level + floor
+
+
+def smooth(slip: Floats, eps: float) -> Floats:
+    """Round the corner of |slip| at zero, so that its derivative is slip / (slip + eps)."""
+    return np.asarray(slip - eps * np.log1p(slip / eps))
+
+
+def friction(slip: Floats) -> tuple[Floats, Floats]:
+    """Tell how much more static friction holds than kinetic, and its integral, by slip in units of what it holds.
+
+    1 / (1 + u^4) is nearly 1 for what stands and nearly 0 for what slides.
+    """
+    root, u = np.sqrt(2.0), slip
+    logs = np.log((u * u + root * u + 1.0) / (u * u - root * u + 1.0))
+    turns = 2.0 * (np.arctan(root * u + 1.0) + np.arctan(root * u - 1.0))
+    return 1.0 / (1.0 + u**4), (logs + turns) / (4.0 * root)
+
+
+def joint_terms(problem: Problem, k: int, x: Floats, base: int, out: System | None) -> float:
+    """Evaluate KNEE, SPEED and FAR of a leg, and add their derivatives to a system.
+
+    While the knee bends by k, thigh and shank turn by k / 2 to either side of the line from hip to ankle: so the hip
+    turns by about q - k / 2 axis in its parent's frame, the ankle by w - q - k / 2 axis.
+
+    Args:
+        problem: the clip's.
+        k: which leg.
+        x: (8, F) its unknowns.
+        base: the row at which they begin in the system.
+        out: the system, if the derivatives are wanted.
+    """
+    leg, own, c = problem.legs[k], slice(base, base + LEG), problem.costs
+    cost = _knee(problem, leg.least - leg.flexion - x[K], base + K, out)
+    q, w, one = np.zeros((3, LEG)), np.zeros((3, LEG)), np.eye(3)
+    q[:, Q], w[:, W] = one, one
+    knee = np.zeros((1, LEG))
+    knee[0, K] = 1.0
+    half = 0.5 * leg.axis * x[K]  # (3, F)
+    axis = np.zeros((3, LEG, problem.frames))
+    axis[:, K] = 0.5 * leg.axis
+    most, sv = np.radians(c.speed) * problem.frame_time, np.radians(SPEED)
+    for turn, bend, off in ((q, axis, half), (knee, None, 0.0), (w - q, axis, half)):
+        cost += _speed(turn, bend, turn @ x - off, own, most, sv, out)
+    toes = np.zeros((1, LEG))
+    toes[0, B] = 1.0 / TOES
+    bounds = ((q, c.line_farthest), (knee, c.ankle_farthest), (w - q, c.ankle_farthest), (toes, c.toes_farthest))
+    for turn, most in bounds:
+        cost += _far(turn, x, own, problem.farthest(most), np.radians(FAR_TURN), problem, out)
+    return cost
+
+
+def _knee(problem: Problem, lacking: Floats, row: int, out: System | None) -> float:
+    """KNEE: one-sided cost of what a knee, unknown `row`, lacks to its least flexion, (F,) [rad]."""
+    weight = RATE * problem.frame_time / np.radians(KNEE) ** 2
+    lacks = np.maximum(lacking, 0.0)
+    if out is not None:
+        out.gradient[row] -= weight * lacks
+        out.main[row, row] += weight * (lacks > 0.0)
+    return float(0.5 * weight * np.sum(lacks**2))
+
+
+def _speed(
+    turn: Floats, bend: Floats | None, turned: Floats, own: slice, most: float, sigma: float, out: System | None
+) -> float:
+    """SPEED: one-sided cost of the step of a turn, (turn - bend) x = turned (m, F), where it is longer than `most`."""
+    step = np.diff(turned, axis=1)
+    size = np.sqrt(np.sum(step**2, axis=0))
+    over = np.flatnonzero(size > most)
+    if not len(over):
+        return 0.0
+    along, beyond = step[:, over] / size[over], (size[over] - most) / sigma
+    if out is not None:
+        before, after = (
+            (turn.T @ along - (0.0 if bend is None else np.einsum("cf,cif->if", along, bend[..., at]))) / sigma
+            for at in (over, over + 1)
+        )
+        out.gradient[own, over] -= beyond * before
+        out.gradient[own, over + 1] += beyond * after
+        main, next_ = out.main[own, own], out.next[own, own]
+        main[..., over] += np.einsum("if,jf->ijf", before, before)
+        main[..., over + 1] += np.einsum("if,jf->ijf", after, after)
+        next_[..., over] -= np.einsum("if,jf->ijf", after, before)
+    return 0.5 * float(np.sum(beyond**2))
+
+
+def root_term(problem: Problem, x: Floats, out: System | None) -> float:
+    """Evaluate FAR of the root (3, F) [m], and add its derivatives to a system."""
+    return _far(np.eye(3), x, slice(0, ROOT), *root_bound(problem), problem, out)
+
+
+def root_bound(problem: Problem) -> tuple[Floats, float]:
+    """Bound how far the root goes freely, (F,) [m], and give the standard deviation beyond [m]."""
+    far = problem.costs.root_farthest * problem.leg_length
+    return np.full(problem.frames, far), FAR_ROOT * problem.leg_length
+
+
+def _far(
+    turn: Floats, x: Floats, own: slice, far: Floats, sigma: float, problem: Problem, out: System | None
+) -> float:
+    """FAR: one-sided cost of turn x, (3, n) times some unknowns (n, F), where it is longer than `far`."""
+    turned = turn @ x
+    size = np.sqrt(np.sum(turned**2, axis=0))
+    over = np.flatnonzero(size > far)
+    if not len(over):
+        return 0.0
+    weight = RATE * problem.frame_time / sigma**2
+    along, beyond = turned[:, over] / size[over], size[over] - far[over]
+    row = turn.T @ along
+    if out is not None:
+        out.gradient[own, over] += weight * beyond * row
+        # across the turn, too: its length is curved, and a step aside would lead out of bounds again
+        aside = beyond / size[over]
+        main = out.main[own, own]
+        block = (1.0 - aside) * np.einsum("if,jf->ijf", row, row) + aside * (turn.T @ turn)[..., None]
+        main[..., over] += weight * block
+    return 0.5 * weight * float(np.sum(beyond**2))

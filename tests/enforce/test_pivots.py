@@ -1,0 +1,74 @@
+"""Feet that turn on the floor keep the end they turn about, however sure the contacts of heel and toe are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from legmaker import figure_of
+from walks import rig_of, walk
+
+import footfix
+from footfix.enforce.pivots import held_alike, share_held, turn_rate
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.contacts import Contact, Contacts
+from footfix.rig.rig import Rig
+
+FPS, FRAMES = 60.0, 121
+QUICK = 4.0  # [rad/s]
+
+
+def turned(about: str, angle: Floats, drift: float = 0.0) -> tuple[Clip, Rig]:
+    """A figure that stands, drifts and turns by (F,) [rad] about a sole point of its left foot."""
+    made = walk("stand", FPS, 2.0)
+    clip, rig = made.clip.frames(np.zeros(FRAMES, dtype=int)), rig_of(made)
+    centre = rig.tracks(rig.pose(clip))[[sole.name for sole in rig.soles].index(f"left_{about}")][0] * [1.0, 0.0, 1.0]
+    yaw = rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), angle)
+    place = centre + rotation.rotate(yaw, clip.place(rig.root) - centre)
+    place = place + np.outer(drift * np.linspace(0.0, 1.0, FRAMES), [0.6, 0.0, 0.8])
+    return clip.with_joints({rig.root: place}, {rig.root: rotation.multiply(yaw, clip.turn(rig.root))}), rig
+
+
+def contacts_of(contacts: Contacts, heel: float, toe: float) -> Contacts:
+    """Heel and toe of the left foot stand all along, more or less surely; the right foot does not."""
+    sure = {"left_heel": heel, "left_toe": toe}
+    effectors = tuple(
+        replace(e, contacts=(Contact(0, FRAMES, sure[e.name]),) if e.name in sure else ()) for e in contacts.effectors
+    )
+    return replace(contacts, frames=FRAMES, effectors=effectors, method="auto")
+
+
+@pytest.mark.parametrize("about", ["heel", "toe"])
+@pytest.mark.parametrize(("heel", "toe"), [(0.3, 0.97), (0.97, 0.3)])
+def test_a_foot_turns_about_the_end_it_turned_about(about: str, heel: float, toe: float) -> None:
+    u = np.clip(np.arange(FRAMES) / FPS - 0.8, 0.0, 0.4) / 0.4
+    clip, rig = turned(about, 2.6 * u**2 * (3.0 - 2.0 * u), drift=0.03)
+    contacts = contacts_of(walk("stand", FPS, 2.0).contacts, heel, toe)
+    cleaned = footfix.clean(clip, rig=rig, contacts=contacts).clip
+    names = [sole.name for sole in rig.soles]
+    ends = [names.index(f"left_{each}") for each in (about, "toe" if about == "heel" else "heel")]
+    tracks = [np.stack(rig.tracks(rig.pose(each)))[ends][:, :, [0, 2]] for each in (clip, cleaned)]  # (2, F, 2) [m]
+    stays, sweeps = (np.hypot(*(tracks[1][k] - tracks[1][k, 0]).T).max() for k in (0, 1))
+    assert stays < 0.4 * sweeps
+    assert np.hypot(*(tracks[1] - tracks[0])[0].T).max() < 0.06
+
+
+@pytest.mark.parametrize("rate", [0.0, 1.0, 4.0])
+def test_the_rate_is_that_of_the_figure_which_turns(rate: float) -> None:
+    clip, rig = turned("heel", rate * np.arange(FRAMES) / FPS)
+    leg = figure_of(clip, rig, walk("stand", FPS, 2.0).contacts).legs[0]
+    assert turn_rate(leg, 1.0 / FPS) == pytest.approx(rate, rel=0.01, abs=1e-9)
+    both = np.arange(FRAMES - 1) >= 60
+    share = share_held(leg, both, 1.0 / FPS, QUICK)
+    assert share[:60] == pytest.approx(1.0)
+    assert share[60:] == pytest.approx(1.0 / (1.0 + (rate / QUICK) ** 2), rel=0.01)
+
+
+def test_heel_and_toe_are_held_alike_while_both_stand() -> None:
+    heel, toe = np.array([0.0, 0.5, 0.5]), np.array([0.9, 0.9, 0.2])
+    both, share = np.array([False, True, True]), np.array([1.0, 1.0, 0.5])
+    found = held_alike(heel, toe, both, share)
+    assert found[0].tolist() == [0.0, 0.9, 0.25]
+    assert found[1].tolist() == [0.9, 0.9, 0.25]
