@@ -68,9 +68,10 @@ def test_the_commands_on_cycles_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             subprocess.run([sys.executable, *rest], check=True)
             made = sorted((tmp_path / "gaits").iterdir())
             assert len(made) == 12
-            for path in made:  # four walks have cycles enough
-                if path.stem not in ("walk_110cm_s", "walk_130cm_s", "walk_150cm_s", "walk_180cm_s"):
+            for path in made:  # two walks do as well, where fewer cycles are enough
+                if path.stem not in ("walk_150cm_s", "walk_180cm_s"):
                     path.unlink()
+            monkeypatch.setattr("footfix.jobs.fit.FEWEST", 10)
             continue
         monkeypatch.setattr(sys, "argv", [program, *rest])
         assert cli.run() == 0, line

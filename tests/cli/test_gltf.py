@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -18,6 +19,7 @@ from glbmaker import binary_of, character, tree_of, world
 from walks import walk
 
 import footfix
+from footfix import cli
 from footfix.jobs.legs import with_shared_legs
 from footfix.rig.find import find_rig
 from footfix.settings import Settings
@@ -43,14 +45,23 @@ def figure(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The figure, and the folder it was cleaned into."""
+    folder = tmp_path_factory.mktemp("done")
+    (folder / "figure.glb").write_bytes(glb())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["footfix", "clean", str(folder / "figure.glb"), "-o", str(folder / "out"), *QUICK])
+        assert cli.run() == 0
+    return folder / "figure.glb", folder / "out"
+
+
 def names(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
-def test_every_animation_is_cleaned_and_only_they_change(run: Run, figure: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    code, _, said = run("clean", figure, "-o", out, *QUICK)
-    assert code == 0 and "figure.glb#Walk" in said
+def test_every_animation_is_cleaned_and_only_they_change(done: tuple[Path, Path]) -> None:
+    figure, out = done
     assert names(out) == [
         "figure.On the_spot.contacts.json", "figure.On the_spot.report.json", "figure.Walk.contacts.json",
         "figure.Walk.report.json", "figure.glb",
@@ -63,11 +74,11 @@ def test_every_animation_is_cleaned_and_only_they_change(run: Run, figure: Path,
     assert binary_of((out / "figure.glb").read_bytes()).startswith(binary_of(figure.read_bytes()))
 
 
-def test_planted_toes_stand_in_the_file_as_another_reader_sees_it(run: Run, figure: Path, tmp_path: Path) -> None:
-    assert run("clean", figure, "-o", tmp_path / "out", *QUICK)[0] == 0
-    labels = json.loads((tmp_path / "out" / "figure.Walk.contacts.json").read_text())
+def test_planted_toes_stand_in_the_file_as_another_reader_sees_it(done: tuple[Path, Path]) -> None:
+    figure, out = done
+    labels = json.loads((out / "figure.Walk.contacts.json").read_text())
     slides = {}
-    for path in (figure, tmp_path / "out" / "figure.glb"):
+    for path in (figure, out / "figure.glb"):
         seen = world(path.read_bytes(), 0, np.arange(labels["source"]["frames"]) * labels["source"]["frame_time"])
         slides[path] = [
             1000.0 * float(np.linalg.norm(track - np.median(track, axis=0), axis=1).max())
@@ -92,14 +103,15 @@ def test_one_animation_alone(run: Run, figure: Path, tmp_path: Path) -> None:
 
 
 def test_cleaned_again_it_stays_the_same_file(run: Run, figure: Path, tmp_path: Path) -> None:
-    assert run("clean", figure, *QUICK)[0] == 0
+    code, _, said = run("clean", figure, *QUICK)
+    assert code == 0 and "figure.glb#Walk" in said
     clean = figure.with_name("figure.clean.glb")
     assert run("clean", clean, "-o", tmp_path / "again", *QUICK)[0] == 0
     assert (tmp_path / "again" / clean.name).read_bytes() == clean.read_bytes()
 
 
 def test_processes_and_resume_make_the_same(run: Run, figure: Path, tmp_path: Path) -> None:
-    for k in range(4):
+    for k in range(2):
         figure.with_name(f"more{k}.vrma").write_bytes(character({"Walk": walk("walk", 30.0, 1.0).clip}).glb())
     one, two = tmp_path / "one", tmp_path / "two"
     assert run("clean", figure.parent, "-o", one, *QUICK)[0] == 0
@@ -107,7 +119,7 @@ def test_processes_and_resume_make_the_same(run: Run, figure: Path, tmp_path: Pa
     assert names(one) == names(two)
     assert all((one / name).read_bytes() == (two / name).read_bytes() for name in names(one))
     summary = json.loads((one / "summary.json").read_text())
-    assert summary["clips"]["total"] == 6 and summary["files"][0]["source"] == "figure.glb#Walk"
+    assert summary["clips"]["total"] == 4 and summary["files"][0]["source"] == "figure.glb#Walk"
     code, _, said = run("clean", figure.parent, "-o", one, "--resume", *QUICK)
     assert code == 0 and "done before" in said
     assert json.loads((one / "summary.json").read_text()) == summary

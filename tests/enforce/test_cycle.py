@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import largest_turn
-from walks import cleaned, rig_of, walk
+from walks import cleaned, rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.params import EnforceParams
 from footfix.motion import rotation

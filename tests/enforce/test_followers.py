@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from walks import cleaned, rig_of, walk
+from walks import cleaned, rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.motion import rotation

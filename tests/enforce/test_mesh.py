@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from skinmaker import skin_of
-from walks import walk
+from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.params import EnforceParams

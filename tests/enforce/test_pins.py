@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import Figure, figure, figure_of
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.floors import floors, lacks, nominal
 from footfix.enforce.footplant import Footplant, footplants, given, stands

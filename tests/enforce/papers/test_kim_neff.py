@@ -8,7 +8,8 @@ import artefacts
 import numpy as np
 import pytest
 from footplants import near_plants, plants_of, strays
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.kim_neff import Join, KimNeffParams, _join, correct, joins, mean_swivel, spline

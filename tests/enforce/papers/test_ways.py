@@ -10,7 +10,8 @@ import artefacts
 import numpy as np
 import pytest
 from footplants import plants_of, strays
-from walks import rig_of, straightness, walk
+from walks import rig_of, straightness
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.papers import glardon, kim_neff
@@ -46,7 +47,7 @@ def test_on_a_belt_plants_go_with_the_belt(way: Way) -> None:
 
 @WAYS
 def test_no_leg_becomes_straighter_than_captured_or_nearly_straight(way: Way) -> None:
-    made = walk()
+    made = walk(duration=3.0)
     rig = rig_of(made)
     clip = artefacts.wander(made.clip, 0.15, slowest=1.0)  # so far that plants are out of reach
     after = apply(clip, way(clip, rig, plants_of(rig, made.contacts)))
