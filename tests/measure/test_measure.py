@@ -317,6 +317,12 @@ def test_what_is_just_as_far_from_the_floor_as_the_tolerance_is_on_it() -> None:
     assert physdiff([track], 0.0, tolerance=0.5) == (0.0, 0.0, 1000.0)
 
 
+def test_a_figure_without_sole_points_is_never_in_contact() -> None:
+    clip, rig = figure(20)
+    rig = replace(rig, soles=())
+    assert measure(clip, rig, rig.no_contacts(clip))[0].coverage == 0.0
+
+
 def test_a_clip_too_short_to_move_has_no_peaks() -> None:
     for frames in (1, 2):
         found = measured(*figure(frames))[0]
