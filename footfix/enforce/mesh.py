@@ -20,6 +20,7 @@ from footfix.rig.rig import Rig
 
 _SINK = 0.0006  # [leg lengths] how deep a vertex may be: half a millimetre of a grown-up
 _LEFT = 0.001  # [leg lengths] deeper than that, up to which it is left
+_ON_ZERO = 0.03  # [leg lengths] from the file's zero plane, up to which the floor is that plane
 _ON_STEP = 0.03  # [leg lengths] by which a vertex in a step is raised at most
 _AROUND = 0.2  # [s] around a vertex that is in the floor, in which joints may go to bring it out
 _DEEP = 0.0025  # [leg lengths] a plant whose mesh is deeper does not stay as it is
@@ -93,7 +94,8 @@ def skins_of(
 
 def steps_of(rig: Rig, steps: Sequence[Floats]) -> list[Floats]:
     """Leave out steps (F,) [m] down from a file's zero plane: what is below that is no floor, but a mesh in it."""
-    return [np.maximum(each, 0.0) if rig.floor == 0.0 else each for each in steps]
+    on_zero = abs(rig.floor) < _ON_ZERO * rig.leg_length
+    return [np.maximum(each, 0.0) if on_zero else each for each in steps]
 
 
 def too_deep(skins: Mapping[int, Vertices], legs: Sequence[LegTracks], leg_length: float) -> bool:
