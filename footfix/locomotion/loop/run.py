@@ -19,7 +19,16 @@ from footfix.locomotion.loop.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.loop.settle import settled
 from footfix.locomotion.loop.single import cuts_of
 from footfix.locomotion.loop.strides import count_strides
-from footfix.locomotion.loop.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
+from footfix.locomotion.loop.travel import (
+    Travel,
+    carrier,
+    put_in,
+    root_in_world,
+    straightened,
+    taken_out,
+    with_root,
+    without_drift,
+)
 from footfix.locomotion.loop.wrapped import wrapped
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, frozen
@@ -143,12 +152,14 @@ def _held(
     """The loop of a cut that is closed, its plants held; `frames` is how many the captured clip has."""
     length = cut.end - cut.start
     captured = clip.frames(slice(closed.start, closed.start + length + 1))
-    gap = apart(clip, rig, cut.start, cut.end, closed.travel)
-    moved = changes(captured, closed.clip, rig)
+    within = wrapped(contacts, closed.start, length)
     start, travel = closed.clip, closed.travel
+    if _on_belt(closed, rig, within, holding):
+        start, travel = without_drift(start, carrier(start, rig), travel), Travel()
+    gap = apart(clip, rig, cut.start, cut.end, travel)
+    moved = changes(captured, start, rig)
     if params.straighten:
         start, travel = straightened(start, carrier(start, rig), travel)
-    within = wrapped(contacts, closed.start, length)
     held = hold(start, rig, within, travel, holding)
     done = settled(held.clip, rig, held.found.plants, travel, held.found.ground)
     far = slide(done, rig, held.found.plants, travel, held.found.ground)
@@ -159,6 +170,14 @@ def _held(
         travel=travel, seam=_seam(gap, moved, done, rig, travel, far), plants=held.found.plants,
         correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
     )  # fmt: skip
+
+
+def _on_belt(closed: Closed, rig: Rig, contacts: Contacts, holding: EnforceParams) -> bool:
+    """Whether the ground carries the planted feet of a closed cycle along, and the figure hardly leaves its place."""
+    place = root_in_world(closed.clip.frames(slice(0, 1)), carrier(closed.clip, rig))[0][0]
+    if np.linalg.norm(closed.travel.places(place) - place) > _SPOT * rig.leg_length:
+        return False
+    return bool(np.any(ground_under(closed.clip, rig, contacts, closed.travel, holding.ground)))
 
 
 def _same(cut: Cut, loop: Loop) -> bool:
