@@ -39,7 +39,8 @@ from footfix.rig.rig import Rig
 _OTHERS, _APART = 3, 0.2  # next best cuts that are told, whose ends lie elsewhere by more than this share of a round
 _NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
 _SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
-_JOLT, _HELD = 1.5, 3  # times the usual acceleration at a seam, up to which it is well; cuts that are held to get there
+_JOLT, _USUAL = 1.5, 1.0  # times the usual acceleration at a seam, up to which it is well: of one joint, of the median
+_HELD = 3  # cuts that are held to get there
 _SLIDES = 0.002  # [leg lengths] that a foot slides over the seam of a loop whose feet are to be held
 _SPOT = 0.2  # [leg lengths] of travel, less of which is a walk on the spot, whose feet slide on purpose
 _TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
@@ -139,10 +140,15 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     made: list[Loop] = []
     for cut, closed in _calmest(whole, rig, cuts, params)[:_HELD]:
         made.append(_held(whole, rig, contacts, cut, closed, params, holding, len(clip)))
-        if made[-1].seam.worst_ratio <= _JOLT:
+        if _seen(made[-1].seam) <= 1.0:
             break
-    best = min(made, key=lambda loop: loop.seam.worst_ratio)
+    best = min(made, key=lambda loop: _seen(loop.seam))
     return replace(best, others=tuple(cut for cut in cuts if not _same(cut, best))[:_OTHERS])
+
+
+def _seen(seam: Seam) -> float:
+    """How much of a seam is seen, 1 is well: by the joint that is jolted most, and by all of them."""
+    return max(seam.worst_ratio / _JOLT, seam.median_ratio / _USUAL)
 
 
 def _held(
