@@ -63,8 +63,6 @@ def loop_file(
     with about(name):
         proper = motion_proper(clip)
         rigs = find_rigs(clip, settings.rig, proper, skin)
-        if len(rigs) > 1:
-            raise InputError(f"the file holds {len(rigs)} figures; a loop is cut out of the motion of one")
         prepared = prepare(clip, settings, rigs, proper)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)
