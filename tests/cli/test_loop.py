@@ -82,6 +82,13 @@ def test_a_loop_looped_again_is_the_same_file(asked: dict[str, bool]) -> None:
     assert (again.status, again.motion == once.motion) == ("unchanged", True)
 
 
+@pytest.mark.parametrize("name", ["walk", "run", "backwards"])
+def test_of_few_frames_a_second_an_open_loop_is_known_again(name: str) -> None:
+    once = looped(name, open=True)
+    again = loop_file(once.motion, "walk.loop.bvh", Settings(loop=LoopParams(open=True), report=QUIET))
+    assert (again.status, again.motion == once.motion) == ("unchanged", True)
+
+
 def test_the_report_says_what_was_cut_and_keeps_to_its_schema() -> None:
     outputs = looped()
     report, written = outputs.report, decode(outputs.motion)

@@ -253,7 +253,7 @@ def _off_beat(cut: Cut, first: Ints, last: Ints, frames: int) -> Floats:
     (a, b), (c, d) = cut.stands
     told = [c - a] * (a > 0) + [d - b] * (d < frames) or [cut.frames]
     length = last - first[:, None]
-    return np.min([np.abs(length - each) for each in told], axis=0)
+    return np.asarray(np.min([np.abs(length - each) for each in told], axis=0), dtype=np.float64)
 
 
 def jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:
