@@ -122,9 +122,8 @@ class Doubled:
 def _at_rate(clip: Clip, frame_time: float) -> Clip:
     """The same frames at another rate."""
     joints = range(len(clip.skeleton))
-    return Clip.from_tracks(
-        clip.skeleton, [clip.place(joint) for joint in joints], [clip.turn(joint) for joint in joints], frame_time
-    )
+    positions, rotations = [clip.position(joint) for joint in joints], [clip.rotation(joint) for joint in joints]
+    return Clip.from_tracks(clip.skeleton, positions, rotations, frame_time)
 
 
 def doubled(clip: Clip) -> Doubled:
@@ -159,7 +158,7 @@ def _same(clip: Clip) -> Bools:
     """(F - 1,) whether each frame but the first is the one before."""
     same = np.ones(len(clip) - 1, dtype=np.bool_)
     for joint in range(len(clip.skeleton)):
-        for track in (clip.place(joint), clip.turn(joint)):
+        for track in (clip.position(joint), clip.rotation(joint)):
             if track.strides[0]:
                 same &= (np.abs(np.diff(track, axis=0)) <= _SAME).all(axis=1)
         if not same.any():

@@ -33,7 +33,7 @@ QUIET = ReportParams(kind="json")
 
 @cache
 def clip(name: str = "walk", up: str = "y", fps: float = 30.0) -> bytes:
-    made = make(Gait(name=name, duration=4.0, fps=fps)).clip  # type: ignore[arg-type]
+    made = make(Gait(name=name, duration=3.2, fps=fps)).clip  # type: ignore[arg-type]
     return exports.bvh(artefacts.wander(artefacts.drift(made, 0.05), 0.02), Spelling(up=up))
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import Figure, figure_of
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant

@@ -9,7 +9,8 @@ import artefacts
 import numpy as np
 import pytest
 from legmaker import Figure, figure_of
-from walks import cleaned, rig_of, walk
+from walks import cleaned, rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant

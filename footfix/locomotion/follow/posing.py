@@ -189,8 +189,8 @@ def _blended(
     places, turns = list[Floats](), list[Floats]()
     for joint in range(len(one.skeleton)):
         own = below.get(joint, weight)
-        places.append(_mixed(one.place(joint), two.place(joint), seen, own))
-        turns.append(_mixed(one.turn(joint), two.turn(joint), seen, own, turn=True))
+        places.append(_mixed(one.position(joint), two.position(joint), seen, own))
+        turns.append(_mixed(one.rotation(joint), two.rotation(joint), seen, own, turn=True))
     return Clip.from_tracks(one.skeleton, places, turns, frame_time)
 
 
@@ -198,8 +198,8 @@ def _joined(clips: Sequence[Clip]) -> Clip:
     if len(clips) == 1:
         return clips[0]
     joints = range(len(clips[0].skeleton))
-    places = [np.concatenate([clip.place(joint) for clip in clips]) for joint in joints]
-    turns = [np.concatenate([clip.turn(joint) for clip in clips]) for joint in joints]
+    places = [np.concatenate([clip.position(joint) for clip in clips]) for joint in joints]
+    turns = [np.concatenate([clip.rotation(joint) for clip in clips]) for joint in joints]
     return Clip.from_tracks(clips[0].skeleton, places, turns, clips[0].frame_time)
 
 

@@ -150,10 +150,10 @@ def _offset(
     some = np.flatnonzero((fade.value_ahead > 0.0) | (fade.value_behind > 0.0))
     near = fade.frames(some)
     moves, spins = below
-    places = _tracks(clip.place, moves.joints)
+    places = _tracks(clip.position, moves.joints)
     if moves.joints:
         places[:, some] += near.ahead(moves.value, moves.speed) + near.behind(moves.value, moves.speed)
-    turns = _tracks(clip.turn, spins.joints)
+    turns = _tracks(clip.rotation, spins.joints)
     if spins.joints:
         joined = rotation.from_rotation_vector(near.ahead(spins.value) + near.behind(spins.value))
         smooth = rotation.from_rotation_vector(near.ahead(speed=spins.speed) + near.behind(speed=spins.speed))
@@ -182,7 +182,7 @@ def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
     joints = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in joints:
-        for track, into in ((clip.place(joint), places), (clip.turn(joint), turns)):
+        for track, into in ((clip.position(joint), places), (clip.rotation(joint), turns)):
             if np.any(track[-1] != track[0]):
                 into[joint] = np.array(track, order="F")
                 into[joint][-1] = track[0]
@@ -220,12 +220,12 @@ def _blended(clip: Clip, rig: Rig, root: int, cut: Cut, travel: Travel) -> Close
     for joint in range(len(clip.skeleton)):
         if joint in clip.skeleton.ancestors(root):
             continue
-        place, turn = clip.place(joint), clip.turn(joint)
+        place, turn = clip.position(joint), clip.rotation(joint)
         if np.any(place[a] != place[b]):
-            places[joint] = np.array(out.place(joint), order="F")
+            places[joint] = np.array(out.position(joint), order="F")
             places[joint][where] = (1.0 - w)[:, None] * place[a] + w[:, None] * place[b]
         if np.any(turn[a] != turn[b]):
-            turns[joint] = np.array(out.turn(joint), order="F")
+            turns[joint] = np.array(out.rotation(joint), order="F")
             turns[joint][where] = rotation.slerp(turn[a], turn[b], w)
     out = out.with_joints(places, turns)
     place, turn = _root_blended(clip, root, a, b, w, travel)

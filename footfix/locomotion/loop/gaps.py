@@ -46,7 +46,7 @@ def gaps_below(clip: Clip, root: int, start: int, end: int) -> tuple[Gap, Gap]:
     joints = tuple(j for j in range(len(clip.skeleton)) if j not in clip.skeleton.ancestors(root))
     (at_a, weight_a), (at_b, weight_b) = (_beside(frame, len(clip), clip.frame_time) for frame in (start, end))
     found = []
-    for track, gap in ((clip.place, _place_gap), (clip.turn, _turn_gap)):
+    for track, gap in ((clip.position, _place_gap), (clip.rotation, _turn_gap)):
         a, b = (np.array([track(j)[at] for j in joints]).reshape(len(joints), len(at), -1) for at in (at_a, at_b))
         found.append(Gap(joints, *gap((a, start - at_a[0], weight_a), (b, end - at_b[0], weight_b))).some())
     return found[0], found[1]

@@ -40,10 +40,10 @@ def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
     travel = travel_between((place[0], turn[0]), (place[2], turn[2]))
     again, turned = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
     below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
-    turns = np.stack([few.turn(joint) for joint in below], axis=1)
+    turns = np.stack([few.rotation(joint) for joint in below], axis=1)
     off = rotation.angle(rotation.multiply(turns[2], rotation.inverse(turns[0]))).max(initial=0.0)
     off = max(off, float(rotation.angle(rotation.multiply(turn[2], rotation.inverse(turned)))))
-    far = max((float(np.abs(few.place(j)[2] - few.place(j)[0]).max()) for j in below), default=0.0)
+    far = max((float(np.abs(few.position(j)[2] - few.position(j)[0]).max()) for j in below), default=0.0)
     far = max(far, float(np.abs(place[2] - again).max()))
     goes = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0]))).max(initial=0.0) > _STILL
     return travel if goes and off <= _TURNED and far <= _MOVED * rig.leg_length else None
@@ -98,7 +98,7 @@ def _leads_on(clip: Clip, rig: Rig) -> bool:
     """Whether a step from the last frame to the first is what the steps before and after it make one expect."""
     root = carrier(clip, rig)
     below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
-    turns = np.stack([clip.turn(joint) for joint in below], axis=1)  # (F, J, 4)
+    turns = np.stack([clip.rotation(joint) for joint in below], axis=1)  # (F, J, 4)
     every = np.concatenate([turns[-2:], turns, turns[:2]])
     steps = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(every[:-1]), every[1:]))
     usual = _size(steps[2:-2])

@@ -65,7 +65,7 @@ def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[f
     """
     place = figure(clip.frames(np.array([start, end])), rig)
     far = float(np.linalg.norm(place[1] - travel.places(place[0]), axis=1).max())
-    turns = np.stack([clip.turn(joint)[[start, end]] for joint in range(len(clip.skeleton))], axis=1)
+    turns = np.stack([clip.rotation(joint)[[start, end]] for joint in range(len(clip.skeleton))], axis=1)
     below = clip.skeleton.parents >= 0
     turned = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0])))[below]
     return far, float(turned.max(initial=0.0))
@@ -76,7 +76,7 @@ def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
     moved = float(np.linalg.norm(figure(after, rig) - figure(before, rig), axis=2).max(initial=0.0))
     turned = 0.0
     for joint in range(len(before.skeleton)):
-        old, new = before.turn(joint), after.turn(joint)
+        old, new = before.rotation(joint), after.rotation(joint)
         if old is not new:
             turned = max(turned, float(rotation.angle(rotation.multiply(new, rotation.inverse(old))).max(initial=0.0)))
     return moved, turned

@@ -78,7 +78,7 @@ class Travel:
 def carrier(clip: Clip, rig: Rig) -> int:
     """The joint that carries figure and all through the world: the root, or what moves above it, as in game engines."""
     for joint in reversed(clip.skeleton.ancestors(rig.root)):
-        if any(len(track) and np.any(track != track[0]) for track in (clip.place(joint), clip.turn(joint))):
+        if any(len(track) and np.any(track != track[0]) for track in (clip.position(joint), clip.rotation(joint))):
             return joint
     return rig.root
 
