@@ -65,8 +65,6 @@ def loop_file(
     with about(name):
         frame_range = motion_range(clip)
         rigs = find_rigs(clip, settings.rig, frame_range, skin)
-        if len(rigs) > 1:
-            raise InputError(f"the file holds {len(rigs)} figures; a loop is cut out of the motion of one")
         prepared = prepare(clip, settings, rigs, frame_range)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)
