@@ -78,7 +78,7 @@ def run_fit(
 
 
 def _style(source: Source, styles: Mapping[str, str]) -> str:
-    """The style of a file: by the first glob that it matches, else the folder it lies in, below the one named."""
+    """Find the style of a file: by the first glob that it matches, else the folder it lies in, below the one named."""
     for glob, name in styles.items():
         if any(fnmatchcase(each, glob) for each in (source.below.as_posix(), source.below.name)):
             return name
@@ -87,7 +87,7 @@ def _style(source: Source, styles: Mapping[str, str]) -> str:
 
 
 def check_output(output: Path, ends: Sequence[str], inputs: Sequence[str], *, force: bool) -> None:
-    """See that a file can be written.
+    """Make sure that a file can be written.
 
     Raises:
         UsageError: it ends otherwise, is an input, or is there.

@@ -11,7 +11,7 @@ _SAID = ("kinks-rounded", "path-ends", "blend-cut", "too-fast", "feet-let-go")
 
 
 def follow_lines(report: Report) -> list[str]:
-    """A few lines about walks along a path; none where the report is not about them."""
+    """Write a few lines about walks along a path; none where the report is not about them."""
     follow = section(report, "follow")
     if not follow:
         return []
@@ -20,7 +20,7 @@ def follow_lines(report: Report) -> list[str]:
 
 
 def path_of(report: Report) -> list[list[float]] | None:
-    """The path that was walked, [x, z] [m], for the page's view from above; None where the report is not about one."""
+    """Give the path that was walked, [x, z] [m], for the page's view from above; None where none was."""
     points = section(section(report, "follow"), "path").get("points_m")
     if not isinstance(points, list):
         return None

@@ -67,8 +67,8 @@ def mixed_clip(
     places, turns = list[Floats](), list[Floats]()
     for joint in range(len(clips[0].skeleton)):
         one, two, own = joints.get(joint, (*clips, weight))
-        places.append(mixed(one.place(joint), two.place(joint), seen, own))
-        turns.append(mixed(one.turn(joint), two.turn(joint), seen, own, turn=True))
+        places.append(mixed(one.position(joint), two.position(joint), seen, own))
+        turns.append(mixed(one.rotation(joint), two.rotation(joint), seen, own, turn=True))
     return Clip.from_tracks(clips[0].skeleton, places, turns, clips[0].frame_time)
 
 
@@ -77,6 +77,6 @@ def joined(clips: Sequence[Clip]) -> Clip:
     if len(clips) == 1:
         return clips[0]
     joints = range(len(clips[0].skeleton))
-    places = [np.concatenate([clip.place(joint) for clip in clips]) for joint in joints]
-    turns = [np.concatenate([clip.turn(joint) for clip in clips]) for joint in joints]
+    places = [np.concatenate([clip.position(joint) for clip in clips]) for joint in joints]
+    turns = [np.concatenate([clip.rotation(joint) for clip in clips]) for joint in joints]
     return Clip.from_tracks(clips[0].skeleton, places, turns, clips[0].frame_time)

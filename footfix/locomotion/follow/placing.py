@@ -78,8 +78,8 @@ def lay_body(posed: Posed, ground: Ground, lean: Lean) -> Clip:
     tangent = rotation.rotate(ground.turn, np.array([0.0, 0.0, 1.0]))
     back = rotation.from_axis_angle(tangent, lean.share * phi)
     local = rotation.multiply(rotation.inverse(above), rotation.multiply(back, above))
-    local = rotation.multiply(local, laid.turn(neck))
-    return laid.with_joints({}, {neck: np.where((phi != 0.0)[:, None], local, laid.turn(neck))})
+    local = rotation.multiply(local, laid.rotation(neck))
+    return laid.with_joints({}, {neck: np.where((phi != 0.0)[:, None], local, laid.rotation(neck))})
 
 
 @dataclass(frozen=True, eq=False)

@@ -213,8 +213,8 @@ def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
     """What makes of a clip another one whose body is somewhere else and whose legs are bent otherwise."""
     shift = root_in_world(clip, rig.root)[0] - root_in_world(laid, rig.root)[0]
     joints = [joint for leg in rig.legs for joint in (*leg.chain, *(() if leg.toe is None else (leg.toe,)))]
-    turned = [joint for joint in joints if np.any(clip.turn(joint) != laid.turn(joint))]
-    turns = np.stack([clip.turn(joint) for joint in turned], axis=1) if turned else np.zeros((len(clip), 0, 4))
+    turned = [joint for joint in joints if np.any(clip.rotation(joint) != laid.rotation(joint))]
+    turns = np.stack([clip.rotation(joint) for joint in turned], axis=1) if turned else np.zeros((len(clip), 0, 4))
     return Correction(rig.root, shift, tuple(turned), turns)
 
 

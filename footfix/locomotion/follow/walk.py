@@ -98,8 +98,8 @@ class Walk:
         joints = range(len(self.clip.skeleton))
         places, turns = list[Floats](), list[Floats]()
         for joint in joints:
-            places.append(self._track(self.clip.place(joint), within))
-            turns.append(rotation.normalize(self._track(self.clip.turn(joint), within, turn=True)))
+            places.append(self._track(self.clip.position(joint), within))
+            turns.append(rotation.normalize(self._track(self.clip.rotation(joint), within, turn=True)))
         return Clip.from_tracks(self.clip.skeleton, places, turns, self.clip.frame_time)
 
     def _track(self, track: Floats, frames: Floats, *, turn: bool = False) -> Floats:
