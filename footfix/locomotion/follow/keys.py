@@ -17,7 +17,8 @@ from footfix.motion.spline import Cubic, monotone
 class Keys:
     """The key-times of a walk (K 6.1): its frame at each moment of a generic stride, and back.
 
-    K leads linearly from key to key; here a monotone cubic does, so that no foot changes its speed at a key.
+    K leads linearly from key to key, F(t) = F_i + (F_i+1 - F_i) (t - K_i) / (K_i+1 - K_i); here a monotone cubic does,
+    so that no foot changes its speed at a key.
 
     Args:
         times: (n,) generic times [strides] of the keys of a round, from 0.
@@ -68,7 +69,7 @@ def stance_of(walk: Walk, keys: Keys, leg: int) -> tuple[float, float] | None:
 
 
 def in_step(time: Floats, strike: float, stands: Floats, own: float) -> Floats:
-    """(F,) generic times [strides] at which a leg that stands for `own` is where one is that stands for `stands`.
+    """Find (F,) generic times [strides] at which a leg that stands for `own` is where one is that stands for `stands`.
 
     Middle of stance to middle of stance, strike to strike, lift to lift, by tan(pi u') = k tan(pi u): the smoothest map
     of a circle that does.
@@ -87,7 +88,7 @@ def in_step(time: Floats, strike: float, stands: Floats, own: float) -> Floats:
 
 
 def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
-    """Key-times of walks: strikes of every leg, and lifts where all walks have them in one order.
+    """Find key-times of walks (K 6.1): strikes of every leg, and lifts where all walks have them in one order.
 
     Walks of unlike numbers of strides are aligned stride by stride, which is what K's shorter clip as go-between does.
     """

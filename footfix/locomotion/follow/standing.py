@@ -22,12 +22,12 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 
 def firmness(curvature: Floats) -> Floats:
-    """(F,) 0 on straight paths, where feet stand as captured, to 1 on curves, where they neither slide nor turn."""
+    """Tell (F,) from 0 on straight paths, where feet stand as captured, to 1 on curves, where they are held."""
     return ease(np.abs(curvature) / _TURNS)
 
 
 def yaws(turn: Floats, ahead: Floats) -> Floats:
-    """(3, F) [rad] how far a foot turns about the vertical, as it can be read in three ways.
+    """Tell (3, F) [rad] how far a foot turns about the vertical, in the three ways in which it can be read.
 
     They are one while it lies flat, and differ while it rolls over its toes: its direction seen from above, which
     means little once the heel is high; the turn about the vertical of the whole rotation; and the direction of the
@@ -48,7 +48,7 @@ def yaws(turn: Floats, ahead: Floats) -> Floats:
 
 
 def fair(readings: Floats) -> Floats:
-    """(F,) [rad] the turn that makes the largest of readings (N, F) smallest, while none grows past `_SLACK`."""
+    """Find (F,) [rad] the turn that makes the largest of readings (N, F) smallest, while none grows past `_SLACK`."""
     most = np.maximum(np.abs(readings), _SLACK)
     centre = -0.5 * (readings.min(axis=0) + readings.max(axis=0))
     return np.asarray(np.clip(centre, (-readings - most).max(axis=0), (most - readings).min(axis=0)))
@@ -57,7 +57,7 @@ def fair(readings: Floats) -> Floats:
 def unturned(
     turn: Floats, ankle: Floats, heel: Floats, toes: Bools, steps: Steps, share: Floats, frame_time: float
 ) -> tuple[Floats, Floats]:  # fmt: skip
-    """By how much a foot is turned about the vertical so that it does not turn while it stands.
+    """Find by how much a foot is turned about the vertical so that it does not turn while it stands.
 
     One rigid frame of the path carries a stance, so that a foot turns as in the straight walk. What it turned there is
     taken out as far as it turns less then however one looks at it: all of it while it lies flat (K 7.1 gives a plant
@@ -93,18 +93,21 @@ def unturned(
         yaw[b : b + aft] += _decay(fix[::-1], aft)
         yaw[a - fore : a] += _decay(fix, fore)[::-1]
         down = np.flatnonzero(toes[a:b])
-        if not len(down) or down[0] == 0:
-            continue
-        rolls = slice(a, a + int(down[0]) + 1)
-        moved = rotation.rotate(rotation.about_vertical(yaw[rolls]), heel[rolls]) - heel[rolls]
-        fix = moved[-1] - moved  # the heel is as far from its place as when the toe comes down
-        shift[rolls] += fix
-        shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in fix.T], axis=1)
+        if len(down) and down[0] > 0:
+            about_heel = _about_heel(yaw, heel, slice(a, a + int(down[0]) + 1))
+            shift[a : a + len(about_heel)] += about_heel
+            shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in about_heel.T], axis=1)
     return yaw, shift
 
 
+def _about_heel(yaw: Floats, heel: Floats, rolls: slice) -> Floats:
+    """(n, 3) [m] by which the toe is moved so that the heel is as far from its place as when the toe comes down."""
+    moved = rotation.rotate(rotation.about_vertical(yaw[rolls]), heel[rolls]) - heel[rolls]
+    return np.asarray(moved[-1] - moved)
+
+
 def unslid(toe: Floats, toes: Bools, share: Floats, frame_time: float) -> Floats:
-    """(F, 3) [m] by which a toe is moved over the floor so that it stands in one place while it is planted.
+    """Find (F, 3) [m] by which a toe is moved over the floor so that it stands in one place while it is planted.
 
     Args:
         toe: (F, 3) [m] in the frame that carries it.

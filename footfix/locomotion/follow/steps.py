@@ -83,7 +83,11 @@ class Ground:
         return rotation.about_vertical(self.heading)
 
     def lay(self, points: Floats) -> Floats:
-        """(F, 3) [m] in the world of points (F, 3) [m] that walk along z."""
+        """Lay points (F, 3) [m] that walk along z in the world, (F, 3) [m], by displacement mapping (K 6.3).
+
+        r_o = r_m + R(theta_m) R(theta^)^-1 (r_i - r^_i): what a point is off its reference line is turned along with
+        the path; the printed equation leaves it unturned. The reference line is z here.
+        """
         c, s = np.cos(self.heading), np.sin(self.heading)
         left, ahead = points[:, 0] + self.aside, points[:, 2]
         x = self.place[:, 0] + left * c + ahead * s
@@ -97,7 +101,7 @@ def ground_at(path: Path, s: Floats, aside: Floats) -> Ground:
 
 
 def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:
-    """(F,) [m] heights of a foot that is lifted less where strides are shorter (K 7.2).
+    """Give (F,) [m] heights of a foot that is lifted less where strides are shorter (K 7.2).
 
     Args:
         height: (F,) [m] as captured.
@@ -115,7 +119,7 @@ def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:
 
 
 def reach_lack(hips: Sequence[Floats], ankles: Sequence[Floats], farthest: Sequence[Floats]) -> Floats:
-    """(F,) [m] by how much a figure is to be lowered so that no leg is stretched too far.
+    """Tell (F,) [m] by how much a figure is to be lowered so that no leg is stretched too far.
 
     Args:
         hips, ankles: for each leg (F, 3) [m], the ankle where it is to be.
@@ -131,7 +135,7 @@ def reach_lack(hips: Sequence[Floats], ankles: Sequence[Floats], farthest: Seque
 
 
 def envelope(lack: Floats, width: int) -> Floats:
-    """(F,) [m] a smooth curve that is nowhere below `lack` (F,) [m]: the largest within a window, in the mean."""
+    """Draw (F,) [m] a smooth curve that is nowhere below `lack` (F,) [m]: the largest within a window, in the mean."""
     if not np.any(lack):
         return lack
     half = max(2, width // 2)

@@ -178,7 +178,7 @@ def lay_blends(
 def time_at(
     gone: float, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
 ) -> float:  # fmt: skip
-    """[s] after which walks have gone so far [m], whatever curves take."""
+    """Tell [s] after which walks have gone so far [m], whatever curves take."""
     piece = START
     for blend in lay_blends(walks, keys, paces, wanted):
         if gone <= blend.gone[0]:

@@ -179,7 +179,7 @@ def _off_the_belt(loop: Loop) -> Travel:
 
 
 def pelvis_of(clip: Clip, rig: Rig) -> Floats:
-    """(F, 3) [m] the pelvis in the world."""
+    """Track (F, 3) [m] the pelvis in the world."""
     return forward(clip, [rig.pelvis]).position(rig.pelvis)
 
 
