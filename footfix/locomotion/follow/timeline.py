@@ -230,5 +230,26 @@ def _blend(
     dt = [step * walks[k].clip.frame_time * paces[k].time for k, step in zip((a, b), steps, strict=True)]
     ds = [step * walks[k].length * paces[k].stride / walks[k].frames for k, step in zip((a, b), steps, strict=True)]
     times = change.start + np.append(0.0, np.cumsum((1.0 - part) * dt[0] + part * dt[1]))
+    if not same:
+        step = walks[b].clip.frame_time * paces[b].time
+        times = _on_whole_frames(times, float(two[-1]), step, walks[0].clip.frame_time)
     far = gone[0] + np.append(0.0, np.cumsum((1.0 - part) * ds[0] + part * ds[1]))
     return Blend(piece, Piece(b, float(times[-1]), float(two[-1]), float(far[-1])), times, (one, two), weight, far)
+
+
+def _on_whole_frames(times: Floats, frame: float, step: float, frame_time: float) -> Floats:
+    """Stretch a blend by up to half a frame, (n,) [s], so that the next walk shows its very frames after it.
+
+    Between them a foot that strikes is less sharp, or sharper.
+
+    Args:
+        times: (n,) [s] of the blend.
+        frame: of the next walk at its end.
+        step: [s] that a frame of it takes.
+        frame_time: [s].
+    """
+    if abs(step - frame_time) > 1e-6 * frame_time:
+        return times
+    off = times[-1] / frame_time - frame
+    longer = (round(off) - off) * frame_time / (times[-1] - times[0])
+    return np.asarray(times[0] + (1.0 + longer) * (times - times[0]))

@@ -165,6 +165,8 @@ def test_strikes_come_together_and_feet_stand_while_one_walk_takes_over(path: st
     usual = [np.linalg.norm(np.diff(places(each.clip), n=2, axis=0), axis=2).mean(axis=1) / each.clip.frame_time**2
              for each in pair]  # fmt: skip
     some = slice(round(change.start / found.clip.frame_time), round(change.end / found.clip.frame_time))
+    last, own = (places(each) - places(each)[:, :1] for each in (found.straight.frames(np.array([-1])), pair[1].clip))
+    assert min(float(np.abs(last - each).max()) for each in own) < 1e-9  # its very frames, not between them
     assert second[some].max() <= 1.1 * max(float(np.percentile(each, 99)) for each in usual)
 
 
