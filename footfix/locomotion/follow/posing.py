@@ -21,6 +21,7 @@ from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
 _BRIEF = 0.06  # [s] a gap in a contact that is shorter is none
+_LEADS = 0.12  # [s] after the middle of a stance, at which its weight is told
 _ROUNDS = 3  # in which lengths of stances and weights are told by each other
 _ALIKE = 0.01  # [strides] by which stances of two walks may differ and still be of one length
 
@@ -72,8 +73,7 @@ class Posed:
 def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
     """Take the poses of a timeline from its walks.
 
-    A foot is blended by the weight of the moment that carries it, the middle of its stance: so it stands still in a
-    blend, too.
+    A foot is blended by one weight throughout its stance: so it stands still in a blend, too.
 
     Args:
         walks: with one skeleton, on one floor.
@@ -81,7 +81,7 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
     """
     rig = walks[0].rig
     steps = _steps(walks, timeline)
-    parts = [_zone(walks, timeline.keys, zone, [each.moment for each in steps]) for zone in timeline.zones]
+    parts = [_zone(walks, timeline, zone, [each.moment for each in steps]) for zone in timeline.zones]
     feet = tuple(
         Foot(each, *(np.concatenate([part.feet[k][n] for part in parts]) for n in range(4)))
         for k, each in enumerate(steps)
@@ -113,7 +113,7 @@ def _steps(walks: Sequence[Walk], timeline: Timeline) -> list[Steps]:
             down = [_in_zone(walks, timeline.keys, zone, leg, weight)[1][:, own]
                     for zone, weight in zip(timeline.zones, weights, strict=True)]  # fmt: skip
             steps = find_steps(np.asarray(np.concatenate(down).any(axis=1)), timeline.frame_time)
-            weights = [_weight(zone, steps.moment) for zone in timeline.zones]
+            weights = [_weight(zone, steps.moment, timeline.frame_time) for zone in timeline.zones]
         found.append(steps)
     return found
 
@@ -138,9 +138,12 @@ def _sure(walks: Sequence[Walk], zone: Zone) -> Floats:
     return np.where(zone.weight[zone.frames][:, None] >= 0.5, two, one)
 
 
-def _weight(zone: Zone, moment: Floats) -> Floats:
-    """(F,) the weight of the moment that carries a leg."""
-    return np.interp(moment, np.arange(len(zone.weight)), zone.weight)
+def _weight(zone: Zone, moment: Floats, frame_time: float) -> Floats:
+    """(F,) the weight of a little after the moment that carries a leg, when it lifts.
+
+    A leg that lags behind the body is still down where that takes off already, and its knee is torn along.
+    """
+    return np.interp(moment + _LEADS / frame_time, np.arange(len(zone.weight)), zone.weight)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,9 +153,9 @@ class _Part:
     planted: Bools
 
 
-def _zone(walks: Sequence[Walk], keys: Sequence[Keys], zone: Zone, moments: Sequence[Floats]) -> _Part:
+def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequence[Floats]) -> _Part:
     """The poses, the feet and what is planted in a zone."""
-    some, own = zone.frames, [_weight(zone, moment) for moment in moments]
+    some, own = zone.frames, [_weight(zone, moment, timeline.frame_time) for moment in moments]
     every = np.stack([zone.weight, *own])[:, some]
     pair = tuple(walks[k] for k in zone.walks)
     alone = pair[0] is pair[1] and zone.at[0] is zone.at[1]
@@ -164,7 +167,7 @@ def _zone(walks: Sequence[Walk], keys: Sequence[Keys], zone: Zone, moments: Sequ
     feet, below = list[tuple[Floats, ...]](), dict[int, tuple[Clip, Clip, Floats]]()
     planted = np.zeros((some.stop - some.start, len(rig.soles)), dtype=np.bool_)
     for k, (leg, weight, moment) in enumerate(zip(rig.legs, own, moments, strict=True)):
-        at, down = _in_zone(walks, keys, zone, k, weight)
+        at, down = _in_zone(walks, timeline.keys, zone, k, weight)
         posed = tuple(
             clip if np.array_equal(mine[some], usual[some]) else walk.at(mine[some][use])
             for walk, clip, mine, usual, use in zip(pair, clips, at, zone.at, seen, strict=True)
