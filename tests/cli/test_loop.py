@@ -154,7 +154,8 @@ def test_a_file_without_legs_and_one_of_a_few_frames_get_a_clear_word(tmp_path: 
 
 
 def test_a_file_of_two_figures_is_refused_with_what_to_do(tmp_path: Path, run: Run) -> None:
-    both = side_by_side(clip(), exports.bvh(artefacts.turned(make(Gait(duration=3.2, fps=30)).clip, 0.4, (2.0, 1.0))))
+    one = make(Gait(duration=4.0, fps=30)).clip
+    both = side_by_side(exports.bvh(one), exports.bvh(artefacts.turned(one, 0.4, (2.0, 1.0))))
     (tmp_path / "two.bvh").write_bytes(both)
     code, _, said = run("loop", tmp_path / "two.bvh")
     assert code == 3
