@@ -76,12 +76,17 @@ def whole_cycle(clip: Clip, rig: Rig) -> Clip | None:
     return clip if found is not None and found.frames == len(clip) - 1 else completed(clip, rig)
 
 
-def completed(clip: Clip, rig: Rig) -> Clip | None:
+def completed(clip: Clip, rig: Rig, held: bool = False) -> Clip | None:
     """A cycle whose last frame is a step before its first one, with the frame that it lacks; None where it is no cycle.
 
     How far the root goes in that step is what it goes in the one before it.
+
+    Args:
+        clip: F frames.
+        rig: its root and size.
+        held: whether its feet were put to rest by a program, as those of a loop are: the step may then bend more.
     """
-    if len(clip) < _FEWEST or not _leads_on(clip, rig):
+    if len(clip) < _FEWEST or not _leads_on(clip, rig, _BENDS if held else _LEADS):
         return None
     root = carrier(clip, rig)
     frames = np.append(np.arange(len(clip)), 0)
@@ -94,8 +99,14 @@ def completed(clip: Clip, rig: Rig) -> Clip | None:
     return with_root(clip.frames(frames), root, place, turn)
 
 
-def _leads_on(clip: Clip, rig: Rig) -> bool:
-    """Whether a step from the last frame to the first is what the steps before and after it make one expect."""
+def _leads_on(clip: Clip, rig: Rig, bends_most: float) -> bool:
+    """Whether a step from the last frame to the first is what the steps before and after it make one expect.
+
+    Args:
+        clip: F frames.
+        rig: its root and size.
+        bends_most: of the usual step, by which it may differ from those beside it where others do, too.
+    """
     root = carrier(clip, rig)
     below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     turns = np.stack([clip.rotation(joint) for joint in below], axis=1)  # (F, J, 4)
@@ -103,7 +114,7 @@ def _leads_on(clip: Clip, rig: Rig) -> bool:
     steps = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(every[:-1]), every[1:]))
     usual = _size(steps[2:-2])
     bends = np.sqrt(np.mean(np.sum((steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])) ** 2, axis=-1), axis=-1))
-    most = max(_LEADS * usual, min(float(bends[2:-2].max()), _BENDS * usual))
+    most = max(_LEADS * usual, min(float(bends[2:-2].max()), bends_most * usual))
     height = root_in_world(clip, root)[0][[-2, -1, 0, 1], 1]
     moves = usual > _STILL / 10.0 and min(_size(steps[0]), _size(steps[2])) >= _MOVES * usual
     rise = np.diff(height)

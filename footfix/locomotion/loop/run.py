@@ -213,7 +213,7 @@ def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding
     whole: Clip | None = clip
     travel = closed_travel(clip, rig)
     if travel is None:
-        whole = completed(clip, rig) if params.open else None
+        whole = completed(clip, rig, held=put_to_rest(clip, rig, contacts)) if params.open else None
         travel = None if whole is None else closed_travel(whole, rig)
     if whole is None or travel is None:
         return None
