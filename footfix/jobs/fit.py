@@ -15,8 +15,8 @@ from footfix.errors import InputError
 from footfix.formats.document import Beside
 from footfix.jobs.contacts import find_contacts
 from footfix.jobs.source import about, read
-from footfix.locomotion.cycles.eigencycles import SpaceParams
 from footfix.locomotion.cycles.fit import make_model
+from footfix.locomotion.cycles.fit_space import SpaceParams
 from footfix.locomotion.cycles.leave_out import LeftOut
 from footfix.locomotion.cycles.model import CycleModel, Origin
 from footfix.locomotion.cycles.samples import Sample, SampleParams, sample_cycles

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.locomotion.cycles.eigencycles import GaitSpace, SpaceParams, aligned, fit_space, make_code
+from footfix.locomotion.cycles.eigencycles import GaitSpace
+from footfix.locomotion.cycles.fit_space import SpaceParams, aligned, fit_space, make_code
 from footfix.locomotion.cycles.leave_out import LeftOut, degree_for, leave_out
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel, Origin
