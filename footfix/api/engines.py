@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +92,8 @@ class Engine:
         self._plan = self._row(speed, run, turn, style)
         self._until = _KNOWN
         self._foreseen = foresee(self.model, self._plan, line, Point(), self._until)
+        self._led: Floats | None = None  # how the feet are led off the cycle now
+        self._asked = False  # whether something else is, that is not foreseen yet
         self._at_rest = frozen(self.model.skeleton.offsets)
 
     @property
@@ -120,25 +122,23 @@ class Engine:
         if not np.isfinite(over) or over < 0.0:
             raise ArgumentError(f"over must be the seconds that a change takes, not {over!r}")
         last = self._plan.at(self._plan.times[-1:])
-        new = self._row(speed, run, turn, style) if speed is not None else self._row(1.0, run, turn, style)
-        row = Plan(
-            last.times,
-            last.speed if speed is None else new.speed,
-            last.run if run is None else new.run,
-            last.turn if turn is None else new.turn,
-            last.style if style is None else new.style,
-        )
-        self._plan = self._plan.changed(self.time, max(over, SOONEST), row)
-        self._foresee(_KNOWN)
+        new = self._row(last.speed[0] if speed is None else speed, run, turn, style)
+        names = ("speed", "run", "turn", "style")
+        given = {n: getattr(new, n) for n, v in zip(names, (speed, run, turn, style), strict=True) if v is not None}
+        self._plan = self._plan.changed(self.time, max(over, SOONEST), replace(last, **given))
+        self._asked = True
 
     def step(self, dt: float) -> Frame:
         """Go on by `dt` [s], and give the posture then."""
         if not 0.0 <= dt < 10.0:
             raise ArgumentError(f"dt must be the seconds since the last frame, not {dt!r}")
+        self._as_asked()
         self.time += dt
         if self._until - self.time < _LEAST:
+            self._led = None
             self._foresee(_LONG)
         found = postures(self.model, self._foreseen, np.array([self.time]))
+        self._led = found.led[0]
         down = dict(zip(found.names, found.contacts[0].tolist(), strict=True))
         return Frame(self.time, self._places(found)[0], frozen(found.turns[0]), down)
 
@@ -151,6 +151,7 @@ class Engine:
         """
         if not 0.0 < seconds <= 60.0 or frames < 1:
             raise ArgumentError(f"ahead needs up to 60 seconds and a frame at least, not {seconds!r} and {frames!r}")
+        self._as_asked()
         if self._until < self.time + seconds:
             self._foresee(seconds + _LEAST)
         times = np.linspace(self.time, self.time + seconds, frames)
@@ -174,12 +175,18 @@ class Engine:
         weights = ({style: 1.0} if style else {}) if isinstance(style, str) else style
         return plan_of([PlanRow(0.0, speed, run, turn, weights)], self.model)
 
+    def _as_asked(self) -> None:
+        if self._asked:
+            self._foresee(_KNOWN)
+            self._asked = False
+
     def _foresee(self, seconds: float) -> None:
         self._until = self.time + seconds
         kept = np.append(self._plan.times[1:] > self.time - 4.0, True)  # what is long past is forgotten
         names = ("times", "speed", "run", "turn", "style")
         self._plan = Plan(*(getattr(self._plan, name)[kept] for name in names))
-        self._foreseen = changed(self.model, self._foreseen, self._plan, self.time, self._until)
+        now = self._foreseen.course.point(self.time)
+        self._foreseen = changed(self.model, self._foreseen, self._plan, now, self._until, self._led)
 
     def _places(self, found: Postures) -> Floats:
         places = np.tile(self._at_rest, (len(found), 1, 1))
@@ -189,11 +196,11 @@ class Engine:
     def _plants(self, seconds: float) -> dict[str, tuple[tuple[float, float, tuple[float, float, float]], ...]]:
         out = {}
         for sole in self.rig.soles:
-            own = []
+            own, part = [], int(sole.part == "toe")
             for stance in self._foreseen.feet.stances[sole.leg]:
-                span = stance.span(sole.part)
+                span = stance.spans[part]
                 if span is not None and span[1] > self.time and span[0] <= self.time + seconds:
-                    x, y, z = (stance.heel_place if sole.part == "heel" else stance.toe_place).tolist()
+                    x, y, z = stance.points[part].tolist()
                     own.append((*span, (x, y, z)))
             out[sole.name] = tuple(own)
         return out

@@ -96,10 +96,10 @@ def make(model: CycleModel, plan: Plan, *, seconds: float, fps: float, line: Lin
     times = np.arange(round(seconds * fps) + 1) / fps
     foreseen = foresee(model, plan, line, Point(), float(times[-1]))
     found = postures(model, foreseen, times)
-    place, turns = free_postures(model, foreseen.course, times)
+    as_cycles = free_postures(model, foreseen.course, times)
     clip = found.clip(model, 1.0 / fps)
     contacts = model.rig.no_contacts(clip).with_mask(found.contacts)
-    free = replace(found, place=place, turns=turns).clip(model, 1.0 / fps)
+    free = replace(found, place=as_cycles.place, turns=as_cycles.turns).clip(model, 1.0 / fps)
     return Made(clip, free, replace(contacts, method="cycles"), foreseen, found)
 
 

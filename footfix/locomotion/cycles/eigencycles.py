@@ -17,6 +17,7 @@ from footfix.locomotion.cycles.samples import Gait, Sample
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, frozen
 
+SLOWEST = 1e-3  # v / sqrt(g l), of which a frequency is told
 CONTACT_RANGE, CONTACT_SPEEDS = 1.6, 9  # how far beyond the range of speeds contacts are told, and at how many
 
 
@@ -126,7 +127,7 @@ class GaitSpace:
 
     def frequencies(self, speed: Floats, style: Floats) -> Floats:
         """(T,) cycles in the time sqrt(l / g), at speeds (T,) and weights of styles (T, S)."""
-        log = self.frequency[0] + self.frequency[1] * np.log(np.maximum(speed, 1e-3)) + style @ self.frequency[2:]
+        log = self.frequency[0] + self.frequency[1] * np.log(np.maximum(speed, SLOWEST)) + style @ self.frequency[2:]
         return np.asarray(np.exp(log))
 
     def contact_phases(self, speed: Floats) -> Floats:

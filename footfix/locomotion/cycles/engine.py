@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.ease import gamma
+from footfix.enforce.papers.ease import replanned
 from footfix.locomotion.cycles.feet import SIGMA, Feet, goals, lowered, make_feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
-from footfix.locomotion.cycles.model import CycleModel, place_of_root
+from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course, Line, Plan, Point, make_course
-from footfix.locomotion.cycles.stance import HELD, Span, Stance, sample_times, settled
+from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 
@@ -38,6 +38,7 @@ class Postures:
         turns: (T, J, 4) xyzw each joint's rotation in its parent's frame.
         contacts: (T, E) whether each effector is planted.
         names: of the effectors.
+        led: (T, L, Q, 3) how the feet are led off the cycle.
     """
 
     times: Floats
@@ -45,6 +46,7 @@ class Postures:
     turns: Floats
     contacts: Bools
     names: tuple[str, ...]
+    led: Floats
 
     def __len__(self) -> int:
         return len(self.times)
@@ -71,11 +73,6 @@ class Residual:
     until: Floats
     value: Floats
 
-    def at(self, times: Floats) -> Floats:
-        """(T, L, Q, 3) what is left of it."""
-        u = (times[:, None, None] - self.since) / (self.until - self.since)
-        return np.asarray(gamma(u)[..., None] * self.value)
-
 
 @dataclass(frozen=True, eq=False)
 class Foreseen:
@@ -93,8 +90,38 @@ class Foreseen:
 
     def led_off(self, times: Floats, pose: LegPoses) -> Floats:
         """(T, L, Q, 3) how the feet are led off the cycle, whose legs are posed so at times (T,) [s]."""
-        off = self.feet.led_off(times, pose)
-        return off if self.residual is None else off + self.residual.at(times)
+        off, was = self.feet.led_off(times, pose), self.residual
+        if was is None:
+            return off
+        return replanned(off, (times[:, None, None] - was.since) / (was.until - was.since), was.value)
+
+
+@dataclass(frozen=True, eq=False)
+class Free:
+    """Postures as the cycles have them, no foot held.
+
+    Args:
+        place: (T, 3) [m] the root.
+        turns: (T, J, 4) xyzw all rotations.
+        legs: the legs.
+    """
+
+    place: Floats
+    turns: Floats
+    legs: LegPoses
+
+
+def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
+    """The postures that the cycles have at times (T,) [s] (G eq. 5, 6)."""
+    at = course.at(times)
+    rows = model.rows(at[:, 0], course.plan.at(times))
+    turns = model.turns(rows)
+    heading, root = rotation.about_vertical(at[:, 2]), model.rig.root
+    turns[:, root] = rotation.multiply(heading, turns[:, root])
+    place = rotation.rotate(heading, model.rig.leg_length * rows[:, :3])
+    place[:, 0] += at[:, 3]
+    place[:, 2] += at[:, 4]
+    return Free(place, turns, model.legs.poses(place, turns[:, root], turns))
 
 
 def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
@@ -109,9 +136,8 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     """
     course = _course(model, plan, line, start, until)
     stances = [each for own in timetable(model, course, until) for each in own]
-    place, turns = free_postures(model, course, sample_times(stances).ravel())
-    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
-    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
+    free = free_postures(model, course, sample_times(stances).ravel())
+    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), free.legs, model)))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
@@ -125,26 +151,45 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
     return make_feet([sorted((s for s in stances if s.leg == k), key=lambda s: s.count) for k in legs])
 
 
-def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Foreseen:
+def changed(
+    model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float, led: Floats | None = None
+) -> Foreseen:
     """Foresee anew from a time on, at which another plan holds, or more of it is wanted.
 
     What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
     them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+
+    Args:
+        model: the figure and its cycles.
+        old: what was going to happen.
+        plan: what is asked for; up to now it is what it was.
+        now: where the course is.
+        until: [s].
+        led: (L, Q, 3) how the feet are led off the cycle now, if that is known.
     """
-    course = _course(model, plan, old.course.line, old.course.point(now), until)
+    course = _course(model, plan, old.course.line, now, until)
+    over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
+    at = np.array([now.time])
+    free = free_postures(model, course, np.concatenate([sample_times(stances).ravel(), at]) if stances else at)
+    pose = free.legs.some(slice(-1, None))
+    found = settled(stances, stays, free.legs, model) if stances else []
+    feet = _feet(model, [*over, *found])
+    was = old.led_off(at, pose)[0] if led is None else led
+    return Foreseen(course, feet, _residual(was - feet.led_off(at, pose)[0], feet, now.time))
+
+
+def _coming(
+    feet: Feet, expected: Sequence[Sequence[Stance]], now: float
+) -> tuple[list[Stance], list[Stance], list[bool]]:
+    """The stances that are over but still lead a foot, those that are or come, and which of these stay as they were."""
     over, stances, stays = list[Stance](), list[Stance](), list[bool]()
-    for known, coming in zip(old.feet.stances, timetable(model, course, until), strict=True):
+    for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
         before = {each.count: each for each in known if each.start <= now + _COMMITTED}
         coming = [s for s in coming if before.get(s.count, s).end > now]
         stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
         stays += [each.count in before for each in coming]
-    times = sample_times(stances).ravel() if stances else np.zeros(0)
-    place, turns = free_postures(model, course, np.append(times, now))
-    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
-    found = settled(stances, stays, poses.some(slice(0, -1)), model) if stances else []
-    new = Foreseen(course, _feet(model, [*over, *found]))
-    return replace(new, residual=_residual(old, new, poses.some(slice(-1, None)), now))
+    return over, stances, stays
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
@@ -167,7 +212,7 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
     """
     asked = course.plan.at(course.grid)
     spans = model.contact_phases(asked)
-    set_down = course.phase[:, None] - spans[:, :, 0]
+    set_down = course.known[:, :1] - spans[:, :, 0]
     lifted = set_down - spans[:, :, 1]
     low, high = int(np.floor(set_down[0].min())), int(np.ceil(set_down[-1].max()))
     counts = np.arange(low, high + 1)
@@ -188,37 +233,27 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
     return found
 
 
-def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Floats, Floats]:
-    """(T, 3) [m] the root and (T, J, 4) all rotations as the cycles have them, no foot held (G eq. 5, 6)."""
-    rows = model.rows(course.phases(times), course.plan.at(times))
-    place, heading = course.where(times)
-    turns = model.turns(rows)
-    turns[:, model.rig.root] = rotation.multiply(rotation.about_vertical(heading), turns[:, model.rig.root])
-    return place_of_root(rows, place, heading, model.rig.leg_length), turns
-
-
-def _residual(old: Foreseen, new: Foreseen, pose: LegPoses, now: float) -> Residual:
-    """What led the feet off the cycle at a time, at which its legs are posed so, and does not any more."""
-    at = np.array([now])
-    gap = (old.led_off(at, pose) - new.led_off(at, pose))[0]
-    until = np.full(gap.shape[:2], now + _RESIDUAL)
-    for leg in range(len(gap)):
-        for q, name in enumerate((*HELD, "heel", "heel")):
-            coming = min((start for start, _ in new.feet.spans(leg, name) if start > now), default=np.inf)
+def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
+    """What is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
+    until = np.empty(gap.shape[:2])
+    for leg, stances in enumerate(feet.stances):
+        for q, k in enumerate((0, 1, 2, 3, 0, 0)):  # the last two as the heel
+            coming = min((s[0] for each in stances if (s := each.spans[k]) is not None and s[0] > now), default=np.inf)
             until[leg, q] = now + min(max(coming - now, _SOON), _RESIDUAL)
     return Residual(now, until, gap)
 
 
 def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
     """The postures at some times (T,) [s], feet held."""
-    place, turns = free_postures(model, foreseen.course, times)
-    rig, legs = model.rig, model.legs
-    pose = legs.poses(place, turns[:, rig.root], turns)
+    free = free_postures(model, foreseen.course, times)
+    place, turns, pose, rig = free.place, free.turns, free.legs, model.rig
     off = foreseen.led_off(times, pose)
     ankle, foot, toes = goals(pose, off)
     down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
     place[:, 1] -= down
     ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
-    turns[:, legs.turned] = legs.bent(pose, model.knees, ankle, foot, toes)
-    contacts = [foreseen.feet.planted(sole.leg, sole.part, times) for sole in rig.soles]
-    return Postures(times, place, turns, np.stack(contacts, axis=1), tuple(sole.name for sole in rig.soles))
+    turns[:, model.legs.turned] = model.legs.bent(pose, model.knees, ankle, foot, toes)
+    contacts = np.empty((len(times), len(rig.soles)), dtype=np.bool_)
+    for e, sole in enumerate(rig.soles):
+        contacts[:, e] = foreseen.feet.planted(sole.leg, sole.part, times)
+    return Postures(times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off)

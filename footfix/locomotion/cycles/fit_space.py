@@ -17,7 +17,7 @@ from footfix.motion.clip import Floats
 
 _ALIGNED = 0.08  # of a cycle, by which one may be shifted to have its motion when the others have it
 _ROUNDS = 3
-_STYLE = 1.0  # files' worth of no style at all, to which the style of few files is drawn,
+_STYLE = 0.3  # files' worth of no style at all, to which the style of few files is drawn,
 _CADENCE = 0.1  # and less for their frequency: it differs four times as much between people as between files of one
 _ENOUGH = 0.98  # of the variance, that the components hold
 _USUAL = 0.42  # slope of log frequency over log speed, that walkers of all sizes have

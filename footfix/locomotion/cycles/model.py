@@ -7,11 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.eigencycles import Code, GaitSpace, kernel
+from footfix.locomotion.cycles.eigencycles import SLOWEST, Code, GaitSpace, kernel
 from footfix.locomotion.cycles.leg_pose import Legs
 from footfix.locomotion.cycles.plan import Plan
 from footfix.locomotion.cycles.samples import GRAVITY
-from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints, Skeleton, frozen
 from footfix.rig.rig import Rig
 
@@ -85,6 +84,14 @@ class CycleModel:
         return Legs(self.skeleton, self.rig)
 
     @cached_property
+    def sole_levels(self) -> Floats:
+        """(L, 2) [m] the levels of each leg's heel and toe."""
+        level = np.zeros((len(self.rig.legs), 2))
+        for each, sole in zip(self.levels, self.rig.soles, strict=True):
+            level[sole.leg, int(sole.part == "toe")] = each * self.rig.leg_length
+        return level
+
+    @cached_property
     def leg_columns(self) -> tuple[Ints, ...]:
         """For each leg the columns of a row that its joints fill."""
         found = []
@@ -97,15 +104,22 @@ class CycleModel:
         """(T, G) how much of each gait there is; a model of one gait has nothing else."""
         if len(self.spaces) == 1:
             return np.ones((len(run), 1))
-        run = np.clip(run, 0.0, 1.0)
-        return np.stack([1.0 - run, run], axis=1)
+        share = np.empty((len(run), 2))
+        share[:, 1] = np.minimum(np.maximum(run, 0.0), 1.0)
+        share[:, 0] = 1.0 - share[:, 1]
+        return share
 
     def frequency(self, asked: Plan) -> Floats:
         """(T,) [Hz] of the cycle; between gaits the logarithms are blended."""
-        speed = asked.speed / self.froude
-        logs = np.stack([np.log(space.frequencies(speed, asked.style)) for space in self.spaces], axis=1)
+        log = np.log(np.maximum(asked.speed / self.froude, SLOWEST))
+        lines = self._frequency_lines
+        logs = lines[:, 0] + log[:, None] * lines[:, 1] + asked.style @ lines[:, 2:].T
         rate = np.sqrt(GRAVITY / self.rig.leg_length)
         return np.asarray(np.exp(np.sum(self.shares(asked.run) * logs, axis=1)) * rate)
+
+    @cached_property
+    def _frequency_lines(self) -> Floats:
+        return np.stack([space.frequency for space in self.spaces])
 
     def contact_phases(self, asked: Plan) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
@@ -200,9 +214,3 @@ def warped(phases: Floats, here: Floats, there: Floats) -> Floats:
     low, high = np.where(stance, 0.0, e), np.where(stance, e, 1.0)
     led = low + (high - low) * s * s * (3.0 - 2.0 * s) + slope * size * s * (1.0 - s) * (1.0 - 2.0 * s)
     return np.asarray(there[..., 0] + led)
-
-
-def place_of_root(rows: Floats, place: Floats, heading: Floats, leg_length: float) -> Floats:
-    """(T, 3) [m] the root in the world: the course's place, and what the cycle adds to it in its frame (G eq. 5, 6)."""
-    swing = rotation.rotate(rotation.about_vertical(heading), leg_length * rows[:, :3])
-    return np.asarray(swing + np.stack([place[:, 0], np.zeros(len(place)), place[:, 1]], axis=1))
