@@ -17,7 +17,7 @@ from footfix.formats.models import encode_model
 from footfix.formats.plans import PlanRow
 from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
 from footfix.jobs.make import plan_of
-from footfix.locomotion.cycles.engine import SOONEST, Postures, changed, foresee, postures
+from footfix.locomotion.cycles.engine import SOONEST, Led, Postures, changed, foresee, held, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Plan, Point
 from footfix.locomotion.follow.path import make_path
@@ -30,6 +30,7 @@ __all__ = ["Ahead", "Engine", "Frame", "fit_cycles", "load_model", "save_model"]
 _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
 _LEAST = 0.45  # [s] and when this is left, foreseen anew,
 _LONG = 3.0  # [s] and farther, since nothing else was asked for
+_PAST = 0.3  # [s] in which it is remembered what was asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,12 +133,13 @@ class Engine:
         """Go on by `dt` [s], and give the posture then."""
         if not 0.0 <= dt < 10.0:
             raise ArgumentError(f"dt must be the seconds since the last frame, not {dt!r}")
-        self._as_asked()
-        self.time += dt
-        if self._until - self.time < _LEAST:
-            self._led = None
-            self._foresee(_LONG)
-        found = postures(self.model, self._foreseen, np.array([self.time]))
+        now, self.time = self.time, self.time + dt
+        times = np.array([self.time])
+        if self._asked or self._until - self.time < _LEAST:
+            led = self._foresee(now, max(_KNOWN if self._asked else _LONG, dt + _LEAST), times)
+            found = held(self.model, self._foreseen.feet, led)
+        else:
+            found = postures(self.model, self._foreseen, times)
         self._led = found.led[0]
         down = dict(zip(found.names, found.contacts[0].tolist(), strict=True))
         return Frame(self.time, self._places(found)[0], frozen(found.turns[0]), down)
@@ -151,9 +153,8 @@ class Engine:
         """
         if not 0.0 < seconds <= 60.0 or frames < 1:
             raise ArgumentError(f"ahead needs up to 60 seconds and a frame at least, not {seconds!r} and {frames!r}")
-        self._as_asked()
-        if self._until < self.time + seconds:
-            self._foresee(seconds + _LEAST)
+        if self._asked or self._until < self.time + seconds:
+            self._foresee(self.time, seconds + _LEAST, np.zeros(0))
         times = np.linspace(self.time, self.time + seconds, frames)
         found = postures(self.model, self._foreseen, times)
         return Ahead(
@@ -175,18 +176,15 @@ class Engine:
         weights = ({style: 1.0} if style else {}) if isinstance(style, str) else style
         return plan_of([PlanRow(0.0, speed, run, turn, weights)], self.model)
 
-    def _as_asked(self) -> None:
-        if self._asked:
-            self._foresee(_KNOWN)
-            self._asked = False
-
-    def _foresee(self, seconds: float) -> None:
-        self._until = self.time + seconds
-        kept = np.append(self._plan.times[1:] > self.time - 4.0, True)  # what is long past is forgotten
-        names = ("times", "speed", "run", "turn", "style")
-        self._plan = Plan(*(getattr(self._plan, name)[kept] for name in names))
-        now = self._foreseen.course.point(self.time)
-        self._foreseen = changed(self.model, self._foreseen, self._plan, now, self._until, self._led)
+    def _foresee(self, now: float, seconds: float, times: Floats) -> Led:
+        """Foresee anew from a time on, up to which nothing changes, and lead the feet at some times."""
+        self._until, self._asked = now + seconds, False
+        point = self._foreseen.course.point(now)
+        self._plan = self._plan.since(now - _PAST)
+        self._foreseen, led = changed(
+            self.model, self._foreseen, self._plan, point, self._until, times, self._led
+        )  # fmt: skip
+        return led
 
     def _places(self, found: Postures) -> Floats:
         places = np.tile(self._at_rest, (len(found), 1, 1))

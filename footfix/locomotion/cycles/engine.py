@@ -73,6 +73,10 @@ class Residual:
     until: Floats
     value: Floats
 
+    def faded(self, off: Floats, times: Floats) -> Floats:
+        """(T, L, Q, 3) how feet are led off at times (T,), that are to be led off by others (T, L, Q, 3)."""
+        return replanned(off, (times[:, None, None] - self.since) / (self.until - self.since), self.value)
+
 
 @dataclass(frozen=True, eq=False)
 class Foreseen:
@@ -90,10 +94,8 @@ class Foreseen:
 
     def led_off(self, times: Floats, pose: LegPoses) -> Floats:
         """(T, L, Q, 3) how the feet are led off the cycle, whose legs are posed so at times (T,) [s]."""
-        off, was = self.feet.led_off(times, pose), self.residual
-        if was is None:
-            return off
-        return replanned(off, (times[:, None, None] - was.since) / (was.until - was.since), was.value)
+        off = self.feet.led_off(times, pose)
+        return off if self.residual is None else self.residual.faded(off, times)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +111,25 @@ class Free:
     place: Floats
     turns: Floats
     legs: LegPoses
+
+    def some(self, which: slice) -> Free:
+        """The postures at some of the times."""
+        return Free(self.place[which], self.turns[which], self.legs.some(which))
+
+
+@dataclass(frozen=True, eq=False)
+class Led:
+    """Postures as the cycles have them, and how feet are led off them.
+
+    Args:
+        times: (T,) [s].
+        free: T postures.
+        off: (T, L, Q, 3).
+    """
+
+    times: Floats
+    free: Free
+    off: Floats
 
 
 def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
@@ -152,8 +173,8 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
 
 
 def changed(
-    model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float, led: Floats | None = None
-) -> Foreseen:
+    model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float, times: Floats, led: Floats | None = None
+) -> tuple[Foreseen, Led]:
     """Foresee anew from a time on, at which another plan holds, or more of it is wanted.
 
     What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
@@ -165,17 +186,22 @@ def changed(
         plan: what is asked for; up to now it is what it was.
         now: where the course is.
         until: [s].
+        times: (T,) [s] at which feet are led right away, from now on.
         led: (L, Q, 3) how the feet are led off the cycle now, if that is known.
+
+    Returns:
+        What is going to happen, and the feet led at the times.
     """
     course = _course(model, plan, old.course.line, now, until)
     over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
-    at = np.array([now.time])
-    free = free_postures(model, course, np.concatenate([sample_times(stances).ravel(), at]) if stances else at)
-    pose = free.legs.some(slice(-1, None))
+    soon = np.concatenate([[now.time], times])
+    free = free_postures(model, course, np.concatenate([sample_times(stances).ravel(), soon]) if stances else soon)
     found = settled(stances, stays, free.legs, model) if stances else []
-    feet = _feet(model, [*over, *found])
-    was = old.led_off(at, pose)[0] if led is None else led
-    return Foreseen(course, feet, _residual(was - feet.led_off(at, pose)[0], feet, now.time))
+    feet, free = _feet(model, [*over, *found]), free.some(slice(-len(soon), None))
+    off = feet.led_off(soon, free.legs)
+    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0] if led is None else led
+    residual = _residual(was - off[0], feet, now.time)
+    return Foreseen(course, feet, residual), Led(times, free.some(slice(1, None)), residual.faded(off[1:], times))
 
 
 def _coming(
@@ -246,14 +272,19 @@ def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
 def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
     """The postures at some times (T,) [s], feet held."""
     free = free_postures(model, foreseen.course, times)
-    place, turns, pose, rig = free.place, free.turns, free.legs, model.rig
-    off = foreseen.led_off(times, pose)
+    return held(model, foreseen.feet, Led(times, free, foreseen.led_off(times, free.legs)))
+
+
+def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
+    """The postures in which feet are where they are led."""
+    pose, off, rig = led.free.legs, led.off, model.rig
+    place, turns = np.array(led.free.place), np.array(led.free.turns)
     ankle, foot, toes = goals(pose, off)
     down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
     place[:, 1] -= down
     ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
     turns[:, model.legs.turned] = model.legs.bent(pose, model.knees, ankle, foot, toes)
-    contacts = np.empty((len(times), len(rig.soles)), dtype=np.bool_)
+    contacts = np.empty((len(led.times), len(rig.soles)), dtype=np.bool_)
     for e, sole in enumerate(rig.soles):
-        contacts[:, e] = foreseen.feet.planted(sole.leg, sole.part, times)
-    return Postures(times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off)
+        contacts[:, e] = feet.planted(sole.leg, sole.part, led.times)
+    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off)

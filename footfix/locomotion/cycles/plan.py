@@ -15,7 +15,7 @@ import numpy as np
 
 from footfix.motion.clip import Floats, frozen
 
-_STEP = 1.0 / 60.0  # [s] of the grid on which the course is known; between its times it is integrated exactly
+_STEP = 1.0 / 30.0  # [s] of the grid on which the course is known; between its times it is integrated exactly
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _AT = np.concatenate([[0.0], 1.0 + _NODES])
 
@@ -74,6 +74,11 @@ class Plan:
         """The same with other speeds (K,) [m/s]."""
         return replace(self, speed=speed)
 
+    def since(self, time: float) -> Plan:
+        """The plan without what was asked for before a time [s] and holds no more then."""
+        first = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
+        return self if first == 0 else Plan(*(getattr(self, name)[first:] for name in _ROWS))
+
     def changed(self, now: float, over: float, target: Plan) -> Plan:
         """The plan as it was up to a time, from which on its parameters go to others within `over` [s].
 
@@ -82,10 +87,11 @@ class Plan:
             over: [s] how long it takes.
             target: one row, what they are to become.
         """
-        kept = self.times < now - 1e-9
-        parts = [replace(self, **{n: getattr(self, n)[kept] for n in _ROWS}), self.at(np.array([now])),
-                 replace(target, times=np.array([now + over]))]  # fmt: skip
-        return Plan(*(np.concatenate([getattr(part, name) for part in parts]) for name in _ROWS))
+        kept = int(self.times.searchsorted(now - 1e-9))
+        here = self.at(np.array([now]))
+        parts = [[getattr(each, name)[:k] for each, k in ((self, kept), (here, 1), (target, 1))] for name in _ROWS[1:]]
+        times = np.concatenate([self.times[:kept], [now, now + over]])
+        return Plan(times, *(np.concatenate(each) for each in parts))
 
 
 _ROWS = ("times", "speed", "run", "turn", "style")
