@@ -30,7 +30,7 @@ __all__ = ["Ahead", "Engine", "Frame", "fit_cycles", "load_model", "save_model"]
 _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
 _LEAST = 0.45  # [s] and when this is left, foreseen anew,
 _LONG = 3.0  # [s] and farther, since nothing else was asked for
-_PAST = 0.3  # [s] in which it is remembered what was asked for
+_PAST = 0.05  # [s] in which it is remembered what was asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,8 @@ class Engine:
         self._plan = self._row(speed, run, turn, style)
         self._until = _KNOWN
         self._foreseen = foresee(self.model, self._plan, line, Point(), self._until)
-        self._led: Floats | None = None  # how the feet are led off the cycle now
+        self._led: Floats | None = None  # how the feet are led off the cycle now, if that is known
+        self._point = Point()  # where the course is
         self._asked = False  # whether something else is, that is not foreseen yet
         self._at_rest = frozen(self.model.skeleton.offsets)
 
@@ -122,7 +123,7 @@ class Engine:
         """
         if not np.isfinite(over) or over < 0.0:
             raise ArgumentError(f"over must be the seconds that a change takes, not {over!r}")
-        last = self._plan.at(self._plan.times[-1:])
+        last = self._plan.some(slice(-1, None))
         new = self._row(last.speed[0] if speed is None else speed, run, turn, style)
         names = ("speed", "run", "turn", "style")
         given = {n: getattr(new, n) for n, v in zip(names, (speed, run, turn, style), strict=True) if v is not None}
@@ -140,7 +141,7 @@ class Engine:
             found = held(self.model, self._foreseen.feet, led)
         else:
             found = postures(self.model, self._foreseen, times)
-        self._led = found.led[0]
+        self._led, self._point = found.led[0], found.point
         down = dict(zip(found.names, found.contacts[0].tolist(), strict=True))
         return Frame(self.time, self._places(found)[0], frozen(found.turns[0]), down)
 
@@ -179,10 +180,9 @@ class Engine:
     def _foresee(self, now: float, seconds: float, times: Floats) -> Led:
         """Foresee anew from a time on, up to which nothing changes, and lead the feet at some times."""
         self._until, self._asked = now + seconds, False
-        point = self._foreseen.course.point(now)
         self._plan = self._plan.since(now - _PAST)
         self._foreseen, led = changed(
-            self.model, self._foreseen, self._plan, point, self._until, times, self._led
+            self.model, self._foreseen, self._plan, self._point, self._until, times, self._led
         )  # fmt: skip
         return led
 

@@ -157,7 +157,8 @@ def make_file(
 
 def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
     """Every contact, where it stands."""
-    poses = model.legs.poses(made.postures.place, made.postures.turns[:, model.rig.root], made.postures.turns)
+    place, turns, legs = made.postures.place, made.postures.turns, model.legs
+    poses = legs.poses(place, turns[:, model.rig.root], turns[:, legs.joints])
     found = list[Footplant]()
     for e, (sole, effector) in enumerate(zip(model.rig.soles, made.contacts.effectors, strict=True)):
         track = (poses.heel if sole.part == "heel" else poses.toe)[:, sole.leg]
@@ -192,4 +193,3 @@ def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -
         "gaits": list(model.gaits),
         "styles": list(model.styles),
     }  # fmt: skip
-

@@ -47,14 +47,15 @@ class Timelines:
         low, high = float(self.starts.min()) - 1.0, float(self.starts.max()) + 1.0
         added = (high - low + 1.0) * np.arange(len(self.begins))
         counts = np.diff(np.append(self.begins, len(self.starts)))
-        return self.starts + np.repeat(added, counts), added, low, high
+        keys: Floats = self.starts + np.repeat(added, counts)
+        return keys, added, low, high
 
     @cached_property
     def _spans(self) -> Floats:
         """(S, 2) [s] over which the slopes at the ends come back to nothing."""
         steep = np.maximum(norm(self.slopes), 1e-9)
-        span = np.minimum(np.maximum(_ASIDE / steep, 0.02), _BEND)
-        return np.asarray(np.minimum(span, 0.5 * self.lengths[:, None]))
+        span: Floats = np.minimum(np.maximum(_ASIDE / steep, 0.02), _BEND)
+        return np.minimum(span, 0.5 * self.lengths[:, None])
 
     def at(self, times: Floats) -> tuple[Floats, Ints]:
         """(T, Q, 3) values at times (T,) [s], and (T, Q) what holds them instead."""

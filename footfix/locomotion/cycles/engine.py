@@ -39,6 +39,7 @@ class Postures:
         contacts: (T, E) whether each effector is planted.
         names: of the effectors.
         led: (T, L, Q, 3) how the feet are led off the cycle.
+        point: where the course is at the last of the times.
     """
 
     times: Floats
@@ -47,6 +48,7 @@ class Postures:
     contacts: Bools
     names: tuple[str, ...]
     led: Floats
+    point: Point
 
     def __len__(self) -> int:
         return len(self.times)
@@ -103,18 +105,16 @@ class Free:
     """Postures as the cycles have them, no foot held.
 
     Args:
+        point: where the course is at the last of T times.
         place: (T, 3) [m] the root.
         turns: (T, J, 4) xyzw all rotations.
-        legs: the legs.
+        legs: the legs, at these times and maybe some before.
     """
 
+    point: Point
     place: Floats
     turns: Floats
     legs: LegPoses
-
-    def some(self, which: slice) -> Free:
-        """The postures at some of the times."""
-        return Free(self.place[which], self.turns[which], self.legs.some(which))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,17 +132,27 @@ class Led:
     off: Floats
 
 
-def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
-    """The postures that the cycles have at times (T,) [s] (G eq. 5, 6)."""
-    at = course.at(times)
-    rows = model.rows(at[:, 0], course.plan.at(times))
-    turns = model.turns(rows)
+def free_postures(model: CycleModel, course: Course, times: Floats, first: int = 0) -> Free:
+    """The postures that the cycles have at times (T,) [s] (G eq. 5, 6): those from `first` on, and all legs."""
+    at, asked = course.at(times), course.plan.at(times)
     heading, root = rotation.about_vertical(at[:, 2]), model.rig.root
-    turns[:, root] = rotation.multiply(heading, turns[:, root])
+    some = first > 0  # of most times nothing is asked for but the legs
+    rows = model.leg_rows(at[:, 0], asked) if some else model.rows(at[:, 0], asked)
+    turns = model.leg_turns(rows) if some else model.turns(rows)
+    front = rotation.multiply(heading, turns[:, 0 if some else root])
     place = rotation.rotate(heading, model.rig.leg_length * rows[:, :3])
     place[:, 0] += at[:, 3]
     place[:, 2] += at[:, 4]
-    return Free(place, turns, model.legs.poses(place, turns[:, root], turns))
+    legs = model.legs.poses(place, front, turns[:, 1:] if some else turns[:, model.legs.joints])
+    if some:
+        turns = model.turns(model.rows(at[first:, 0], asked.some(slice(first, None))))
+    turns[:, root] = front[first:]
+    return Free(Point(float(times[-1]), *at[-1].tolist()), place[first:], turns, legs)
+
+
+def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
+    """The legs as the cycles have them at times (T,) [s]."""
+    return free_postures(model, course, times, len(times) - 1).legs
 
 
 def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
@@ -157,8 +167,8 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     """
     course = _course(model, plan, line, start, until)
     stances = [each for own in timetable(model, course, until) for each in own]
-    free = free_postures(model, course, sample_times(stances).ravel())
-    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), free.legs, model)))
+    poses = leg_poses(model, course, sample_times(stances).ravel())
+    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
@@ -194,14 +204,17 @@ def changed(
     """
     course = _course(model, plan, old.course.line, now, until)
     over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
+    samples = sample_times(stances).ravel() if stances else times[:0]
+    n = len(samples)
     soon = np.concatenate([[now.time], times])
-    free = free_postures(model, course, np.concatenate([sample_times(stances).ravel(), soon]) if stances else soon)
+    free = free_postures(model, course, np.concatenate([samples, soon]), n + 1 if len(times) else n)
     found = settled(stances, stays, free.legs, model) if stances else []
-    feet, free = _feet(model, [*over, *found]), free.some(slice(-len(soon), None))
-    off = feet.led_off(soon, free.legs)
-    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0] if led is None else led
+    feet, legs = _feet(model, [*over, *found]), free.legs.some(slice(n, None))
+    off = feet.led_off(soon, legs)
+    was = old.led_off(soon[:1], legs.some(slice(0, 1)))[0] if led is None else led
     residual = _residual(was - off[0], feet, now.time)
-    return Foreseen(course, feet, residual), Led(times, free.some(slice(1, None)), residual.faded(off[1:], times))
+    free = replace(free, legs=legs.some(slice(1, None)))
+    return Foreseen(course, feet, residual), Led(times, free, residual.faded(off[1:], times))
 
 
 def _coming(
@@ -287,4 +300,4 @@ def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
     contacts = np.empty((len(led.times), len(rig.soles)), dtype=np.bool_)
     for e, sole in enumerate(rig.soles):
         contacts[:, e] = feet.planted(sole.leg, sole.part, led.times)
-    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off)
+    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off, led.free.point)

@@ -42,11 +42,12 @@ class Feet:
 
     def planted(self, leg: int, part: str, times: Floats) -> Bools:
         """(T,) whether heel or toe is."""
-        spans = [span for each in self.stances[leg] if (span := each.spans[HELD.index(part)]) is not None]
-        if not spans:
-            return np.zeros(len(times), dtype=np.bool_)
-        low, high = np.array(spans).T
-        return np.asarray(((times[:, None] >= low) & (times[:, None] <= high)).any(axis=1))
+        down = np.zeros(len(times), dtype=np.bool_)
+        for each in self.stances[leg]:
+            span = each.heel if part == "heel" else each.toe
+            if span is not None:
+                down |= (times >= span[0]) & (times <= span[1])
+        return down
 
     @cached_property
     def _held(self) -> tuple[Floats, Floats]:
@@ -82,10 +83,10 @@ def make_feet(stances: Sequence[Sequence[Stance]]) -> Feet:
     at = 0
     for own in stances:
         for q in range(len(HELD)):
-            some = [k for k, each in enumerate(own, at) if each.spans[q] is not None]
+            which = [k for k, each in enumerate(own, at) if each.spans[q] is not None]
             spans = [span for each in own if (span := each.spans[q]) is not None]
-            values = [1 + 2 * (4 * k + q) for k in some]
-            rows.append(held_rows(spans, values, [8 * n + v for v in values], some, SIGMA))
+            values = [1 + 2 * (4 * k + q) for k in which]
+            rows.append(held_rows(spans, values, [8 * n + v for v in values], which, SIGMA))
         for knots in _knots(own):
             times, through = zip(*(knots or [(0.0, 0.0)]), strict=True)
             rows.append(through_rows(times, 1 + 16 * n + len(numbers)))

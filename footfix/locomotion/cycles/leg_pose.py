@@ -16,6 +16,7 @@ from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
+_STILL = np.eye(3)
 _LONGEST = 0.9998  # share of a leg's length to which it is stretched at most
 
 
@@ -136,15 +137,28 @@ class Legs:
     def _soles(self) -> tuple[Floats, Floats]:
         return self._sole("heel"), self._sole("toe")
 
+    @cached_property
+    def joints(self) -> tuple[int, ...]:
+        """The joints of all legs, down from below the root."""
+        joints, _, still, _ = self._chains
+        return tuple(dict.fromkeys(joints[~still].tolist()))
+
+    @cached_property
+    def _among(self) -> Ints:
+        """(D, L) where those of the chains are among `joints`."""
+        found = {joint: k for k, joint in enumerate(self.joints)}
+        return np.array([[found.get(joint, 0) for joint in row] for row in self._chains[0].tolist()])
+
     def poses(self, place: Floats, turn: Floats, turns: Floats) -> LegPoses:
         """Forward kinematics.
 
         Args:
             place: (T, 3) [m] the root.
             turn: (T, 4) its frame in the world.
-            turns: (T, J, 4) all joints in their parents' frames; the root's is not looked at.
+            turns: (T, N, 4) `joints` in their parents' frames.
         """
-        joints, offsets, still, (hip, knee, ankle, toe) = self._chains
+        _, offsets, still, (hip, knee, ankle, toe) = self._chains
+        joints = self._among
         count, legs = len(place), joints.shape[1]
         local = rotation.to_matrix(turns[:, joints])  # (T, D, L, 3, 3)
         if still.any():
@@ -232,7 +246,7 @@ def turned_by(vector: Floats) -> Floats:
     s = np.where(angle < 1e-6, 1.0, np.sin(safe) / safe)[..., None, None]
     c = np.where(angle < 1e-6, 0.5, (1.0 - np.cos(safe)) / (safe * safe))[..., None, None]
     k = _crosswise(vector)
-    return np.asarray(np.eye(3) + s * k + c * (k @ k))
+    return np.asarray(_STILL + s * k + c * (k @ k))
 
 
 def _crosswise(v: Floats) -> Floats:
@@ -247,7 +261,7 @@ def between(a: Floats, b: Floats) -> Floats:
     """(..., 3, 3) the smallest turns that take directions (..., 3) to others."""
     a, b = unit(a), unit(b)
     k = _crosswise(cross(a, b))
-    return np.asarray(np.eye(3) + k + (k @ k) / np.maximum(1.0 + dot(a, b), 1e-9)[..., None, None])
+    return np.asarray(_STILL + k + (k @ k) / np.maximum(1.0 + dot(a, b), 1e-9)[..., None, None])
 
 
 def turns_between(a: Floats, b: Floats) -> Floats:

@@ -149,31 +149,55 @@ class CycleModel:
         Walk and run are blended at equal phase; each leg's phase is first led to where its foot would be as far in its
         stance, or swing, in that gait.
         """
+        return self._rows(phases, asked, 0)
+
+    def leg_rows(self, phases: Floats, asked: Plan) -> Floats:
+        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`, N of them."""
+        return self._rows(phases, asked, 1)
+
+    def _rows(self, phases: Floats, asked: Plan, part: int) -> Floats:
         share = self.shares(asked.run)
         speed = asked.speed / self.froude
         used = np.flatnonzero(share.max(axis=0) > 0.0)
         if len(used) == 1:
-            return self._of_gait(int(used[0]), phases, speed, asked.style, None)
+            return self._of_gait(int(used[0]), phases, speed, asked.style, None, part)
         spans = self._contacts_of_gaits(asked)
         own = self._stances(spans)  # (T, G, L, 2)
         mixed = self._stances(np.einsum("tg,tgek->tek", share, spans)[:, None])
         led = warped(phases[:, None, None], mixed, own)
-        parts = [self._of_gait(int(g), phases, speed, asked.style, led[:, g]) for g in used]
-        return np.asarray(sum(share[:, g, None] * part for g, part in zip(used, parts, strict=True)))
+        parts = [self._of_gait(int(g), phases, speed, asked.style, led[:, g], part) for g in used]
+        return np.asarray(sum(share[:, g, None] * row for g, row in zip(used, parts, strict=True)))
 
-    def _of_gait(self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None) -> Floats:
+    def _of_gait(
+        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None, part: int
+    ) -> Floats:
         """(T, D) poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
-        space = self.spaces[gait]
+        space, (_, legs) = self.spaces[gait], self._columns[part]
         features, samples = space.features(speed, style), space.mean.shape[0]
-        row = _at(space.directions, kernel(phases, samples), features)
-        for number, columns in enumerate(self.leg_columns if led is not None else ()):
-            assert led is not None
-            row[:, columns] = _at(self._leg_directions[gait][number], kernel(led[:, number], samples), features)
+        row = _at(self._directions[part][gait][-1], kernel(phases, samples), features)
+        if led is not None:
+            for number, own in enumerate(legs):
+                row[:, own] = _at(self._directions[part][gait][number], kernel(led[:, number], samples), features)
         return row
 
     @cached_property
-    def _leg_directions(self) -> list[list[Floats]]:
-        return [[np.ascontiguousarray(s.directions[:, :, own]) for own in self.leg_columns] for s in self.spaces]
+    def _columns(self) -> tuple[tuple[Ints, tuple[Ints, ...]], ...]:
+        """For all joints, and for the legs alone: the columns of a row, and where among them those of each leg are."""
+        every = np.arange(3 + 3 * len(self.skeleton))
+        joints = np.array([self.rig.root, *self.legs.joints])
+        some = np.concatenate([np.arange(3), (3 + 3 * joints[:, None] + np.arange(3)).ravel()])
+        return tuple(
+            (own, tuple(np.flatnonzero(np.isin(own, leg)) for leg in self.leg_columns)) for own in (every, some)
+        )
+
+    @cached_property
+    def _directions(self) -> tuple[list[list[Floats]], ...]:
+        """For all joints, and for the legs alone, of each gait: the directions of each leg, and of all."""
+        found = []
+        for columns, legs in self._columns:
+            every = [np.ascontiguousarray(space.directions[:, :, columns]) for space in self.spaces]
+            found.append([[*(np.ascontiguousarray(d[:, :, own]) for own in legs), d] for d in every])
+        return tuple(found)
 
     def _stances(self, spans: Floats) -> Floats:
         """(..., L, 2) when feet are set down and for how long they stand, of contacts (..., E, 2) of heels and toes."""
@@ -186,7 +210,16 @@ class CycleModel:
 
     def turns(self, rows: Floats) -> Floats:
         """(T, J, 4) rotations of rows (T, D)."""
-        return np.asarray(self.code.turns(rows))
+        return self.code.turns(rows)
+
+    def leg_turns(self, rows: Floats) -> Floats:
+        """(T, 1 + N, 4) rotations of the root and of `legs.joints`, of rows (T, 6 + 3 N) of these."""
+        return self._leg_code.turns(rows)
+
+    @cached_property
+    def _leg_code(self) -> Code:
+        joints = [self.rig.root, *self.legs.joints]
+        return Code(self.code.middle[joints], self.code.reach[joints])
 
 
 def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:

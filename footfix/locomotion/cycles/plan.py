@@ -74,10 +74,14 @@ class Plan:
         """The same with other speeds (K,) [m/s]."""
         return replace(self, speed=speed)
 
+    def some(self, which: slice) -> Plan:
+        """The parameters at some of the times."""
+        return Plan(*(getattr(self, name)[which] for name in _ROWS))
+
     def since(self, time: float) -> Plan:
         """The plan without what was asked for before a time [s] and holds no more then."""
         first = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
-        return self if first == 0 else Plan(*(getattr(self, name)[first:] for name in _ROWS))
+        return self if first == 0 else self.some(slice(first, None))
 
     def changed(self, now: float, over: float, target: Plan) -> Plan:
         """The plan as it was up to a time, from which on its parameters go to others within `over` [s].

@@ -14,7 +14,7 @@ import numpy as np
 
 from footfix.locomotion.cycles.leg_pose import LegPoses, between, reach, turns_between
 from footfix.locomotion.cycles.model import CycleModel
-from footfix.motion.clip import Floats, Ints
+from footfix.motion.clip import Floats, Ints, frozen
 from footfix.motion.vectors import dot, norm, unit
 
 HELD = ("heel", "toe", "foot", "toes")  # what a stance holds: two places, a turn, a heading
@@ -27,9 +27,13 @@ _FARTHEST = 0.025  # of a leg's reach, by which a place is drawn nearer at most
 _DELTA = 0.004  # [s] over which slopes are told
 _FLAT = np.array([1.0, 0.0, 1.0])
 UP = np.array([0.0, 1.0, 0.0])
+_EVENLY, _ON_HEEL = np.linspace(0.0, 1.0, _INSIDE), np.linspace(0.0, 1.0, _REACHED)
 _BESIDE = np.array([_DELTA, -_DELTA])
 _WAY = np.array([[1.0], [-1.0]]) / _DELTA
 _WHERE = _INSIDE + 2 * np.arange(4)[:, None] + np.array([0, 1, _ENDS, _ENDS + 1])  # (4, 4) the samples of `HELD`
+
+_NOWHERE, _NO_ENDS = frozen(np.zeros((2, 3))), frozen(np.zeros((4, 2, 3)))
+_AS_IT_IS = frozen(np.tile(np.eye(3), (2, 1, 1)))
 
 Span = tuple[float, float]  # [s]
 
@@ -52,10 +56,10 @@ class Stance:
     count: int
     heel: Span | None
     toe: Span | None
-    points: Floats = field(default_factory=lambda: np.zeros((2, 3)))
-    frames: Floats = field(default_factory=lambda: np.tile(np.eye(3), (2, 1, 1)))
-    ends: Floats = field(default_factory=lambda: np.zeros((4, 2, 3)))
-    slopes: Floats = field(default_factory=lambda: np.zeros((4, 2, 3)))
+    points: Floats = field(default_factory=lambda: _NOWHERE)
+    frames: Floats = field(default_factory=lambda: _AS_IT_IS)
+    ends: Floats = field(default_factory=lambda: _NO_ENDS)
+    slopes: Floats = field(default_factory=lambda: _NO_ENDS)
 
     @cached_property
     def flat(self) -> Span | None:
@@ -65,15 +69,19 @@ class Stance:
         low, high = max(self.heel[0], self.toe[0]), min(self.heel[1], self.toe[1])
         return (low, high) if high > low else None
 
-    @cached_property
+    @property
     def start(self) -> float:
         """[s] when the foot is set down."""
-        return min(span[0] for span in (self.heel, self.toe) if span is not None)
+        if self.heel is None or self.toe is None:
+            return (self.heel or self.toe or (np.inf, np.inf))[0]
+        return min(self.heel[0], self.toe[0])
 
-    @cached_property
+    @property
     def end(self) -> float:
         """[s] when it is lifted."""
-        return max(span[1] for span in (self.heel, self.toe) if span is not None)
+        if self.heel is None or self.toe is None:
+            return (self.heel or self.toe or (-np.inf, -np.inf))[1]
+        return max(self.heel[1], self.toe[1])
 
     @cached_property
     def spans(self) -> tuple[Span | None, ...]:
@@ -90,14 +98,14 @@ def sample_times(stances: Sequence[Stance]) -> Floats:
     spans = np.array(rows)  # (n, 6, 2)
     ends = spans[:, 1:5]
     beside = ends + _BESIDE
-    parts = [_spread(spans[:, 0], _INSIDE), ends.reshape(-1, _ENDS), beside.reshape(-1, _ENDS),
-             _spread(spans[:, 5], _REACHED)]  # fmt: skip
+    parts = [_spread(spans[:, 0], _EVENLY), ends.reshape(-1, _ENDS), beside.reshape(-1, _ENDS),
+             _spread(spans[:, 5], _ON_HEEL)]  # fmt: skip
     return np.concatenate(parts, axis=1)
 
 
-def _spread(spans: Floats, count: int) -> Floats:
-    """(n, count) even times of spans (n, 2)."""
-    return np.asarray(spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * np.linspace(0.0, 1.0, count))
+def _spread(spans: Floats, shares: Floats) -> Floats:
+    """(n, M) times of spans (n, 2)."""
+    return np.asarray(spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * shares)
 
 
 def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, model: CycleModel) -> list[Stance]:
