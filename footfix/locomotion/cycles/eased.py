@@ -45,7 +45,7 @@ class Timelines:
     def _keys(self) -> tuple[Floats, Floats, float, float]:
         """(S,) starts, ascending over all values, what is added for each (Q,), and the times that they cover."""
         low, high = float(self.starts.min()) - 1.0, float(self.starts.max()) + 1.0
-        added = (high - low + 1.0) * np.arange(len(self.begins))
+        added = np.asarray((high - low + 1.0) * np.arange(len(self.begins)), dtype=np.float64)
         counts = np.diff(np.append(self.begins, len(self.starts)))
         keys: Floats = self.starts + np.repeat(added, counts)
         return keys, added, low, high

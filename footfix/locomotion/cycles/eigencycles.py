@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -150,10 +150,21 @@ def kernel(phases: Floats, n: int) -> Floats:
     The function is the trigonometric polynomial through the samples, so that a cycle closes with all its derivatives.
     """
     # sin(n x) / (n tan(x)) with x = pi (phase - k / n), by the sines and cosines of both parts
-    angle, own = np.pi * np.asarray(phases, dtype=np.float64), np.pi * np.arange(n) / n
+    sines, cosines, signs = _samples(n)
+    angle = np.pi * phases
     sine, cosine = np.sin(angle)[:, None], np.cos(angle)[:, None]
-    below = sine * np.cos(own) - cosine * np.sin(own)
-    above = cosine * np.cos(own) + sine * np.sin(own)
+    below = sine * cosines - cosine * sines
+    above = cosine * cosines + sine * sines
     small = np.abs(below) < 1e-9
-    waves = np.sin(n * angle)[:, None] * np.where(np.arange(n) % 2, -1.0, 1.0)
-    return np.where(small, 1.0, waves * above / np.where(small, 1.0, n * below))
+    below[small] = 1.0
+    above *= np.sin(n * angle)[:, None] * signs
+    above /= below
+    above[small] = 1.0
+    return np.asarray(above)
+
+
+@cache
+def _samples(n: int) -> tuple[Floats, Floats, Floats]:
+    """Sines and cosines of pi k / n for n samples k, and (-1)^k / n."""
+    own = np.pi * np.arange(n) / n
+    return frozen(np.sin(own)), frozen(np.cos(own)), frozen(np.where(np.arange(n) % 2, -1.0, 1.0) / n)

@@ -24,6 +24,7 @@ SOONEST = 0.25  # [s] within which parameters change at the soonest
 _COMMITTED = 0.12  # [s] before a foot is set down, from when on its place does not change any more
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
 _AHEAD = 1.4  # [s] that are foreseen at least
+_PAST = 0.02  # [s] that are told of the past where what stands is known
 _RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
 _SOON = 0.01  # [s] in which it is gone at the soonest
 
@@ -136,16 +137,19 @@ def free_postures(model: CycleModel, course: Course, times: Floats, first: int =
     """The postures that the cycles have at times (T,) [s] (G eq. 5, 6): those from `first` on, and all legs."""
     at, asked = course.at(times), course.plan.at(times)
     heading, root = rotation.about_vertical(at[:, 2]), model.rig.root
-    some = first > 0  # of most times nothing is asked for but the legs
-    rows = model.leg_rows(at[:, 0], asked) if some else model.rows(at[:, 0], asked)
-    turns = model.leg_turns(rows) if some else model.turns(rows)
-    front = rotation.multiply(heading, turns[:, 0 if some else root])
+    if first:  # of most times nothing is asked for but the legs
+        rows, every = model.leg_rows(at[:, 0], asked, first)
+        own, turns = model.leg_turns(rows), model.turns(every)
+        own_root, own_legs = own[:, 0], own[:, 1:]
+    else:
+        rows = model.rows(at[:, 0], asked)
+        turns = model.turns(rows)
+        own_root, own_legs = turns[:, root], turns[:, model.legs.joints]
+    front = rotation.multiply(heading, own_root)
     place = rotation.rotate(heading, model.rig.leg_length * rows[:, :3])
     place[:, 0] += at[:, 3]
     place[:, 2] += at[:, 4]
-    legs = model.legs.poses(place, front, turns[:, 1:] if some else turns[:, model.legs.joints])
-    if some:
-        turns = model.turns(model.rows(at[first:, 0], asked.some(slice(first, None))))
+    legs = model.legs.poses(place, front, own_legs)
     turns[:, root] = front[first:]
     return Free(Point(float(times[-1]), *at[-1].tolist()), place[first:], turns, legs)
 
@@ -165,16 +169,17 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
         start: where the course is known.
         until: [s].
     """
-    course = _course(model, plan, line, start, until)
+    slow = 1.3 / float(model.frequency(plan.at(np.array([start.time])))[0])
+    course = _course(model, plan, line, start, until, slow)
     stances = [each for own in timetable(model, course, until) for each in own]
     poses = leg_poses(model, course, sample_times(stances).ravel())
     return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
 
 
-def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
-    """The course, with the past in which feet that stand were set down, and the time in which they are lifted again."""
-    slow = 1.0 / model.frequency(plan.at(np.array([start.time, until])))
-    return make_course(plan, line, start, until + float(slow[1]), start.time - 1.3 * float(slow[0]), model.frequency)
+def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
+    """The course, with some of the past [s], and the time in which feet that stand in the end are lifted again."""
+    slow = 1.0 / float(model.frequency(plan.at(np.array([until])))[0])
+    return make_course(plan, line, start, until + slow, start.time - past, model.frequency)
 
 
 def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
@@ -202,7 +207,7 @@ def changed(
     Returns:
         What is going to happen, and the feet led at the times.
     """
-    course = _course(model, plan, old.course.line, now, until)
+    course = _course(model, plan, old.course.line, now, until, _PAST)
     over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
     samples = sample_times(stances).ravel() if stances else times[:0]
     n = len(samples)
@@ -257,12 +262,9 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
     counts = np.arange(low, high + 1)
     times: dict[tuple[int, str], list[Span | None]] = {}
     for e, sole in enumerate(model.rig.soles):
-        begin, end = (np.interp(counts, c[:, e], course.grid, left=np.nan, right=np.nan) for c in (set_down, lifted))
-        end = np.where(np.isnan(end), course.grid[-1], end)
-        times[sole.leg, sole.part] = [
-            (float(a), float(b)) if np.isfinite(a) and b - a >= _BRIEFEST else None
-            for a, b in zip(begin, end, strict=True)
-        ]
+        begin = np.interp(counts, set_down[:, e], course.grid, right=np.inf).tolist()
+        end = np.interp(counts, lifted[:, e], course.grid, left=-np.inf).tolist()
+        times[sole.leg, sole.part] = [(a, b) if b - a >= _BRIEFEST else None for a, b in zip(begin, end, strict=True)]
     found = []
     for leg in range(len(model.rig.legs)):
         pairs = zip(counts, times[leg, "heel"], times[leg, "toe"], strict=True)

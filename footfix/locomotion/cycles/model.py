@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -149,36 +150,47 @@ class CycleModel:
         Walk and run are blended at equal phase; each leg's phase is first led to where its foot would be as far in its
         stance, or swing, in that gait.
         """
-        return self._rows(phases, asked, 0)
+        return self._rows(phases, asked, ((0, 0),))[0]
 
-    def leg_rows(self, phases: Floats, asked: Plan) -> Floats:
-        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`, N of them."""
-        return self._rows(phases, asked, 1)
+    def leg_rows(self, phases: Floats, asked: Plan, first: int) -> tuple[Floats, Floats]:
+        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`; and rows from `first` on."""
+        legs, every = self._rows(phases, asked, ((1, 0), (0, first)))
+        return legs, every
 
-    def _rows(self, phases: Floats, asked: Plan, part: int) -> Floats:
+    def _rows(self, phases: Floats, asked: Plan, parts: Sequence[tuple[int, int]]) -> list[Floats]:
+        """Some columns of the rows, each from some time on."""
         share = self.shares(asked.run)
         speed = asked.speed / self.froude
         used = np.flatnonzero(share.max(axis=0) > 0.0)
         if len(used) == 1:
-            return self._of_gait(int(used[0]), phases, speed, asked.style, None, part)
+            return self._of_gait(int(used[0]), phases, speed, asked.style, None, parts)
         spans = self._contacts_of_gaits(asked)
         own = self._stances(spans)  # (T, G, L, 2)
         mixed = self._stances(np.einsum("tg,tgek->tek", share, spans)[:, None])
         led = warped(phases[:, None, None], mixed, own)
-        parts = [self._of_gait(int(g), phases, speed, asked.style, led[:, g], part) for g in used]
-        return np.asarray(sum(share[:, g, None] * row for g, row in zip(used, parts, strict=True)))
+        of_gaits = [self._of_gait(int(g), phases, speed, asked.style, led[:, g], parts) for g in used]
+        return [
+            np.asarray(sum(share[first:, g, None] * rows[k] for g, rows in zip(used, of_gaits, strict=True)))
+            for k, (_, first) in enumerate(parts)
+        ]
 
     def _of_gait(
-        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None, part: int
-    ) -> Floats:
-        """(T, D) poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
-        space, (_, legs) = self.spaces[gait], self._columns[part]
+        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None,
+        parts: Sequence[tuple[int, int]],
+    ) -> list[Floats]:  # fmt: skip
+        """Poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
+        space = self.spaces[gait]
         features, samples = space.features(speed, style), space.mean.shape[0]
-        row = _at(self._directions[part][gait][-1], kernel(phases, samples), features)
-        if led is not None:
-            for number, own in enumerate(legs):
-                row[:, own] = _at(self._directions[part][gait][number], kernel(led[:, number], samples), features)
-        return row
+        whole = kernel(phases, samples)
+        legs = () if led is None else tuple(kernel(each, samples) for each in led.T)
+        found = []
+        for part, first in parts:
+            directions = self._directions[part][gait]
+            rows = _at(directions[-1], whole[first:], features[first:])
+            for number, weights in enumerate(legs):
+                rows[:, self._columns[part][1][number]] = _at(directions[number], weights[first:], features[first:])
+            found.append(rows)
+        return found
 
     @cached_property
     def _columns(self) -> tuple[tuple[Ints, tuple[Ints, ...]], ...]:

@@ -49,13 +49,17 @@ class Plan:
     style: Floats
 
     def __post_init__(self) -> None:
-        for name in ("times", "speed", "run", "turn", "style"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for name in _ROWS:
+            value = getattr(self, name)
+            if value.flags.writeable:  # of a part of what is read-only nothing need be done
+                object.__setattr__(self, name, frozen(value))
 
     @cached_property
     def _table(self) -> Floats:
         """(K, 3 + S) all of it."""
-        return np.concatenate([np.stack([self.speed, self.run, self.turn], axis=1), self.style], axis=1)
+        table = np.empty((len(self.times), 3 + self.style.shape[1]))
+        table[:, 0], table[:, 1], table[:, 2], table[:, 3:] = self.speed, self.run, self.turn, self.style
+        return table
 
     def at(self, times: Floats) -> Plan:
         """The parameters at other times (T,)."""
@@ -68,6 +72,7 @@ class Plan:
             low = known[k]
             share = np.minimum(np.maximum((times - low) / (known[k + 1] - low), 0.0), 1.0)[:, None]
             rows = (1.0 - share) * table[k] + share * table[k + 1]
+        rows.flags.writeable = False
         return Plan(times, rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3:])
 
     def of_speeds(self, speed: Floats) -> Plan:
