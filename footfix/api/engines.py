@@ -30,7 +30,7 @@ __all__ = ["Ahead", "Engine", "Frame", "fit_cycles", "load_model", "save_model"]
 _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
 _LEAST = 0.45  # [s] and when this is left, foreseen anew,
 _LONG = 3.0  # [s] and farther, since nothing else was asked for
-_PAST = 0.05  # [s] in which it is remembered what was asked for
+_PAST = 0.3  # [s] in which it is remembered what was asked for
 
 
 @dataclass(frozen=True, eq=False)

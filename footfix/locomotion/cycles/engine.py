@@ -24,7 +24,7 @@ SOONEST = 0.25  # [s] within which parameters change at the soonest
 _COMMITTED = 0.12  # [s] before a foot is set down, from when on its place does not change any more
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
 _AHEAD = 1.4  # [s] that are foreseen at least
-_PAST = 0.02  # [s] that are told of the past where what stands is known
+_PAST = 0.25  # [s] that are told of the past where what stands is known
 _RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
 _SOON = 0.01  # [s] in which it is gone at the soonest
 
