@@ -17,7 +17,7 @@ from footfix.formats.models import encode_model
 from footfix.formats.plans import PlanRow
 from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
 from footfix.jobs.make import plan_of
-from footfix.locomotion.cycles.engine import SOONEST, Led, Postures, changed, foresee, held, postures
+from footfix.locomotion.cycles.engine import Led, Postures, changed, changed_plan, foresee, held, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Plan, Point
 from footfix.locomotion.follow.path import make_path
@@ -119,7 +119,8 @@ class Engine:
             run: 0 to walk, 1 to run, or between.
             turn: [degrees/s] to the left.
             style: a name, or weights by name; "" for the plain one.
-            over: [s] how long the change takes, a quarter of a second at least.
+            over: [s] how long the change takes: a quarter of a second at least, and as long as feet need to follow,
+                which is a second for 150 degrees/s, 1.5 m/s (of legs of 0.9 m), or from a walk to a run.
         """
         if not np.isfinite(over) or over < 0.0:
             raise ArgumentError(f"over must be the seconds that a change takes, not {over!r}")
@@ -127,7 +128,7 @@ class Engine:
         new = self._row(last.speed[0] if speed is None else speed, run, turn, style)
         names = ("speed", "run", "turn", "style")
         given = {n: getattr(new, n) for n, v in zip(names, (speed, run, turn, style), strict=True) if v is not None}
-        self._plan = self._plan.changed(self.time, max(over, SOONEST), replace(last, **given))
+        self._plan = changed_plan(self.model, self._plan, self.time, over, replace(last, **given))
         self._asked = True
 
     def step(self, dt: float) -> Frame:

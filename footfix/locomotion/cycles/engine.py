@@ -20,8 +20,11 @@ from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 
-SOONEST = 0.25  # [s] within which parameters change at the soonest
-_COMMITTED = 0.12  # [s] before a foot is set down, from when on its place does not change any more
+_SOONEST = 0.25  # [s] within which parameters change at the soonest,
+_TURNED = np.radians(150.0)  # [rad/s^2] and turns,
+_HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
+_RAN = 1.0  # [1/s] and the share of running: quicker than this no foot on the floor can follow
+_COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
 _AHEAD = 1.4  # [s] that are foreseen at least
 _PAST = 0.25  # [s] that are told of the past where what stands is known
@@ -185,6 +188,17 @@ def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
 def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
     legs = range(len(model.rig.legs))
     return make_feet([sorted((s for s in stances if s.leg == k), key=lambda s: s.count) for k in legs])
+
+
+def changed_plan(model: CycleModel, plan: Plan, now: float, over: float, target: Plan) -> Plan:
+    """The plan that from now on goes to a target (one row) within `over` [s], or as soon as feet can follow."""
+    here = plan.at(np.array([now]))
+    needed = (
+        (target.turn - here.turn) / _TURNED,
+        (target.speed - here.speed) / (_HASTENED * model.froude),
+        (target.run - here.run) / _RAN,
+    )
+    return plan.changed(now, max(over, _SOONEST, *(abs(float(each[0])) for each in needed)), target)
 
 
 def changed(

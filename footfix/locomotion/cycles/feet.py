@@ -20,7 +20,7 @@ from footfix.motion.vectors import cross, norm, unit
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _PEEL = 0.08  # [s] after the heel has left the floor, and before the foot is set down, in which it becomes free to turn
-_SOFT = 0.002  # [leg lengths] that a leg may lack, from which on it is noticed
+_SOFT = 0.01  # [leg lengths] that a leg may lack, from which on it is noticed
 _LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
 _LED = (*HELD, "share", "free")
 _TWO = np.arange(2)
