@@ -103,7 +103,7 @@ def by_velocities(
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
         for a, b in _from_rest_to_rest(apart, speeds[k] > speeds[mate], rest, planted[k], params):
-            whole = _whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
+            whole = whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
             whole *= float(planted[mate][a:b].min())
             steps[a:b] = np.maximum(steps[a:b], max(whole, float(steps[a:b].max())))
         out.append(_stands(answers[k], steps))
@@ -118,7 +118,7 @@ def _from_rest_to_rest(
     return [(a, b) for a, b in runs(moves) if a > 0 and b < len(moves) and planted[a - 1 : b + 1].min() > 0.5]
 
 
-def _whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:
+def whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:
     """The probability that a foot with velocities (n, 2, 2) steps meanwhile: by how far it leaves the other behind."""
     ways = [velocity.sum(axis=0, keepdims=True) * STEP for velocity in (one, other)]  # (1, 2, 2) [leg lengths]
     far = parting(ways[0], ways[1])

@@ -21,8 +21,8 @@ from footfix.rig.gait import Gait, gait_in_place
 from footfix.rig.rig import Rig
 
 _MOST = 0.7  # of their time plants must go with the belt,
+OUTLIERS = 2  # and no more than so many one after the other may not
 _NEAR_GAIT = 0.6  # of its speed, by which feet that are planted in a gait in place may differ from it
-_OUTLIERS = 2  # and no more than so many one after the other may not
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class GroundParams:
 
 
 @dataclass(frozen=True)
-class _Drift:
+class Drift:
     """How a plant of a leg moves over the floor: frames `[start, end)`, velocity (3,) and steps [m/s], time [s]."""
 
     leg: int
@@ -96,9 +96,9 @@ def _velocity(drifts: Sequence[_Drift], rig: Rig, pose: Pose, frame_time: float,
     if len(drifts) < 4:
         return velocity
     travel = (hips[-1] - hips[0]) / (frames * frame_time)
-    along = _go_along(drifts, travel, params.belt * rig.leg_length, params)
+    along = go_along(drifts, travel, params.belt * rig.leg_length, params)
     if along is not None:
-        return velocity + _usual_step(drifts, along)
+        return velocity + usual_step(drifts, along)
     if len(drifts) < params.belt_plants:
         return velocity
     on_belt = np.zeros(len(drifts), dtype=np.bool_)
@@ -109,17 +109,17 @@ def _velocity(drifts: Sequence[_Drift], rig: Rig, pose: Pose, frame_time: float,
         some = drifts[k : k + params.belt_plants]
         start, end = min(drift.start for drift in some), max(drift.end for drift in some)
         travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)
-        along = _go_along(some, travel, params.belt_walk * rig.leg_length, params)
+        along = go_along(some, travel, params.belt_walk * rig.leg_length, params)
         if along is not None and len({d.leg for d, goes in zip(some, along.tolist(), strict=True) if goes}) == legs:
             on_belt[k : k + params.belt_plants] |= along
-    for first, last in runs(_without_gaps(on_belt, _OUTLIERS)):
+    for first, last in runs(_without_gaps(on_belt, OUTLIERS)):
         some = drifts[first:last]
         along = np.ones(len(some), dtype=np.bool_)
-        velocity[min(drift.start for drift in some) : max(drift.end for drift in some)] = _usual_step(some, along)
+        velocity[min(drift.start for drift in some) : max(drift.end for drift in some)] = usual_step(some, along)
     return velocity
 
 
-def _usual_step(drifts: Sequence[_Drift], along: Bools) -> Floats:
+def usual_step(drifts: Sequence[Drift], along: Bools) -> Floats:
     """Find (3,) [m/s] the step that most plants on the belt make: of a cleaned clip, the very speed of its belt."""
     steps = np.concatenate([drift.steps for drift, goes in zip(drifts, along.tolist(), strict=True) if goes])
     return np.asarray(np.median(steps, axis=0) * [1.0, 0.0, 1.0])
@@ -134,7 +134,7 @@ def _without_gaps(mask: Bools, longest: int) -> Bools:
     return out
 
 
-def _drifts(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list[_Drift]:
+def _drifts(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list[Drift]:
     drifts = []
     for sole, effector in zip(rig.soles, contacts.effectors, strict=True):
         track = pose.point(sole.joint, np.array(sole.offset))
@@ -143,16 +143,16 @@ def _drifts(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list
                 seconds = (c.end - c.start - 1) * frame_time
                 velocity = (track[c.end - 1] - track[c.start]) * [1.0, 0.0, 1.0] / seconds
                 steps = np.diff(track[c.start : c.end], axis=0) / frame_time
-                drifts.append(_Drift(sole.leg, c.start, c.end, velocity, steps, seconds))
+                drifts.append(Drift(sole.leg, c.start, c.end, velocity, steps, seconds))
     return drifts
 
 
-def _centre(drifts: Sequence[_Drift]) -> Floats:
+def _centre(drifts: Sequence[Drift]) -> Floats:
     points, weights = np.array([drift.velocity for drift in drifts]), np.array([drift.seconds for drift in drifts])
     return np.asarray(geometric_medians(points, segments([(0, len(points))]), weights)[0])
 
 
-def _go_along(drifts: Sequence[_Drift], travel: Floats, least: float, params: GroundParams) -> Bools | None:
+def go_along(drifts: Sequence[Drift], travel: Floats, least: float, params: GroundParams) -> Bools | None:
     """Tell (N,) which of these plants go along with what is their common velocity, `least` [m/s] or more.
 
     None where not most of them do, or the hips, which go on by `travel` (3,) [m/s], don't stay.

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats, Ints
+from footfix.motion.clip import Clip, Floats, Ints, Skeleton
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import cross as cross_rows
 from footfix.motion.vectors import dot, norm, unit
@@ -47,6 +47,11 @@ class LegCalibration:
     straightest: float
     toe_hinge: Floats
     noise: tuple[Noise, Noise, Noise]
+
+    @property
+    def least(self) -> float:
+        """[rad] the straightest that a knee may become that was not captured straighter."""
+        return max(self.straightest, float(np.radians(_STRETCHED)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,16 +187,8 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
     for k, (leg, known) in enumerate(zip(rig.legs, calibration, strict=True)):
         hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
         thigh, shank = knee - hip, ankle - knee
-        axis = knee_axis(thigh, shank, rotation.rotate(pose.rotation(leg.hip), known.knee_axis))
-        flexion = _flexion(thigh, shank, axis)
-        least = np.minimum(flexion, max(known.straightest, np.radians(_STRETCHED)))
-        # D(k)^2 = |thigh|^2 + |shank|^2 + 2 thigh . R(axis, k) shank
-        along = dot(thigh, axis) * dot(shank, axis)
-        reach = np.stack([
-            dot(thigh, thigh) + dot(shank, shank) + 2.0 * along,
-            2.0 * (dot(thigh, shank) - along),
-            2.0 * dot(thigh, cross_rows(axis, shank)),
-        ])  # fmt: skip
+        axis, flexion, reach = knee_of(thigh, shank, rotation.rotate(pose.rotation(leg.hip), known.knee_axis))
+        least = np.minimum(flexion, known.least)
         points, bends = _points(clip, rig, pose, k)
         found.append(LegTracks(
             leg=leg, hip=_lying(hip), ankle=_lying(ankle), line=_lying(unit(ankle - hip)), thigh=_lying(thigh),
@@ -201,6 +198,24 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
             turns=bool(np.all(clip.skeleton.rotates[[leg.hip, leg.knee, leg.ankle]])),
         ))  # fmt: skip
     return tuple(found)
+
+
+def knee_of(thigh: Floats, shank: Floats, usual: Floats) -> tuple[Floats, Floats, Floats]:
+    """Measure a knee: its axis (F, 3), its flexion (F,) [rad], and `LegTracks.reach` (3, F) [m^2].
+
+    Args:
+        thigh, shank: (F, 3) [m] from hip to knee, and from knee to ankle.
+        usual: (F, 3) unit axis that the knee has on the whole, in the world.
+    """
+    axis = knee_axis(thigh, shank, usual)
+    # D(k)^2 = |thigh|^2 + |shank|^2 + 2 thigh . R(axis, k) shank
+    along = dot(thigh, axis) * dot(shank, axis)
+    reach = np.stack([
+        dot(thigh, thigh) + dot(shank, shank) + 2.0 * along,
+        2.0 * (dot(thigh, shank) - along),
+        2.0 * dot(thigh, cross_rows(axis, shank)),
+    ])  # fmt: skip
+    return axis, _flexion(thigh, shank, axis), reach
 
 
 def raise_leg(leg: LegTracks, lift: float | Floats) -> LegTracks:
@@ -246,10 +261,17 @@ def _points(clip: Clip, rig: Rig, pose: Pose, k: int) -> tuple[tuple[Floats, ...
     if leg.toe is None:
         return (heel - ankle, ball - ankle), False
     # G §4: the effector is the metatarsal joint itself, which is what the skin of the toes hangs on
-    toe = pose.position(leg.toe)
-    ends = np.flatnonzero(skeleton.end_parents == leg.toe)
-    offset = skeleton.end_offsets[ends[0]] if len(ends) else np.zeros(3)
-    below_foot = leg.ankle in skeleton.ancestors(int(skeleton.parents[leg.toe]))
-    if float(np.linalg.norm(offset)) < 0.01 * rig.leg_length or not below_foot:
+    toe, offset = pose.position(leg.toe), tip_of(skeleton, rig, k)
+    if offset is None:
         return (heel - ankle, toe - ankle), False
     return (heel - ankle, toe - ankle, pose.point(leg.toe, offset) - toe), bool(skeleton.rotates[leg.toe])
+
+
+def tip_of(skeleton: Skeleton, rig: Rig, k: int) -> Floats | None:
+    """Get the tip of a leg's toes (3,) [m] in the toe joint's frame; None where there is none that can be bent up."""
+    leg = rig.legs[k]
+    ends = np.flatnonzero(skeleton.end_parents == leg.toe)
+    offset = skeleton.end_offsets[ends[0]] if len(ends) else np.zeros(3)
+    if leg.toe is None or float(np.linalg.norm(offset)) < 0.01 * rig.leg_length:
+        return None
+    return offset if leg.ankle in skeleton.ancestors(int(skeleton.parents[leg.toe])) else None

@@ -14,7 +14,7 @@ from footfix.enforce.kept import kept
 from footfix.enforce.leg import LegCalibration, LegTracks, calibrate, raise_leg, tracks
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.style import styled
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
@@ -51,12 +51,17 @@ class Task:
 
 
 def pose_of(clip: Clip, rig: Rig) -> Pose:
-    """Compute forward kinematics of all that enforcement looks at: the rig's joints and what its legs hang from."""
+    """Compute forward kinematics of all that enforcement looks at."""
+    return forward(clip, posed_joints(clip.skeleton, rig))
+
+
+def posed_joints(skeleton: Skeleton, rig: Rig) -> tuple[int, ...]:
+    """List the joints that enforcement looks at: the rig's and what its legs hang from."""
     joints = set(rig.joints())
     for leg in rig.legs:
         hinged = [leg.hip, leg.knee, leg.ankle] + ([] if leg.toe is None else [leg.toe])
-        joints.update(int(clip.skeleton.parents[joint]) for joint in hinged)
-    return forward(clip, sorted(joints - {-1}))
+        joints.update(int(skeleton.parents[joint]) for joint in hinged)
+    return tuple(sorted(joints - {-1}))
 
 
 def ground_of(clip: Clip, rig: Rig, contacts: Contacts, params: GroundParams) -> Floats:

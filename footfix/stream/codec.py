@@ -26,9 +26,7 @@ class Channels:
         number = {joint: k for k, joint in enumerate(part.joints)}
         which = [k for k, channel in enumerate(document.channels) if channel.kind and channel.joint in number]
         self._columns = np.array(which, dtype=np.intp)
-        self._channels = tuple(
-            document.channels[k]._replace(joint=number[document.channels[k].joint]) for k in which
-        )
+        self._channels = tuple(document.channels[k]._replace(joint=number[document.channels[k].joint]) for k in which)
         joints = list(part.joints)
         whole, own = document.skeleton, part.skeleton
         self._skeleton = replace(

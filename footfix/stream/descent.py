@@ -1,48 +1,86 @@
-"""A round of Gauss-Newton on a window, whose first frames keep their state."""
+"""Rounds of Gauss-Newton on a window, whose first frames keep their state."""
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
-from footfix.enforce.assembly import System
+import numpy as np
+from numpy.lib.stride_tricks import as_strided
+
 from footfix.enforce.problem import Problem
-from footfix.enforce.solve import DAMPING, EPS, STATIC, solved
-from footfix.motion.clip import Floats, Ints
-from footfix.stream.objective import Legs, Normal, Stacked, normal
+from footfix.enforce.solve import DAMPING, EPS, STATIC
+from footfix.enforce.terms import near
+from footfix.motion.clip import Floats, Ints, frozen
+from footfix.stream.legs import Legs
+from footfix.stream.objective import Normal, normal
+from footfix.stream.pins import Stacked
 
 _LONGEST = 0.1  # [m, rad] that a state goes in a round
 _FIRST = 4.0  # times `EPS` in all rounds but the last
 
 
-def descend(problem: Problem, x: Floats, rounds: int, fixed: int, *, legs: Legs | None = None) -> Floats:
-    """Take some rounds from a state.
+@dataclass(frozen=True, eq=False)
+class Fixed:
+    """What is the same in all windows of so many frames.
+
+    Args:
+        near: (3, U, F) bands of NEAR.
+        free: which unknowns there are.
+        damping: (n,) of these.
+    """
+
+    near: Floats
+    free: Ints
+    damping: Floats
+
+    @classmethod
+    def of(cls, problem: Problem) -> Fixed:
+        """Work it out for a window."""
+        U, F = problem.unknowns, problem.frames
+        bands, _ = near(problem, np.zeros((U, F)), np.arange(U))
+        free = np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
+        s0, _ = problem.near()
+        return cls(frozen(bands), free, frozen(DAMPING * 60.0 * problem.frame_time / s0[free] ** 2))
+
+
+def descend(
+    problem: Problem, x: Floats, past: int, *, last: bool, legs: Legs, pins: Stacked, fixed: Fixed
+) -> Floats:  # fmt: skip
+    """Take a round from a state.
 
     Args:
         problem: the window's.
         x: (U, F) where to begin.
-        rounds: how many.
-        fixed: frames at the beginning that keep their state.
-        legs: the problem's, stacked, where they are known.
+        past: frames at the beginning that keep their state.
+        last: whether it is the last round.
+        legs, pins: the problem's, stacked.
+        fixed: what is the same in all such windows.
     """
-    legs, pins = Legs.of(problem.legs) if legs is None else legs, Stacked.of(problem.pins)
-    free = np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
-    x = x.copy()
-    for n in range(rounds):
-        eps = (EPS if n == rounds - 1 else _FIRST * EPS) * problem.frame_time
-        found = normal(problem, legs, pins, x, eps, STATIC)
-        step = _step(problem, found, free, fixed)
-        x[np.ix_(free, np.arange(fixed, x.shape[1]))] += np.clip(step, -_LONGEST, _LONGEST)
-    return x
+    eps = (EPS if last else _FIRST * EPS) * problem.frame_time
+    found = normal(problem, legs, pins, x, eps, STATIC, fixed.near)
+    out = x.copy()
+    out[fixed.free, past:] += np.clip(_step(found, fixed, past), -_LONGEST, _LONGEST)
+    return out
 
 
-def _step(problem: Problem, found: Normal, free: Ints, fixed: int) -> Floats:
-    """(n, F - fixed) the step of the free unknowns, by a banded Cholesky decomposition; none where there is none."""
-    s0, _ = problem.near()
-    system = System(
-        rows=np.arange(problem.unknowns), gradient=found.gradient[fixed:].T, main=found.main[fixed:].transpose(1, 2, 0),
-        next=found.next[fixed:].transpose(1, 2, 0), near=found.near[..., fixed:], cost=0.0,
-    )  # fmt: skip
-    try:
-        return solved(system, free, DAMPING * 60.0 * problem.frame_time / s0[free] ** 2, None)
-    except np.linalg.LinAlgError:
-        return np.zeros((len(free), system.gradient.shape[1]))
+def _step(found: Normal, fixed: Fixed, past: int) -> Floats:
+    """(n, F - past) the step of the free unknowns, by a banded Cholesky decomposition; none where there is none."""
+    from scipy.linalg.lapack import dpbsv
+
+    gradient, main, next_ = found.gradient[past:], found.main[past:], found.next[past:]
+    own, bands = fixed.free, found.near[:, fixed.free, past:]
+    if len(own) < gradient.shape[1]:
+        gradient, main, next_ = gradient[:, own], main[:, own[:, None], own], next_[:, own[:, None], own]
+    F, U = gradient.shape
+    matrix = np.zeros((F, U, 2 * U + 1))  # column by column, from the diagonal down
+    size, unit = U * (2 * U + 1), matrix.itemsize
+    # row r of column c stands r - c after its diagonal; what is above the diagonal is zero, and falls on zeros
+    for blocks, after in ((np.tril(main), 0), (next_, U)):
+        n = len(blocks)
+        view = as_strided(matrix.reshape(-1)[after:], (n, U, U), (size * unit, 2 * U * unit, unit))
+        view[...] = blocks.swapaxes(1, 2)
+    matrix[..., 0] += bands[0].T + fixed.damping
+    matrix[..., U] += bands[1].T
+    matrix[..., 2 * U] += bands[2].T
+    _, step, wrong = dpbsv(matrix.reshape(F * U, 2 * U + 1).T, -gradient.reshape(-1), lower=1, overwrite_ab=1)
+    return np.asarray(step.reshape(F, U).T if wrong == 0 else np.zeros((U, F)))

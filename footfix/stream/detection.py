@@ -17,13 +17,14 @@ from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
 from footfix.detect.network import FLAT, HEEL, TOE, Network
 from footfix.detect.path import EARLY, Stretch, resting, stretches
-from footfix.detect.stepping import WINDOW, by_velocities
+from footfix.detect.stepping import WINDOW
 from footfix.detect.timing import timed_by
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
 from footfix.stream.filters import filtered
 from footfix.stream.grid import FOOT, PAST, Grid
 from footfix.stream.ring import Ring
+from footfix.stream.stepping import stepping
 from footfix.stream.weigh import weigh
 
 _REACH = 31  # steps that the network looks ahead and behind
@@ -100,28 +101,30 @@ class Detector:
         self._frames = Ring((len(self._mates), 3, 3), round(max(_KNEES, look_ahead + 0.3) / frame_time) + 4)
 
     def add(self, tracks: Tracks) -> None:
-        """Take the next frames (n of them, with knees), and weigh what they show."""
+        """Take the next frames (n of them, with knees)."""
         feet = [np.stack([f.heel, f.toe, f.heel if f.knee is None else f.knee], axis=1) for f in tracks.feet]
         self._frames.append(np.stack(feet, axis=1))
         self._grid.add(tracks)
-        self._weigh()
 
-    def _weigh(self) -> None:
+    def weigh(self) -> None:
+        """Weigh what the newest frames show."""
         places = self._grid.steps.last(round(PAST / STEP))
         count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         curves, self._axes = weigh(places, count + _REACH, self._mates, self._jitter)
         answered = logits(fitted.network(), curves, count)
-        alone = tuple(
-            grounded(answer, each[-count:], self._params) for answer, each in zip(answered, curves, strict=True)
-        )
-        moving = places[:, [0, *(k for f in range(len(curves)) for k in (3 + FOOT * f, 4 + FOOT * f))]]
+        feet = len(curves)
+        standing = grounded(
+            answered.reshape(-1, answered.shape[-1]), np.concatenate([each[-count:] for each in curves]), self._params
+        ).reshape(answered.shape)
+        moving = places[:, [0, *(k for f in range(feet) for k in (3 + FOOT * f, 4 + FOOT * f))]]
         velocity = filtered(moving[..., ::2], seconds=WINDOW, degree=2, derivative=1)  # (n, 1 + 2 feet, 2)
-        each = [velocity[:, 1 + 2 * f : 3 + 2 * f] for f in range(len(curves))]
-        answers = by_velocities(alone, self._mates, velocity[:, 0], each, self._params.stepping)
-        self._answers.replace(self._grid.steps.end - count, np.stack(answers, axis=1))
+        over_ground = np.ascontiguousarray((velocity[..., 0] + 1j * velocity[..., 1]).T)
+        soles = over_ground[1:].reshape(feet, 2, -1).swapaxes(0, 1)
+        answers = stepping(standing, self._mates, over_ground[0], soles, self._params.stepping)
+        self._answers.replace(self._grid.steps.end - count, answers.swapaxes(0, 1))
 
     def see(self, first: int) -> Seen:
-        """Say which soles are planted from frame `first` on."""
+        """Say which soles are planted from frame `first` on, by what was weighed."""
         end = self._frames.end
         answers = self._answers.last(self._path)
         last = len(answers)

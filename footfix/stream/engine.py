@@ -1,40 +1,49 @@
 """The steps of a stream, hop by hop: detection as frames come in, enforcement a little later, frames out one by one.
 
-    hop                     1/30 s of frames: kinematics of them, and what they show of contacts
-    a frame later           contacts, and the window that ends with the hop is solved; its oldest frames are settled
-    another frame later     their rows are written, where the rate is high and the look-ahead long
-                            (where it is higher still, contacts are found a frame before the window is solved)
-    with every frame        one that is settled is given out, as late as agreed on
+The work that a hop of frames (1/30 s) makes comes in parts, each of about the same time:
 
-So no frame takes the time of all steps, and each waits as long as the others.
+    kinematics of the frames, which places them on detection's grid
+    what these places show of contacts
+    contacts
+    the window that ends with the hop: what is asked of it, and a round of its solution
+    another round; the window's oldest frames are settled
+    their rows are written
+
+The parts are spread over the frames that come meanwhile, a few with each, as far as the look-ahead can spare them: so
+no frame takes the time of all. Those that are settled are given out one with each frame, as late as agreed on.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from footfix.detect.tracks import tracks_of
-from footfix.enforce.correction import Correction, apply
-from footfix.enforce.leg import LEG, ROOT, LegTracks, tracks
-from footfix.enforce.task import pose_of
-from footfix.enforce.whole_clip import correction
+from footfix.enforce.correction import apply
+from footfix.enforce.leg import ANKLE, ROOT
+from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.kinematics import forward
 from footfix.settings import Settings
+from footfix.stream.belt import Belt
 from footfix.stream.detection import Detector, Seen
 from footfix.stream.events import Event, Kind
+from footfix.stream.legs import Legs, Measure
 from footfix.stream.part import Part
-from footfix.stream.ring import Ring
-from footfix.stream.tracks import LegRing
+from footfix.stream.past import Past
+from footfix.stream.turns import correction
 from footfix.stream.window import BEFORE, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
-_LONG = 0.12  # [s] of look-ahead of which a frame more can be spared
+_PARTS = 6  # of the work that a hop makes
+_SPREAD = 3  # frames over which they are spread at most, besides the hop's last one
+_SPARED = 6  # and a frame for as many of the look-ahead's
+_ROUNDS, _FIRST_ROUNDS, _LAST_ROUNDS = 2, 6, 6  # of a window's solution: most of them, the first one, and the last one
+_OVER = object()  # no parts are left
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
 
 
@@ -58,19 +67,6 @@ class Shown:
 def frames_of(seconds: float, frame_time: float) -> int:
     """Count the whole frames of a time [s]."""
     return int(seconds / frame_time + 1e-6)
-
-
-@dataclass(frozen=True, eq=False)
-class _Settled:
-    """Frames of a window that are settled, from number `first` on, and what was found of them."""
-
-    first: int
-    legs: Sequence[LegTracks]
-    x: Floats
-    lift: Floats
-    shown: slice
-    on: Bools
-    events: Sequence[Event]
 
 
 class Codec(Protocol):
@@ -101,30 +97,36 @@ class Engine:
             look_ahead: [s] that a frame waits for what follows it.
             shown: how many of the first frames are given out by others, as they are.
         """
-        self._part, self._codec, self._frame_time = part, codec, frame_time
+        self._part, self._codec, self._columns, self._frame_time = part, codec, columns, frame_time
         self._rig = part.known.rig
         self.hop = max(1, frames_of(HOP, frame_time))
         ahead = frames_of(look_ahead, frame_time)
         self.delay = ahead + self.hop - 1
-        self._late = self.hop >= 3 and look_ahead >= _LONG
-        self._parted = self._late and self.hop >= 4
-        self._ahead = max(ahead - (0 if self.hop == 1 else 1 + self._late + self._parted), 0)
-        self._seen: Seen | None = None  # to be solved for
-        self._pending: _Settled | None = None  # to be written
+        self._spread = min(self.hop - 1, _SPREAD, ahead // _SPARED)  # frames that a hop's parts wait for at most
+        self._ahead = ahead - self._spread
         self._detector = Detector(
             [leg.side for leg in self._rig.legs], part.known.mates, part.known.jitter, self._rig.leg_length, frame_time,
             look_ahead, settings.detect.auto,
         )  # fmt: skip
         moves = bool(part.skeleton.translates[self._rig.root])
         self._window = Window(part.known, moves, frame_time, settings.enforce, shown)
+        self._belt = Belt(part.known.belt, frame_time, self._rig.leg_length, settings.enforce.ground)
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
-        self._capacity = self.delay + 4 * self.hop + BEFORE + 4
-        self._rows = Ring((columns,), self._capacity)
-        self._legs: LegRing | None = None
+        self._joints = posed_joints(part.skeleton, self._rig)
+        self._measure = Measure(part, self._joints)
+        self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
         self._hop: list[Floats] = []
-        self._arrived, self._settled, self._due = 0, shown, False
+        self._work: Iterator[None] = iter(())  # parts that are left
+        self._done = self._since = 0  # parts of them that were done, and frames that came since they began
+        self._arrived, self._settled = 0, shown
         self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled
         self._ready: deque[Shown] = deque()
+
+    def recall(self, rows: Floats) -> None:
+        """Take rows (n, C) at once, of which the first ones were given out already."""
+        self._arrived += len(rows)
+        for _ in self._parts(rows, _FIRST_ROUNDS):
+            pass
 
     def push(self, rows: Floats) -> list[Shown]:
         """Take the next rows (n, C); give out those that are due."""
@@ -132,104 +134,125 @@ class Engine:
         for row in rows:
             self._hop.append(row)
             self._arrived += 1
-            if self._pending is not None:
-                self._write(self._pending)
-            elif self._due and self._parted and self._seen is None:
-                self._seen = self._see(self._rows.end - self._ahead)
-            elif self._due:
-                self._settle(self._rows.end - self._ahead)
+            self._since += 1
             if len(self._hop) == self.hop:
-                self._take_hop()
-                self._due = True
-                if self.hop == 1:
-                    self._settle(self._rows.end - self._ahead)
+                self._work, self._done, self._since = self._parts(self._taken(), _ROUNDS), 0, 0
+            self._advance()
             while self._ready and self._ready[0].number < self._arrived - self.delay:
                 out.append(self._ready.popleft())
         return out
 
     def close(self) -> list[Shown]:
         """Give out all that is left; no frames follow."""
-        if self._pending is not None:
-            self._write(self._pending)
-        self._seen = None
-        if self._hop:
-            self._take_hop()
-        if self._arrived > self._settled:
-            self._settle(self._arrived, last=True)
+        for _ in self._work:
+            pass
+        for _ in self._parts(self._taken(), _LAST_ROUNDS, last=True):
+            pass
         left = list(self._ready)
         self._ready.clear()
         return left
 
-    def _take_hop(self) -> None:
-        """Kinematics of the newest frames, and what they show."""
-        rows = np.stack(self._hop)
+    def _taken(self) -> Floats:
+        """(n, C) the rows of the newest hop."""
+        rows = np.stack(self._hop) if self._hop else np.zeros((0, self._columns))
         self._hop.clear()
-        self._rows.append(rows)
-        clip = self._codec.read(rows)
-        pose = pose_of(clip, self._rig)
-        legs = tracks(clip, self._rig, pose, self._part.known.legs)
-        if self._legs is None:
-            self._legs = LegRing(legs, pose, self._capacity)
-        self._legs.append(legs, pose)
-        self._detector.add(tracks_of(clip, self._rig, pose))
+        return rows
 
-    def _see(self, stop: int) -> Seen | None:
-        """What is planted in the newest frames; None where none up to number `stop` is to be settled."""
+    def _advance(self) -> None:
+        """Do the parts that are due with this frame."""
+        due = _PARTS * (self._since + 1) // (self._spread + 1)
+        while self._done < due:
+            self._done += 1
+            if next(self._work, _OVER) is _OVER:
+                self._done = due
+
+    def _parts(self, rows: Floats, rounds: int, *, last: bool = False) -> Iterator[None]:
+        """Do the parts that rows (n, C) make, pausing after each; with `last`, settle all frames."""
+        if len(rows):
+            self._take(rows)
+            yield
+            self._detector.weigh()
+            yield
+        stop = self._past.end - (0 if last else self._ahead)
         if stop <= self._settled:
-            return None
-        return self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
-
-    def _settle(self, stop: int, *, last: bool = False) -> None:
-        """Settle the frames up to number `stop`."""
-        seen = self._see(stop) if self._seen is None else self._seen
-        self._due, self._seen = False, None
-        assert self._legs is not None
-        if seen is None:
             return
+        seen = self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
+        yield
         first = max(self._settled - BEFORE, 0)
         before = self._settled - first
-        down = seen.down[self._settled - seen.first :]
-        told = self._told[BEFORE - before :]
-        on = np.concatenate([told, down])
-        legs, lift = self._window.lifted(self._legs.legs(first), first)
-        x = self._window.solve(legs, on, first, stop, last=last)
-        shown = slice(before, stop - first)
-        events = self._events(seen, stop)
-        found = _Settled(self._settled, legs, x, lift, shown, on, events)
-        self._told = np.concatenate([self._told, down[: stop - self._settled]])[-BEFORE:]
+        found = seen.down[self._settled - seen.first :]
+        down = self._standing(found, stop - self._settled)
+        on = np.concatenate([self._told[BEFORE - before :], down])
+        legs, lift = self._window.lifted(self._past.legs(first), first)
+        x, on = yield from self._window.solve(legs, on, first, stop, rounds, last=last)
+        self._learn(legs.frames(slice(before, stop - first)), found[: stop - self._settled])
+        events, settled = self._events(seen, on[: stop - first], first), self._settled
+        self._told = np.concatenate([self._told, on[before : stop - first]])[-BEFORE:]
         self._settled = stop
-        if self._late and not last:
-            self._pending = found
-        else:
-            self._write(found)
+        yield
+        shown = slice(before, stop - first)
+        shift = x[:ROOT, shown].T + lift[shown, None] * np.array([0.0, 1.0, 0.0])
+        self._write(settled, legs.frames(shown), x[:, shown], shift, on[shown], events)
 
-    def _write(self, found: _Settled) -> None:
-        """Make ready the rows of frames that are settled."""
-        self._pending = None
-        assert self._legs is not None
-        shown, first = found.shown, found.first
-        stop = first + shown.stop - shown.start
-        rows = self._rows.view(first, stop)
-        some = [leg.frames(shown) for leg in found.legs]
-        state = np.ascontiguousarray(found.x[:, shown])
-        columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(some))]
-        shift = state[:ROOT].T + found.lift[shown, None] * np.array([0.0, 1.0, 0.0])
+    def _learn(self, legs: Legs, down: Bools) -> None:
+        """Learn of the ground from the frames that are settled now, with contacts (n, 2 legs) as detected."""
+        self._belt.follow(legs.places()[:, :ANKLE], legs.hip.mean(axis=1), down, self._settled)
+        self._window.belt = self._belt.velocity
+
+    def _take(self, rows: Floats) -> None:
+        """Kinematics of the newest frames."""
         clip = self._codec.read(rows)
-        done = correction(clip, self._rig, self._legs.pose(first, stop), some, state, columns, shift)
-        done = Correction(done.root, done.root_shift, done.joints, done.rotations, self._part.known.followers)
+        pose = forward(clip, self._joints)
+        legs, tracks = self._measure(pose, self._frame_time)
+        self._past.append(rows, legs, pose)
+        self._detector.add(tracks)
+
+    def _write(self, first: int, legs: Legs, x: Floats, shift: Floats, on: Bools, events: Sequence[Event]) -> None:
+        """Make ready the rows of frames that are settled, n of them from number `first` on.
+
+        Args:
+            first: number of the first.
+            legs: in them.
+            x: (U, n) their state.
+            shift: (n, 3) [m] of the root.
+            on: (n, 2 legs) when heel and toe of each are planted.
+            events: what begins or ends there.
+        """
+        stop = first + len(on)
+        rows = self._past.rows.view(first, stop)
+        clip = self._codec.read(rows)
+        done = correction(self._part, clip, self._past.pose(first, stop), legs, x, shift)
         rows = self._codec.write(rows, clip, apply(clip, done)) if done.joints or np.any(shift) else rows.copy()
         for k, number in enumerate(range(first, stop)):
-            own = tuple(event for event in found.events if self._due_with(event, number, first, stop))
-            self._ready.append(Shown(number, rows[k], found.on[shown][k, self._order], own))
+            own = tuple(event for event in events if self._due_with(event, number, first, stop))
+            self._ready.append(Shown(number, rows[k], on[k, self._order], own))
 
     @staticmethod
     def _due_with(event: Event, number: int, first: int, stop: int) -> bool:
         return min(max(event.frame, first), stop - 1) == number
 
-    def _events(self, seen: Seen, stop: int) -> list[Event]:
-        """What begins or ends in the frames that are settled now, up to `stop`."""
-        begin = self._settled - seen.first
-        down = np.concatenate([self._told[-1:], seen.down[begin : begin + stop - self._settled]])
+    def _standing(self, down: Bools, settled: int) -> Bools:
+        """(n, 2 legs) contacts without those of feet that were let go, until these leave the floor or have caught up.
+
+        Args:
+            down: (n, 2 legs) contacts as detected.
+            settled: of these frames, how many are to be settled now.
+        """
+        if not any(self._window.left):
+            return down
+        down = down.copy()
+        for k, left in enumerate(self._window.left):
+            own = down[:, 2 * k : 2 * k + 2]
+            stays = int(np.argmin(np.append(own.any(axis=1), False)))
+            if left:
+                own[:stays] = False
+            if stays < settled:
+                self._window.left[k] = False
+        return down
+
+    def _events(self, seen: Seen, on: Bools, first: int) -> list[Event]:
+        """What begins or ends in the frames that are settled now, by contacts (n, 2 legs) from frame `first` on."""
+        down = np.concatenate([self._told[-1:], on[self._settled - first :]])
         found = []
         for sole, column in zip(self._rig.soles, self._order, strict=True):
             for k in np.flatnonzero(down[1:, column] != down[:-1, column]).tolist():

@@ -7,7 +7,8 @@ import numpy as np
 from footfix.detect.evidence import SMOOTH, STEP
 from footfix.detect.tracks import Tracks
 from footfix.motion.clip import Floats
-from footfix.motion.smoothing import savgol, window_frames
+from footfix.motion.smoothing import window_frames
+from footfix.stream.filters import filtered
 from footfix.stream.ring import Ring
 
 FOOT = 4  # tracks of a foot: hip, ankle, heel, toe
@@ -53,7 +54,7 @@ class Grid:
         low = max(int(places[0]) - 2 - 2 * self._half, self._frames.start)
         x = self._frames.view(low)
         if self._half:
-            x = savgol(x, self._frame_time, seconds=SMOOTH, degree=2)
+            x = filtered(x, seconds=SMOOTH, degree=2, step=self._frame_time)
         self.steps.replace(first, _catmull_rom(x, places - low))
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from footfix.enforce.floors import height
-from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
+from footfix.enforce.leg import ANKLE, HEEL, TOE
 from footfix.enforce.papers.ease import gamma
-from footfix.enforce.pins import Pins
 from footfix.motion.clip import Bools, Floats, Ints
 
 STANDING = (HEEL, TOE, ANKLE)  # the points that have plants; the ankle stands while heel and toe do
@@ -99,6 +97,17 @@ class Foot:
     plants: tuple[Plant | None, ...] = (None, None, None)
     step: float = 0.0
 
+    def stands(self, point: int) -> bool:
+        """Tell whether a point stands, and where."""
+        plant = self.plants[point]
+        return plant is not None and plant.place is not None
+
+    @property
+    def left(self) -> bool:
+        """Whether the foot was let go: its toe, or its heel if that stands alone; a heel may turn about its toe."""
+        heel, toe, _ = self.plants
+        return toe.free if toe is not None else heel is not None and heel.free
+
 
 def masks(on: Bools) -> tuple[Bools, ...]:
     """Lay out when heel, toe, ankle and tip are to stand, of (n, 2) when heel and toe are planted."""
@@ -106,17 +115,17 @@ def masks(on: Bools) -> tuple[Bools, ...]:
 
 
 def follow(
-    foot: Foot, leg: LegTracks, k: int, places: Sequence[Floats], pins: Sequence[Pins], on: Bools, window: Ints,
+    foot: Foot, k: int, captured: Floats, places: Floats, pinned: tuple[Floats, Floats], on: Bools, window: Ints,
     shown: slice, ground: Ground, belt: Floats,
 ) -> Foot:  # fmt: skip
     """Keep account of a foot's plants after frames were shown.
 
     Args:
         foot: before.
-        leg: as captured over the window, n frames.
         k: which leg.
-        places: of its points over the window, (3, n) [m] each, as corrected.
-        pins: what was asked of them.
+        captured: (3, P, n) [m] its points over the window as captured,
+        places: and as corrected.
+        pinned: (3, P, n) [m] where they were asked to be, and (P, n) how firmly.
         on: (n, 2) when heel and toe are planted.
         window: (n,) numbers of its frames.
         shown: which of them were shown just now.
@@ -130,16 +139,16 @@ def follow(
             if not mask[t]:
                 plant = None
             elif plant is None:
-                level = ground.level(leg.place(point)[1, t : t + int(np.argmin(np.append(mask[t:], False)))], k, point)
+                level = ground.level(captured[1, point, t : t + int(np.argmin(np.append(mask[t:], False)))], k, point)
                 step = step if point == ANKLE else ground.step(level, k, point)
                 plant = Plant(int(window[t]), level, belt)
             if plant is not None and plant.place is None and window[t] > plant.start:
-                here = places[point][:, t].copy()
-                if pins[point].placed[t]:
-                    here[::2] = pins[point].place[::2, t]
+                here = places[:, point, t].copy()
+                if point != TOE and pinned[1][point, t]:
+                    here[::2] = pinned[0][::2, point, t]
                 keeps = point == ANKLE or not ground.heights
                 plant = replace(plant, place=here, at=int(window[t]), level=float(here[1]) if keeps else plant.level)
-        plants[point] = plant and _held(plant, leg.place(point), places[point], window, shown.stop - 1, ground)
+        plants[point] = plant and _held(plant, captured[:, point], places[:, point], window, shown.stop - 1, ground)
     return Foot(tuple(plants), step)
 
 

@@ -148,7 +148,10 @@ class Live:
         self._begin(clip, source, since)
         self._held.clear()
         assert self._engine is not None
-        return self._counted(self._engine.push(rows[since:]))
+        if not self._given:
+            return self._counted(self._engine.push(rows))
+        self._engine.recall(rows[since:])
+        return self._counted(self._engine.push(rows[:0]))
 
     def _clip(self, rows: Floats) -> tuple[Clip, Document | Skeleton]:
         """The motion of rows [m], y up, and the source with the unit, axis and bones it is found to have."""

@@ -8,149 +8,18 @@ Arrays have components first, then points, legs and frames: (3, P, L, F).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from footfix.enforce.assembly import product
 from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, TOES, UPRIGHT
-from footfix.enforce.leg import LEG, ROOT, TIP, B, K, LegTracks, Q, W
-from footfix.enforce.pins import Pins
-from footfix.enforce.posed import cross, exponential, left_jacobian, rotated
+from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import friction, near, root_bound, smooth
 from footfix.motion.clip import Floats
-
-POINTS = 4
-
-
-@dataclass(frozen=True, eq=False)
-class Legs:
-    """The legs of a window, stacked; a leg without a tip has one at its toe joint.
-
-    Args:
-        hip, line, axis, toe_hinge, reach: (3, L, F) as of `LegTracks`.
-        soles: (3, 2, L, F) [m] heel and toe from the ankle.
-        tip: (3, L, F) [m] from the toe.
-        flexion, least: (L, F) [rad].
-    """
-
-    hip: Floats
-    line: Floats
-    axis: Floats
-    toe_hinge: Floats
-    reach: Floats
-    soles: Floats
-    tip: Floats
-    flexion: Floats
-    least: Floats
-
-    @classmethod
-    def of(cls, legs: Sequence[LegTracks]) -> Legs:
-        """Stack the legs."""
-        some = {
-            name: np.stack([getattr(leg, name) for leg in legs], axis=1)
-            for name in ("hip", "line", "axis", "toe_hinge", "reach")
-        }
-        soles = np.stack([np.stack(leg.points[:2], axis=1) for leg in legs], axis=2)
-        tip = np.stack([leg.points[2] if len(leg.points) > 2 else np.zeros_like(leg.hip) for leg in legs], axis=1)
-        flexion, least = (np.stack([getattr(leg, name) for leg in legs]) for name in ("flexion", "least"))
-        return cls(**some, soles=soles, tip=tip, flexion=flexion, least=least)
-
-
-@dataclass(frozen=True, eq=False)
-class Stacked:
-    """The pins of a window, stacked: as of `Pins`, of P points of L legs."""
-
-    hold: Floats
-    slip: Floats
-    level: Floats
-    draw: Floats
-    lowest: Floats
-    place: Floats
-    placed: Floats
-
-    @classmethod
-    def of(cls, pins: Sequence[Sequence[Pins]]) -> Stacked:
-        """Stack the pins; a point that a leg does not have asks for nothing."""
-
-        def stack(name: str) -> Floats:
-            by_leg = []
-            for own in pins:
-                tracks = [getattr(pin, name) for pin in own]
-                empty = np.full_like(tracks[0], -np.inf if name == "lowest" else 0.0)
-                by_leg.append(np.stack(tracks + [empty] * (POINTS - len(tracks)), axis=-2))
-            return np.stack(by_leg, axis=-2)
-
-        names = ("hold", "slip", "level", "draw", "lowest", "place", "placed")
-        return cls(**{name: stack(name) for name in names})
-
-
-@dataclass(frozen=True, eq=False)
-class Posed:
-    """Points (3, P, L, F) [m] of a state, and their derivatives (L, F, 3 P, 11) by the root and the leg's unknowns."""
-
-    places: Floats
-    jacobian: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class Reached:
-    """What a leg's points were worked out from: (3, L, F) thrust from the hip and its change by the knee's flexion.
-
-    Args:
-        thrust: [m] from hip to ankle.
-        bent: [m/rad] its derivative by the flexion.
-        arms: (3, P, L, F) [m] of the points from the ankle.
-        hinge: of the toes.
-        toes: [m] from the toe joint to the tip.
-    """
-
-    thrust: Floats
-    bent: Floats
-    arms: Floats
-    hinge: Floats
-    toes: Floats
-
-
-def places_of(legs: Legs, root: Floats, x: Floats) -> tuple[Floats, Reached]:
-    """Put the points (3, P, L, F) [m] where a state has them: root (3, F) [m], and the legs' unknowns (8, L, F)."""
-    q, k, w, b = x[Q], x[K], x[W], x[B]
-    c0, c1, c2 = legs.reach
-    cos, sin = np.cos(k), np.sin(k)
-    distance = np.sqrt(np.maximum(c0 + c1 * cos + c2 * sin, 1e-12))
-    line = rotated(exponential(q), legs.line)
-    thrust = line * distance
-    ankle = legs.hip + root[:, None] + thrust
-    tip = rotated(exponential(b * legs.toe_hinge), legs.tip)
-    in_foot = np.concatenate([legs.soles, legs.toe_hinge[:, None], tip[:, None]], axis=1)
-    by_foot = rotated(exponential(w)[:, :, None], in_foot)
-    arms = np.empty((3, POINTS, *k.shape))
-    arms[:, :2], arms[:, 2], arms[:, TIP] = by_foot[:, :2], 0.0, by_foot[:, 1] + by_foot[:, 3]
-    bent = line * ((c2 * cos - c1 * sin) / (2.0 * distance))
-    return ankle[:, None] + arms, Reached(thrust, bent, arms, by_foot[:, 2], by_foot[:, 3])
-
-
-def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
-    """The same, with derivatives."""
-    places, at = places_of(legs, root, x)
-    n = at.thrust.shape[1:]
-    out = np.zeros((*n, 3, POINTS, ROOT + LEG))
-    for c in range(3):
-        out[..., c, :, c] = 1.0
-    rest = out[..., ROOT:]
-    rest[..., Q] = _swept(x[Q], at.thrust).transpose(2, 3, 0, 1)[..., None, :]
-    rest[..., K] = at.bent.transpose(1, 2, 0)[..., None]
-    rest[..., W] = _swept(x[W], at.arms).transpose(3, 4, 0, 2, 1)
-    rest[..., TIP, B] = cross(at.hinge, at.toes).transpose(1, 2, 0)
-    return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
-
-
-def _swept(vector: Floats, v: Floats) -> Floats:
-    """(3, 3, ...) how vectors v (3, ..., L, F) move while what turned them (3, L, F) changes."""
-    turn = left_jacobian(vector)
-    return cross(turn.reshape(3, 3, *(1,) * (v.ndim - vector.ndim), *vector.shape[1:]), v[:, None])
+from footfix.stream.legs import Legs, posed
+from footfix.stream.pins import Stacked
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,9 +39,20 @@ class Normal:
     near: Floats
 
 
-def normal(problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, static: float) -> Normal:
-    """Linearise the objective of a window at a state (U, F); see `enforce.objective.systems`."""
-    F, L = x.shape[1], len(problem.legs)
+def normal(
+    problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, static: float, bands: Floats | None = None
+) -> Normal:
+    """Linearise the objective of a window at a state (U, F); see `enforce.objective.systems`.
+
+    Args:
+        problem: the window's.
+        legs, pins: its, stacked.
+        x: (U, F) a state.
+        eps: [m] of slip below which SLIP is a parabola.
+        static: times as much as sliding what hardly moves is held.
+        bands: (3, U, F) of NEAR, where they are known.
+    """
+    F, L = x.shape[1], legs.flexion.shape[0]
     own = x[ROOT:].reshape(L, LEG, F).swapaxes(0, 1)  # (8, L, F)
     at = posed(legs, x[:ROOT], own)
     force, stiff, step = _pull(problem, pins, at.places, eps, static)
@@ -185,10 +65,12 @@ def normal(problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, s
     _knees(problem, legs, own, gradient, main)
     _fast(problem, legs, own, gradient, main, next_)
     _far(problem, own, gradient, main)
-    return _together(problem, x, gradient, main, next_)
+    return _together(problem, x, gradient, main, next_, bands)
 
 
-def _together(problem: Problem, x: Floats, gradient: Floats, main: Floats, next_: Floats) -> Normal:
+def _together(
+    problem: Problem, x: Floats, gradient: Floats, main: Floats, next_: Floats, bands: Floats | None
+) -> Normal:
     """The legs' systems as one, with the root's own terms and NEAR."""
     U, F = x.shape
     whole, blocks, nexts = np.zeros((F, U)), np.zeros((F, U, U)), np.zeros((F - 1, U, U))
@@ -208,14 +90,15 @@ def _together(problem: Problem, x: Floats, gradient: Floats, main: Floats, next_
     if pull is not None and bend is not None:
         whole[:, :ROOT] += pull.T
         blocks[:, :ROOT, :ROOT] += bend.transpose(2, 0, 1)
-    bands, _ = near(problem, x, np.arange(U))
+    if bands is None:
+        bands, _ = near(problem, x, np.arange(U))
     return Normal(whole + product(bands, x).T, blocks, nexts, bands)
 
 
 def _pull(problem: Problem, pin: Stacked, place: Floats, eps: float, static: float) -> tuple[Floats, Floats, Floats]:
     """SLIP, LEVEL, FLOOR and PLACE: gradient and second derivatives by place (3, P, L, F), and between frames."""
     size, per_frame = problem.leg_length, RATE * problem.frame_time
-    slip = np.diff(place, axis=-1) - pin.slip
+    slip = place[..., 1:] - place[..., :-1] - pin.slip
     flat = slip[0] ** 2 + slip[2] ** 2
     long = np.sqrt(flat + (UPRIGHT * slip[1]) ** 2)
     c = problem.costs.slide / size * pin.hold
@@ -251,15 +134,20 @@ def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floa
 def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
     """FAR of line, knee, ankle and toes."""
     c = problem.costs
-    weight = RATE * problem.frame_time / np.radians(FAR_TURN) ** 2
+    most = (c.line_farthest, c.ankle_farthest, c.ankle_farthest, c.toes_farthest)
     kinds = (
-        (x[Q], c.line_farthest, ((Q, 1.0),)),
-        (x[K : K + 1], c.ankle_farthest, ((slice(K, K + 1), 1.0),)),
-        (x[W] - x[Q], c.ankle_farthest, ((W, 1.0), (Q, -1.0))),
-        (x[B : B + 1] / TOES, c.toes_farthest, ((slice(B, B + 1), 1.0 / TOES),)),
+        (x[Q], ((Q, 1.0),)),
+        (x[K : K + 1], ((slice(K, K + 1), 1.0),)),
+        (x[W] - x[Q], ((W, 1.0), (Q, -1.0))),
+        (x[B : B + 1] / TOES, ((slice(B, B + 1), 1.0 / TOES),)),
     )
-    for turn, most, parts in kinds:
-        pull, bend = _beyond(turn, problem.farthest(most), weight)
+    lengths = np.sqrt(np.stack([np.sum(turn * turn, axis=0) for turn, _ in kinds]))
+    bounds = np.stack([problem.farthest(each) for each in most])
+    if not np.any(lengths > bounds[:, None]):
+        return
+    weight = RATE * problem.frame_time / np.radians(FAR_TURN) ** 2
+    for (turn, parts), bound in zip(kinds, bounds, strict=True):
+        pull, bend = _beyond(turn, bound, weight)
         if pull is None or bend is None:
             continue
         pull, bend = pull.transpose(1, 2, 0), bend.transpose(2, 3, 0, 1)
@@ -290,14 +178,18 @@ def _fast(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Float
     most, sigma = np.radians(problem.costs.speed) * problem.frame_time, np.radians(SPEED)
     half = 0.5 * legs.axis
     bent = half * x[K]
+    turns = np.concatenate([x[Q] - bent, x[W] - x[Q] - bent, x[K : K + 1]])
+    steps = turns[..., 1:] - turns[..., :-1]
+    squares = steps * steps
+    sizes = np.sqrt([squares[:3].sum(axis=0), squares[6], squares[3:6].sum(axis=0)])
+    if not np.any(sizes > most):
+        return
     kinds = (
-        (x[Q] - bent, half, ((Q, 1.0),)),
-        (x[K : K + 1], None, ((slice(K, K + 1), 1.0),)),
-        (x[W] - x[Q] - bent, half, ((W, 1.0), (Q, -1.0))),
+        (steps[:3], half, ((Q, 1.0),)),
+        (steps[6:], None, ((slice(K, K + 1), 1.0),)),
+        (steps[3:6], half, ((W, 1.0), (Q, -1.0))),
     )
-    for turn, axis, parts in kinds:
-        step = np.diff(turn, axis=-1)
-        size = np.sqrt(np.sum(step**2, axis=0))
+    for (step, axis, parts), size in zip(kinds, sizes, strict=True):
         over = size > most
         if not over.any():
             continue

@@ -1,16 +1,18 @@
-"""The pins of a window: what its plants, those to come and those that were shown, ask of a foot."""
+"""The pins of a window: what its plants, those to come and those that were shown, ask of the points of all feet."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.leg import ANKLE, HEEL, POINTS, TIP, TOE, LegTracks
+from footfix.enforce.leg import ANKLE, HEEL, TIP, TOE
 from footfix.enforce.pins import PinParams, Pins
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import runs
 from footfix.stream.held import Foot, Ground, Plant, masks
+from footfix.stream.legs import POINTS, Legs
 
 _FIRM = {HEEL: 0.3, TOE: 25.0, ANKLE: 0.3}  # how much the place of a plant that was shown counts
 _LED = 0.5  # of the way to its level that a plant to come is led every time
@@ -20,75 +22,145 @@ _FIRST_STEP = 0.3  # weight of the first step of a plant, in which a foot still 
 _DRAWN = 1.0 / 6.0  # how much the floor counts of a plant of 0.6 s; nobody knows yet how long one will be
 
 
-def pins_of(
-    foot: Foot, leg: LegTracks, k: int, plan: Sequence[Floats], on: Bools, window: Ints, ground: Ground, belt: Floats,
-    params: PinParams,
-) -> tuple[Pins, ...]:  # fmt: skip
-    """Lay out what the points of a foot are to do in a window.
+@dataclass(frozen=True, eq=False)
+class Stacked:
+    """The pins of a window, stacked: as of `Pins`, of P points of L legs.
 
     Args:
-        foot: what was shown of it.
-        leg: as captured, n frames.
-        k: which leg.
-        plan: of its points, (3, n) [m] each, as planned a moment before.
-        on: (n, 2) when heel and toe are planted.
+        hold: (P, L, F - 1).
+        slip: (3, P, L, F - 1) [m].
+        stands: (P, L, F).
+        level, draw, lowest, placed: (P, L, F).
+        place: (3, P, L, F) [m].
+    """
+
+    hold: Floats
+    slip: Floats
+    stands: Bools
+    level: Floats
+    draw: Floats
+    lowest: Floats
+    place: Floats
+    placed: Floats
+
+    @classmethod
+    def none(cls, captured: Floats, belt: Floats) -> Stacked:
+        """Ask for nothing of points captured at (3, P, L, F) [m], on ground that moves by (3,) [m] in a frame."""
+        one = captured.shape[1:]
+        between = (*one[:-1], one[-1] - 1)
+        slip = np.repeat(belt, int(np.prod(between))).reshape(3, *between)
+        return cls(
+            np.zeros(between), slip, np.zeros(one, dtype=np.bool_), captured[1].copy(), np.zeros(one),
+            np.full(one, -np.inf), np.zeros(captured.shape), np.zeros(one),
+        )  # fmt: skip
+
+    @classmethod
+    def of(cls, pins: Sequence[Sequence[Pins]]) -> Stacked:
+        """Stack pins; a point that a leg does not have asks for nothing."""
+        n = len(pins[0][0].draw)
+        out = cls.none(np.zeros((3, POINTS, len(pins), n)), np.zeros(3))
+        for k, own in enumerate(pins):
+            for point, pin in enumerate(own):
+                for name in ("hold", "slip", "stands", "level", "draw", "lowest", "place", "placed"):
+                    getattr(out, name)[..., point, k, :] = getattr(pin, name)
+        return out
+
+    def apart(self, tips: Sequence[bool]) -> tuple[tuple[Pins, ...], ...]:
+        """Take them one by one, for legs of which some have `tips`."""
+        return tuple(
+            tuple(
+                Pins(
+                    self.hold[p, k], self.slip[:, p, k], self.stands[p, k], self.level[p, k], self.draw[p, k],
+                    self.lowest[p, k], self.place[:, p, k], self.placed[p, k],
+                )
+                for p in range(POINTS if tip else TIP)
+            )
+            for k, tip in enumerate(tips)
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What pins are made of.
+
+    Args:
+        captured: (3, P, L, n) [m] the points.
+        plan: (3, P, L, n) [m] the same as planned a moment before.
         window: (n,) numbers of the frames.
         ground: what plants stand on.
         belt: (3,) [m] that the ground of new plants moves in a frame.
         params: the tolerances.
     """
-    when = masks(on)
-    step = _floor_step(foot, leg, k, on, ground)
-    points = range(len(POINTS) if len(leg.points) > 2 else TIP)
-    return tuple(
-        _pins(foot, leg, k, point, plan[point], when[point], window, ground, belt, params, step) for point in points
-    )
+
+    captured: Floats
+    plan: Floats
+    window: Ints
+    ground: Ground
+    belt: Floats
+    params: PinParams
 
 
-def _floor_step(foot: Foot, leg: LegTracks, k: int, on: Bools, ground: Ground) -> float:
+def pins_of(feet: Sequence[Foot], legs: Legs, on: Bools, asked: Asked) -> Stacked:
+    """Lay out what the points of all feet are to do in a window.
+
+    Args:
+        feet: what was shown of them.
+        legs: as captured, n frames.
+        on: (n, 2 legs) when heel and toe of each are planted.
+        asked: what pins are made of.
+    """
+    out = Stacked.none(asked.captured, asked.belt)
+    for k, foot in enumerate(feet):
+        own = on[:, 2 * k : 2 * k + 2]
+        when = [(mask, runs(mask)) for mask in masks(own)]
+        step = _floor_step(foot, k, when, asked)
+        for point in range(POINTS if legs.kinds.tips[k] else TIP):
+            _lowest(out.lowest, k, point, bool(when[point][0].any()), step, asked)
+            if legs.kinds.turns[k]:  # the root is not to follow a leg that can't
+                out.stands[point, k] = when[point][0]
+                for start, end in when[point][1]:
+                    _hold(out, foot, k, point, start, end, asked)
+    upright = slice(TIP, None) if asked.ground.heights else slice(None)
+    out.slip[1, upright] = np.diff(asked.captured[1, upright], axis=-1)
+    return out
+
+
+def _floor_step(foot: Foot, k: int, when: Sequence[tuple[Bools, Sequence[tuple[int, int]]]], asked: Asked) -> float:
     """[m] how much higher than the rig's the lower of the floors is on which a foot stood, or is about to stand."""
-    steps = [foot.step]
+    steps, ground = [foot.step], asked.ground
     for point in (HEEL, TOE):
-        for start, end in runs(on[:, point]):
-            steps.append(ground.step(ground.level(leg.place(point)[1, start:end], k, point), k, point))
+        for start, end in when[point][1]:
+            steps.append(ground.step(ground.level(asked.captured[1, point, k, start:end], k, point), k, point))
     return min(steps)
 
 
-def _pins(
-    foot: Foot, leg: LegTracks, k: int, point: int, plan: Floats, on: Bools, window: Ints, ground: Ground, belt: Floats,
-    params: PinParams, step: float,
-) -> Pins:  # fmt: skip
-    n, track = len(on), leg.place(point)
-    weight = {TIP: params.tip, ANKLE: params.ankle}.get(point, 1.0)
-    hold, draw, placed = np.zeros(n - 1), np.zeros(n), np.zeros(n)
-    level, place = track[1].copy(), np.zeros((3, n))
-    slip = np.repeat(belt[:, None], n - 1, axis=1)
-    for start, end in runs(on):
-        plant = _of_run(foot, TOE if point == TIP else point, window[start])
-        if plant is not None and plant.free:
-            continue
-        begun = window[start] if plant is None else plant.start
-        hold[start : end - 1] = weight * _ramp(window[start : end - 1] - begun, end < n, ground, params)
-        if point in (HEEL, TOE) and ground.heights:
-            own = ground.level(track[1, start:end], k, point) if plant is None else plant.level
-            level[start:end], draw[start:end] = own, _DRAWN
-        if plant is not None:
-            slip[:, start : end - 1] = plant.belt[:, None]
-        if point != TIP and plant is not None and plant.place is not None:
-            place[:, start:end] = plant.places(window[start:end], ground.frame_time)
-            placed[start:end] = _FIRM[point]
-        elif point != TIP:
-            landed = max(start, begun + 1 - int(window[0]))
-            if end - landed >= _FEWEST:
-                place[:, landed:end] = _planned(plan[:, landed:end], belt)
-                if point != ANKLE and ground.heights:
-                    place[1, landed:end] += _LED * (level[start] - place[1, landed:end])
-                placed[landed:end] = _PLANNED * _FIRM[point]
-    if point == TIP or not ground.heights:
-        slip[1] = np.diff(track[1])
-    if not leg.turns:  # the root is not to follow a leg that can't
-        hold[:] = draw[:] = placed[:] = 0.0
-    return Pins(hold, slip, on, level, draw, _lowest(track[1], k, point, on, ground, step), place, placed)
+def _hold(out: Stacked, foot: Foot, k: int, point: int, start: int, end: int, asked: Asked) -> None:
+    """Hold a point while it is planted, in the frames [start, end) of the window."""
+    window, ground, n = asked.window, asked.ground, len(asked.window)
+    plant = _of_run(foot, TOE if point == TIP else point, int(window[start]))
+    if plant is not None and plant.free:
+        return
+    begun = int(window[start]) if plant is None else plant.start
+    weight = {TIP: asked.params.tip, ANKLE: asked.params.ankle}.get(point, 1.0)
+    out.hold[point, k, start : end - 1] = weight * _ramp(window[start : end - 1] - begun, end < n, ground, asked.params)
+    if point in (HEEL, TOE) and ground.heights:
+        own = ground.level(asked.captured[1, point, k, start:end], k, point) if plant is None else plant.level
+        out.level[point, k, start:end], out.draw[point, k, start:end] = own, _DRAWN
+    if plant is not None:
+        out.slip[:, point, k, start : end - 1] = plant.belt[:, None]
+    if point == TIP:
+        return
+    if plant is not None and plant.place is not None:
+        out.place[:, point, k, start:end] = plant.places(window[start:end], ground.frame_time)
+        out.placed[point, k, start:end] = _FIRM[point]
+        return
+    landed = max(start, begun + 1 - int(window[0]))
+    if end - landed >= _FEWEST:
+        place = _planned(asked.plan[:, point, k, landed:end], asked.belt)
+        if point != ANKLE and ground.heights:
+            place[1] += _LED * (out.level[point, k, start] - place[1])
+        out.place[:, point, k, landed:end] = place
+        out.placed[point, k, landed:end] = _PLANNED * _FIRM[point]
 
 
 def _planned(plan: Floats, belt: Floats) -> Floats:
@@ -115,11 +187,12 @@ def _ramp(since: Ints, ends: bool, ground: Ground, params: PinParams) -> Floats:
     return weights
 
 
-def _lowest(captured: Floats, k: int, point: int, on: Bools, ground: Ground, step: float) -> Floats:
-    """(n,) [m] how low a point may be: not below the floor, if it was not captured there."""
+def _lowest(lowest: Floats, k: int, point: int, stands: bool, step: float, asked: Asked) -> None:
+    """Say how low a point may be: not below the floor, if it was not captured there."""
     if point == ANKLE:
-        return np.full(len(captured), -np.inf)
+        return
+    ground = asked.ground
     usual = float(ground.tips[k]) if point == TIP else float(ground.rest[k, point])
-    if point != TIP and on.any():
+    if point != TIP and stands:
         usual = max(usual, float(ground.nominal[k, point]))
-    return np.minimum(captured, usual + step - ground.sink)
+    np.minimum(asked.captured[1, point, k], usual + step - ground.sink, out=lowest[point, k])

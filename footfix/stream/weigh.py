@@ -20,10 +20,9 @@ from footfix.detect.evidence import (
     OWN,
     OWN_FLOOR,
     SPEED,
-    STEP,
 )
 from footfix.motion.clip import Floats
-from footfix.stream.filters import filtered
+from footfix.stream.filters import filtered, floors
 from footfix.stream.grid import FOOT
 
 _MARGIN = 14  # steps before the newest ones, on which their derivatives depend
@@ -94,29 +93,15 @@ def _over_floors(places: Floats, count: int, mates: Sequence[int]) -> list[Float
     heel, toe = places[:, 3::FOOT, 1], places[:, 4::FOOT, 1]  # (n, feet)
     lowest = np.minimum(heel, toe)
     pair = np.minimum(lowest, lowest[:, list(mates)])
-    ahead, behind = _floors(lowest, FLOOR, count)
-    both = np.minimum(*_floors(pair, BOTH, count))
-    own = np.maximum(*_floors(np.concatenate([heel, toe], axis=1), OWN_FLOOR, count))
+    ahead, behind = floors(lowest, lowest, FLOOR, count)
+    both = np.minimum(*floors(pair, pair, BOTH, count))
+    each = np.concatenate([heel, toe], axis=1)
+    own = np.maximum(*floors(each, each, OWN_FLOOR, count))
     heel, toe, lowest = heel[-count:], toe[-count:], lowest[-count:]
     feet = heel.shape[1]
     return [
         heel - ahead, heel - behind, toe - ahead, toe - behind, heel - own[:, :feet], toe - own[:, feet:], lowest - both
     ]  # fmt: skip
-
-
-def _floors(height: Floats, seconds: float, count: int) -> tuple[Floats, Floats]:
-    """(count, m) the lowest of heights (n, m) within some seconds ahead, and behind, both with now."""
-    n = max(round(seconds / STEP), 1) + 1
-    part = height[-min(count + n, len(height)) :]
-    beyond = np.full((n, part.shape[1]), np.inf)
-    ahead, behind = np.concatenate([part, beyond]), np.concatenate([beyond, part])
-    width = 1
-    while width < n:  # the lowest of 2 w is the lower of two lowest of w
-        hop = min(width, n - width)
-        np.minimum(ahead[:-hop], ahead[hop:], out=ahead[:-hop])
-        behind = np.concatenate([behind[:hop], np.minimum(behind[hop:], behind[:-hop])])
-        width += hop
-    return ahead[: len(part)][-count:], behind[-count:]
 
 
 def _body(height: Floats, count: int, jitter: float) -> Floats:

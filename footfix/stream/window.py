@@ -8,26 +8,31 @@ begins anew from where the foot is by then, at the speed it has (what G eq. 11 d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from footfix.enforce import solve
 from footfix.enforce.floors import nominal
-from footfix.enforce.leg import LEG, ROOT, LegTracks, raise_leg
+from footfix.enforce.leg import ANKLE, LEG, ROOT, TOE
 from footfix.enforce.papers.ease import gamma
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
 from footfix.enforce.whole_clip import costs_of, faded
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.calibration import Calibration
-from footfix.stream.descent import descend
+from footfix.stream.descent import Fixed, descend
+from footfix.stream.exact import exact
 from footfix.stream.held import Foot, Ground, follow
-from footfix.stream.objective import Legs, places_of
-from footfix.stream.pins import pins_of
+from footfix.stream.legs import Legs, places_of
+from footfix.stream.limits import limited
+from footfix.stream.pins import Asked, Stacked, pins_of
 
+_FIRST = 8e-4  # [m/s] of slip below which its price is a parabola, in the first round of the last window
 BEFORE = 2  # frames that were shown, in a window
-_ROUNDS, _LAST_ROUNDS = 2, 6  # a window, and of the last one
 _FORGETS = 3.0  # [s] in which the fault that plants usually have is learnt anew
+_CAUGHT_UP = 0.01  # [leg lengths] a foot that was let go stands anew where it is this near to its capture
 _RAISED = 0.5  # [s] in which a figure is raised to its floor
 
 
@@ -46,6 +51,8 @@ class Window:
             params: how contacts are enforced.
             first: number of the first frame that may be changed.
         """
+        import scipy.linalg.lapack  # noqa: F401  it takes a tenth of a second, which no frame is to wait for
+
         self._known, self._translates, self._frame_time, self._params = known, translates, frame_time, params
         rig, heights = known.rig, params.heights == "floor"
         at_floor = np.array([nominal(rig, e) for e in range(len(rig.soles))])
@@ -59,6 +66,9 @@ class Window:
         self._feet = [Foot() for _ in rig.legs]
         self._first, self._seen, self._fault = first, first, known.fault
         self._x = np.zeros((ROOT + LEG * len(rig.legs), 0))  # of the frames of the window before
+        self.belt = known.belt  # (3,) [m/s] of the ground under plants to come
+        self.left = [False] * len(rig.legs)  # feet that were let go, and have not caught up with their capture
+        self._fixed: dict[int, Fixed] = {}  # for windows of so many frames
         self._begin = self._shown = first  # numbers of the first of these, and of the first that was not shown
 
     @property
@@ -66,7 +76,7 @@ class Window:
         """What was shown of each foot."""
         return self._feet
 
-    def lifted(self, legs: Sequence[LegTracks], first: int) -> tuple[tuple[LegTracks, ...], Floats]:
+    def lifted(self, legs: Legs, first: int) -> tuple[Legs, Floats]:
         """Raise a figure that floats or is sunk, little by little from the beginning.
 
         Args:
@@ -76,58 +86,100 @@ class Window:
         Returns:
             The legs, and (n,) [m] by how much they were raised.
         """
-        since = (first - self._first + np.arange(len(legs[0].flexion))) * self._frame_time
-        lift = np.asarray(self._known.lift * (1.0 - gamma(np.asarray(since / _RAISED, dtype=np.float64))))
+        n = legs.flexion.shape[1]
         if not self._known.lift or not self._translates or self._params.heights != "floor":
-            return tuple(legs), np.zeros(len(lift))
-        return tuple(raise_leg(leg, lift) for leg in legs), lift
+            return legs, np.zeros(n)
+        since = (first - self._first + np.arange(n)) * self._frame_time
+        lift = np.asarray(self._known.lift * (1.0 - gamma(np.asarray(since / _RAISED, dtype=np.float64))))
+        return legs.raised(lift), lift
 
-    def solve(self, legs: Sequence[LegTracks], on: Bools, first: int, stop: int, *, last: bool = False) -> Floats:
-        """Find the state of the frames up to `stop`, which are shown by that.
+    def solve(
+        self, legs: Legs, on: Bools, first: int, stop: int, rounds: int, *, last: bool = False
+    ) -> Generator[None, None, tuple[Floats, Bools]]:
+        """Find the state of the newest frames, and keep that of those that are shown now; pause after each round.
 
         Args:
             legs: as captured and lifted, n frames.
             on: (n, 2 legs) when heel and toe of each are planted.
             first: number of the first frame: at most two before the first that was not shown.
             stop: number of the first frame that is not to be shown.
+            rounds: how many.
             last: whether no frames follow.
 
         Returns:
-            (U, n) the state, without what is too small to be seen; what is beyond `stop` is only a plan.
+            (U, n) the state, without what is too small to be seen; what is beyond `stop` is only a plan. And (n, 2
+            legs) the contacts without those of feet that could not get there in time.
         """
         n = len(on)
         window = first + np.arange(n)
-        belt = self._known.belt * self._frame_time
-        fixed = np.asarray(window < self._shown)
-        x, stacked = self._started(first, n), Legs.of(legs)
-        plan = self._places(stacked, x)
-        pins = tuple(
-            pins_of(
-                foot, leg, k, [*plan[:, :, k].swapaxes(0, 1)], on[:, 2 * k : 2 * k + 2], window, self._ground, belt,
-                self._params.pins,
-            )
-            for k, (foot, leg) in enumerate(zip(self._feet, legs, strict=True))
+        past = min(max(self._shown - first, 0), n)
+        x = self._started(first, n)
+        captured = legs.places()
+        asked = Asked(
+            captured, self._places(legs, x), window, self._ground, self.belt * self._frame_time, self._params.pins,
         )  # fmt: skip
-        problem = Problem(
-            tuple(legs), pins, self._frame_time, self._known.rig.leg_length, costs_of(self._params), self._known.noise,
-            self._known.white, np.full(n, self._usual_fault(legs, window)), self._translates, onward=not last,
-        )  # fmt: skip
-        if n > BEFORE + 1:
-            x = descend(problem, x, _LAST_ROUNDS if last else _ROUNDS, int(fixed.sum()), legs=stacked)
-        places = self._places(stacked, x)
-        for k, leg in enumerate(legs):
-            self._feet[k] = follow(
-                self._feet[k], leg, k, [*places[:, :, k].swapaxes(0, 1)], pins[k], on[:, 2 * k : 2 * k + 2], window,
-                slice(int(fixed.sum()), stop - first), self._ground, belt,
-            )  # fmt: skip
+        pins = pins_of(self._feet, legs, on, asked)
+        problem = self._problem(legs, pins, captured, window[-1:], last=last)
+        if last and n > BEFORE + 1:  # the only one that no frame waits for
+            problem = replace(problem, pins=pins.apart(legs.kinds.tips))
+            x = solve.descend(problem, x, rounds, first=_FIRST, last=rounds, fixed=window < self._shown)
+        elif n > BEFORE + 1:
+            fixed = self._same(problem, n)
+            for k in range(rounds):
+                x = descend(problem, x, past, last=k == rounds - 1, legs=legs, pins=pins, fixed=fixed)
+                if k < rounds - 1:
+                    yield
+        shown = slice(past, stop - first)
+        x, on = self._shown_so(legs, x, pins, on, shown)
+        self._follow(pins, on, shown, self._places(legs, x), asked)
         self._x, self._begin, self._shown = x, first, stop
-        return faded(x, problem)
+        return faded(x, problem), on
+
+    def _shown_so(self, legs: Legs, x: Floats, pins: Stacked, on: Bools, shown: slice) -> tuple[Floats, Bools]:
+        """The state as it is shown, with toes where they stand and joints that don't jump, and who stands then."""
+        x[:, shown] = exact(
+            legs.frames(shown), x[:, shown], pins.place[:, TOE, :, shown], pins.placed[TOE, :, shown] > 0.0,
+            [foot.stands(TOE) for foot in self._feet], self._ground.leg_length, self._frame_time,
+        )  # fmt: skip
+        begin = max(shown.start - 1, 0)
+        some = slice(begin, shown.stop)
+        x[:, some], late = limited(legs.frames(some), x[:, some], shown.start - begin, self._frame_time)
+        if late.any():
+            on = on.copy()
+            for k in np.flatnonzero(late.any(axis=1)).tolist():
+                on[begin + int(np.argmax(late[k])) : shown.stop, 2 * k : 2 * k + 2] = False
+        return x, on
+
+    def _follow(self, pins: Stacked, on: Bools, shown: slice, places: Floats, asked: Asked) -> None:
+        """Keep account of plants after frames were shown, with their points at places (3, P, L, n) [m]."""
+        near = _CAUGHT_UP * self._ground.leg_length
+        for k, foot in enumerate(self._feet):
+            self._feet[k] = foot = follow(
+                foot, k, asked.captured[:, :, k], places[:, :, k], (pins.place[:, :, k], pins.placed[:, k]),
+                on[:, 2 * k : 2 * k + 2], asked.window, shown, self._ground, asked.belt,
+            )  # fmt: skip
+            off = (places - asked.captured)[::2, :ANKLE, k, shown.stop - 1]
+            self.left[k] = foot.left or (self.left[k] and bool(np.any(np.hypot(*off) > near)))
+
+    def _problem(self, legs: Legs, pins: Stacked, captured: Floats, newest: Ints, *, last: bool) -> Problem:
+        """The problem of a window; its pins are known apart from it."""
+        fault = self._usual_fault(captured, newest)
+        return Problem(
+            legs.apart(), (), self._frame_time, self._known.rig.leg_length, costs_of(self._params), self._known.noise,
+            self._known.white, np.full(legs.flexion.shape[1], fault), self._translates, onward=not last,
+        )  # fmt: skip
+
+    def _same(self, problem: Problem, n: int) -> Fixed:
+        """What is the same in all windows of n frames."""
+        if n not in self._fixed:
+            self._fixed[n] = Fixed.of(problem)
+        return self._fixed[n]
 
     @staticmethod
     def _places(legs: Legs, x: Floats) -> Floats:
         """(3, P, L, n) [m] where the points of all legs are in a state."""
         own = x[ROOT:].reshape(-1, LEG, x.shape[1]).swapaxes(0, 1)
-        return places_of(legs, x[:ROOT], own)[0]
+        return places_of(legs, x[:ROOT], own)
 
     def _started(self, first: int, n: int) -> Floats:
         """(U, n) what was found for these frames a moment before; the newest keep the last state."""
@@ -138,15 +190,16 @@ class Window:
             x[:, known.shape[1] :] = known[:, -1:]
         return x
 
-    def _usual_fault(self, legs: Sequence[LegTracks], window: Ints) -> float:
+    def _usual_fault(self, captured: Floats, newest: Ints) -> float:
         """[m] how far plants stray: those that stand now, and lately."""
         now = 0.0
-        for foot, leg in zip(self._feet, legs, strict=True):
+        for k, foot in enumerate(self._feet):
             for point, plant in enumerate(foot.plants[:2]):
                 if plant is not None and plant.place is not None and not plant.free:
-                    off = leg.place(point)[:, -1] - plant.places(window[-1:], self._frame_time)[:, 0]
+                    off = captured[:, point, k, -1] - plant.places(newest, self._frame_time)[:, 0]
                     now = max(now, float(np.hypot(off[0], off[2])))
-        kept = np.exp(-(window[-1] + 1 - self._seen) * self._frame_time / _FORGETS)
-        self._seen = int(window[-1]) + 1
+        last = int(newest[0])
+        kept = np.exp(-(last + 1 - self._seen) * self._frame_time / _FORGETS)
+        self._seen = last + 1
         self._fault = max(now, self._known.fault + (self._fault - self._known.fault) * kept)
         return self._fault

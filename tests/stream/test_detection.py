@@ -10,11 +10,13 @@ import footfix
 from footfix.detect import fitted
 from footfix.detect.auto import AutoParams, auto
 from footfix.detect.evidence import STEP, evidence, resample
+from footfix.detect.stepping import by_velocities, velocities, velocity_of
 from footfix.detect.tracks import Tracks, tracks_of
 from footfix.motion.smoothing import savgol
 from footfix.stream.detection import Detector, logits
 from footfix.stream.filters import filtered
 from footfix.stream.grid import Grid
+from footfix.stream.stepping import stepping
 from footfix.stream.weigh import weigh
 
 
@@ -47,7 +49,22 @@ def test_evidence_of_the_newest_steps_is_that_of_the_whole_clip() -> None:
     assert np.allclose(answers[1], network.logits(evidence(sampled)[1])[-20:], atol=1e-9)
 
 
-def test_a_filter_is_a_product_with_a_matrix() -> None:
+@pytest.mark.parametrize("name", ["walk_skate", "turn"])
+def test_steps_of_feet_that_look_planted_are_those_of_the_whole_clip(name: str) -> None:
+    whole = cut(tracks(name), 0, 200)
+    sampled, params = resample(whole), AutoParams().stepping
+    n = len(sampled.tracks)
+    feet = np.stack([velocities(foot) for foot in sampled.tracks.feet])  # (feet, n, 2, 2)
+    pelvis = velocity_of(sampled.tracks.pelvis[:, ::2])
+    answers = np.log(np.random.default_rng(2).dirichlet(np.ones(4), (2, n)))
+    known = by_velocities(tuple(answers), sampled.mates, pelvis, list(feet), params)
+    plane = (feet[..., 0] + 1j * feet[..., 1]).transpose(2, 0, 1)
+    for count in (n, 60):
+        found = stepping(answers[:, -count:], sampled.mates, pelvis[:, 0] + 1j * pelvis[:, 1], plane, params)
+        assert np.allclose(found[:, 20:], np.stack(known)[:, -count:][:, 20:], atol=1e-9)
+
+
+def test_a_filter_of_few_values_is_that_of_a_clip() -> None:
     x = np.random.default_rng(3).normal(size=(50, 2, 3))
     for window in ({"seconds": 0.09, "degree": 2, "derivative": 2}, {"seconds": 0.25, "degree": 1}):
         assert np.allclose(filtered(x, **window), savgol(x, STEP, **window), atol=1e-9)  # type: ignore[arg-type]
@@ -65,6 +82,7 @@ def test_contacts_are_those_of_the_whole_clip_but_for_a_few_frames(name: str) ->
     told = np.zeros((len(whole), 4), dtype=np.bool_)
     for frame in range(len(whole)):
         detector.add(cut(whole, frame, frame + 1))
+        detector.weigh()
         if frame >= ahead:
             told[frame - ahead] = detector.see(frame - ahead).down[0]
     told[-ahead:] = detector.see(len(whole) - ahead).down

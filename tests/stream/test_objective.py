@@ -16,8 +16,10 @@ from footfix.motion.clip import Floats
 from footfix.pipeline import find_contacts, prepare
 from footfix.rig.find import find_rigs
 from footfix.settings import Settings
-from footfix.stream.descent import descend
-from footfix.stream.objective import Legs, Stacked, normal
+from footfix.stream.descent import Fixed, descend
+from footfix.stream.legs import Legs
+from footfix.stream.objective import normal
+from footfix.stream.pins import Stacked
 
 
 def problem(start: int = 40, frames: int = 24) -> Problem:
@@ -54,7 +56,10 @@ def test_gradient_and_matrix_are_those_of_a_whole_clip(static: float, size: floa
 def test_descent_goes_where_that_of_a_whole_clip_goes_and_leaves_the_past_alone() -> None:
     of = problem()
     x = np.zeros((of.unknowns, of.frames))
-    found = descend(of, x, 25, 3)
+    stacked = {"legs": Legs.of(of.legs), "pins": Stacked.of(of.pins), "fixed": Fixed.of(of)}
+    found = x
+    for n in range(25):
+        found = descend(of, found, 3, last=n == 24, **stacked)  # type: ignore[arg-type]
     assert np.array_equal(found[:, :3], x[:, :3])
     fixed = np.arange(of.frames) < 3
     known = descend_clip(of, x, 25, first=8e-4, fixed=fixed)

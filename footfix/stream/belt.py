@@ -1,0 +1,96 @@
+"""Treadmills: whether the ground under planted feet moves, learnt as the stream goes on.
+
+A figure may get on a belt long after its first seconds, and off again. The plants that were there lately say whether
+it is on one, as `enforce.ground` says of a whole clip; their belt is that of the plants to come.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from footfix.enforce.ground import OUTLIERS, Drift, GroundParams, go_along, usual_step
+from footfix.motion.clip import Bools, Floats
+
+_LONGEST = 1.0  # [s] of a plant that is looked at; who stands is on no belt
+
+
+@dataclass
+class _Plant:
+    """A sole point that is planted now: where it was from its first frame on, and where the hips were there."""
+
+    start: int
+    hips: Floats
+    track: list[Floats] = field(default_factory=list)
+
+
+class Belt:
+    """The ground of one figure in a stream."""
+
+    def __init__(self, velocity: Floats, frame_time: float, leg_length: float, params: GroundParams) -> None:
+        """Begin.
+
+        Args:
+            velocity: (3,) [m/s] that is known beforehand.
+            frame_time: [s].
+            leg_length: [m].
+            params: what makes a belt.
+        """
+        self.velocity = velocity  # (3,) [m/s] of the ground under plants to come
+        self._frame_time, self._leg_length, self._params = frame_time, leg_length, params
+        self._longest = round(_LONGEST / frame_time)
+        self._plants: dict[int, _Plant] = {}
+        self._lately: deque[tuple[Drift, Floats, Floats]] = deque(maxlen=params.belt_plants)
+
+    def follow(self, soles: Floats, hips: Floats, down: Bools, first: int) -> None:
+        """Look at the next frames.
+
+        Args:
+            soles: (3, 2, L, n) [m] heels and toes as captured.
+            hips: (3, n) [m] the middle of the hips.
+            down: (n, 2 legs) when heel and toe of each leg are planted.
+            first: number of the first of these frames.
+        """
+        for t in range(len(down)):
+            for column in range(down.shape[1]):
+                plant = self._plants.get(column)
+                if down[t, column]:
+                    if plant is None:
+                        plant = self._plants[column] = _Plant(first + t, hips[:, t])
+                    if len(plant.track) <= self._longest:
+                        plant.track.append(soles[:, column % 2, column // 2, t])
+                elif plant is not None:
+                    del self._plants[column]
+                    self._ended(plant, column // 2, hips[:, t])
+
+    def _ended(self, plant: _Plant, leg: int, hips: Floats) -> None:
+        """Judge anew with one plant more."""
+        if len(plant.track) < 3:
+            return
+        track = np.stack(plant.track)
+        seconds = (len(track) - 1) * self._frame_time
+        velocity = (track[-1] - track[0]) * [1.0, 0.0, 1.0] / seconds
+        steps = np.diff(track, axis=0) / self._frame_time
+        drift = Drift(leg, plant.start, plant.start + len(track), velocity, steps, seconds)
+        self._lately.append((drift, plant.hips, hips))
+        drifts = [each for each, _, _ in self._lately]
+        along = self._along(drifts)
+        if along is not None:
+            self.velocity = usual_step(drifts, along)
+        elif np.any(self.velocity):
+            lately = drifts[-OUTLIERS - 1 :]
+            rests = [2.0 * each.velocity @ self.velocity < self.velocity @ self.velocity for each in lately]
+            if len(rests) > OUTLIERS and all(rests):  # they go along with the floor rather than with the belt
+                self.velocity = np.zeros(3)
+
+    def _along(self, drifts: list[Drift]) -> Bools | None:
+        """Which of the plants go along with a belt; None where there is none."""
+        if len(drifts) < self._params.belt_plants or len({drift.leg for drift in drifts}) < 2:
+            return None
+        first = min(range(len(drifts)), key=lambda k: drifts[k].start)
+        last = max(range(len(drifts)), key=lambda k: drifts[k].end)
+        frames = max(drifts[last].end - drifts[first].start, 1)
+        travel = (self._lately[last][2] - self._lately[first][1]) / (frames * self._frame_time)
+        return go_along(drifts, travel, self._params.belt_walk * self._leg_length, self._params)

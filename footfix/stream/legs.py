@@ -1,0 +1,267 @@
+"""All legs of a stream together: as captured, and where their points go in a state.
+
+The same as `enforce.leg` and `enforce.posed` say of one leg. Arrays have components first, then points, legs and
+frames: (3, P, L, F). Stretches of a stream are short, and what takes the time is the number of operations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.detect.tracks import Foot, Tracks
+from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, LegTracks, Q, W, knee_of, tip_of
+from footfix.enforce.posed import cross, rotated
+from footfix.motion import rotation
+from footfix.motion.clip import Floats, Ints
+from footfix.motion.kinematics import Pose
+from footfix.motion.vectors import unit
+from footfix.rig.rig import Leg
+from footfix.stream.part import Part
+
+POINTS = 4
+_VECTORS = ("hip", "ankle", "line", "thigh", "shank", "axis", "toe_hinge", "reach")
+
+
+@dataclass(frozen=True, eq=False)
+class Kinds:
+    """What legs are like in every frame.
+
+    Args:
+        legs: their joints.
+        tips: of each leg whether its toes have a tip,
+        bends: whether the file can bend them,
+        turns: and whether it can turn hip, knee and ankle.
+    """
+
+    legs: tuple[Leg, ...]
+    tips: tuple[bool, ...]
+    bends: tuple[bool, ...]
+    turns: tuple[bool, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Legs:
+    """The legs of some frames; a leg without a tip has one at its toe joint.
+
+    Args:
+        kinds: what they are like.
+        hip, ankle, line, thigh, shank, axis, toe_hinge, reach: (3, L, F) as of `LegTracks`.
+        soles: (3, 2, L, F) [m] heel and toe from the ankle.
+        tip: (3, L, F) [m] from the toe.
+        flexion, least: (L, F) [rad].
+    """
+
+    kinds: Kinds
+    hip: Floats
+    ankle: Floats
+    line: Floats
+    thigh: Floats
+    shank: Floats
+    axis: Floats
+    toe_hinge: Floats
+    reach: Floats
+    soles: Floats
+    tip: Floats
+    flexion: Floats
+    least: Floats
+
+    @classmethod
+    def of(cls, legs: Sequence[LegTracks]) -> Legs:
+        """Stack legs."""
+        some = {name: np.stack([getattr(leg, name) for leg in legs], axis=1) for name in _VECTORS}
+        soles = np.stack([np.stack(leg.points[:2], axis=1) for leg in legs], axis=2)
+        tip = np.stack([leg.points[2] if len(leg.points) > 2 else np.zeros_like(leg.hip) for leg in legs], axis=1)
+        flexion, least = (np.stack([getattr(leg, name) for leg in legs]) for name in ("flexion", "least"))
+        kinds = Kinds(
+            tuple(leg.leg for leg in legs), tuple(len(leg.points) > 2 for leg in legs),
+            tuple(leg.bends for leg in legs), tuple(leg.turns for leg in legs),
+        )  # fmt: skip
+        return cls(kinds, **some, soles=soles, tip=tip, flexion=flexion, least=least)
+
+    @classmethod
+    def of_rows(cls, kinds: Kinds, rows: Floats) -> Legs:
+        """Unpack rows (F, C) that `rows` made."""
+        table, L, at = np.ascontiguousarray(rows.T), len(kinds.legs), 0
+        n = table.shape[1]
+        vectors = table[: 3 * L * len(_VECTORS)].reshape(len(_VECTORS), 3, L, n)
+        at = 3 * L * len(_VECTORS)
+        soles, tip = table[at : at + 6 * L].reshape(3, 2, L, n), table[at + 6 * L : at + 9 * L].reshape(3, L, n)
+        flexion, least = table[at + 9 * L :].reshape(2, L, n)
+        return cls(
+            kinds, **dict(zip(_VECTORS, vectors, strict=True)), soles=soles, tip=tip, flexion=flexion, least=least
+        )
+
+    def rows(self) -> Floats:
+        """Pack all that differs from frame to frame in rows (F, 35 L)."""
+        n = self.flexion.shape[1]
+        parts = [getattr(self, name) for name in _VECTORS] + [self.soles, self.tip, self.flexion, self.least]
+        return np.concatenate([part.reshape(-1, n) for part in parts]).T
+
+    def apart(self) -> tuple[LegTracks, ...]:
+        """Take them one by one."""
+        found = []
+        for k, leg in enumerate(self.kinds.legs):
+            points = (self.soles[:, HEEL, k], self.soles[:, TOE, k], self.tip[:, k])
+            found.append(LegTracks(
+                leg, **{name: getattr(self, name)[:, k] for name in _VECTORS}, flexion=self.flexion[k],
+                least=self.least[k], points=points if self.kinds.tips[k] else points[:2], bends=self.kinds.bends[k],
+                turns=self.kinds.turns[k],
+            ))  # fmt: skip
+        return tuple(found)
+
+    def places(self) -> Floats:
+        """Get the points (3, P, L, F) [m] as captured."""
+        out = np.empty((3, POINTS, *self.flexion.shape))
+        out[:, :ANKLE], out[:, ANKLE] = self.soles, 0.0
+        np.add(self.soles[:, TOE], self.tip, out=out[:, TIP])
+        out += self.ankle[:, None]
+        return out
+
+    def frames(self, which: slice) -> Legs:
+        """Cut the legs to some frames."""
+        names = (*_VECTORS, "soles", "tip", "flexion", "least")
+        return Legs(self.kinds, **{name: getattr(self, name)[..., which] for name in names})
+
+    def raised(self, lift: Floats) -> Legs:
+        """Raise the legs by (F,) [m]."""
+        some = {name: getattr(self, name) for name in (*_VECTORS, "soles", "tip", "flexion", "least")}
+        for name in ("hip", "ankle"):
+            some[name] = some[name] + np.array([0.0, 1.0, 0.0])[:, None, None] * lift
+        return Legs(self.kinds, **some)
+
+
+class Measure:
+    """What measures the legs of a figure in its pose."""
+
+    def __init__(self, part: Part, joints: Sequence[int]) -> None:
+        """Know the figure, and which joints a pose is of."""
+        rig, known, skeleton = part.known.rig, part.known.legs, part.skeleton
+        slot = {joint: k for k, joint in enumerate(joints)}
+        toes = [leg.ankle if leg.toe is None else leg.toe for leg in rig.legs]
+        tips = [tip_of(skeleton, rig, k) for k in range(len(rig.legs))]
+        soles = [
+            next(sole for sole in rig.soles if (sole.leg, sole.part) == (k, name))
+            for name in ("heel", "toe") for k in range(len(rig.legs))
+        ]  # fmt: skip
+        self._rig, self._frame = rig, slot[rig.pelvis]
+        self._joints = np.array(
+            [[slot[joint] for joint in each] for each in
+             ([leg.hip for leg in rig.legs], [leg.knee for leg in rig.legs], [leg.ankle for leg in rig.legs], toes)]
+        )  # fmt: skip
+        self._has_toe = np.array([leg.toe is not None for leg in rig.legs])
+        self._bases = np.array([slot[sole.joint] for sole in soles])
+        hips, _, ankles, toe_slots = self._joints
+        self._frames: Ints = np.concatenate([hips, ankles, self._bases, toe_slots])
+        self._vectors = np.concatenate([
+            [leg.knee_axis for leg in known], [leg.toe_hinge for leg in known], [sole.offset for sole in soles],
+            [np.zeros(3) if tip is None else tip for tip in tips],
+        ])[:, None]  # fmt: skip
+        self._least = np.array([leg.least for leg in known])[:, None]
+        rotates = skeleton.rotates
+        self.kinds = Kinds(
+            rig.legs, tuple(tip is not None for tip in tips),
+            tuple(tip is not None and bool(rotates[toe]) for tip, toe in zip(tips, toes, strict=True)),
+            tuple(bool(np.all(rotates[[leg.hip, leg.knee, leg.ankle]])) for leg in rig.legs),
+        )  # fmt: skip
+
+    def __call__(self, pose: Pose, frame_time: float) -> tuple[Legs, Tracks]:
+        """Lay out the legs in a pose of F frames for enforcement, and their feet for detection."""
+        L, n = len(self._rig.legs), len(pose.positions)
+        places, turns = pose.positions.transpose(2, 1, 0), pose.rotations.transpose(1, 0, 2)
+        hip, knee, ankle, toe = places[:, self._joints].swapaxes(0, 1)  # (3, L, F) each
+        inside = rotation.rotate(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 5 L, F)
+        usual, hinge, tip = inside[:, :L], inside[:, L : 2 * L], inside[:, 4 * L :]
+        soles = (places[:, self._bases] + inside[:, 2 * L : 4 * L]).reshape(3, 2, L, n)
+        thigh, shank = knee - hip, ankle - knee
+        axis, flexion, reach = knee_of(*(each.reshape(3, -1).T for each in (thigh, shank, usual)))
+        flexion = flexion.reshape(L, n)
+        standing = soles.copy()
+        standing[:, TOE, self._has_toe] = toe[:, self._has_toe]
+        legs = Legs(
+            self.kinds, hip, ankle, unit((ankle - hip).reshape(3, -1).T).T.reshape(3, L, n), thigh, shank,
+            axis.T.reshape(3, L, n), hinge, reach.reshape(3, L, n), standing - ankle[:, None], tip, flexion,
+            np.minimum(flexion, self._least),
+        )  # fmt: skip
+        feet = tuple(
+            Foot(leg.side, hip[:, k].T, ankle[:, k].T, heel=soles[:, HEEL, k].T, toe=soles[:, TOE, k].T,
+                 knee=knee[:, k].T)
+            for k, leg in enumerate(self._rig.legs)
+        )  # fmt: skip
+        return legs, Tracks(pose.positions[:, self._frame], feet, self._rig.leg_length, frame_time)
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """Points (3, P, L, F) [m] of a state, and their derivatives (L, F, 3 P, 11) by the root and the leg's unknowns."""
+
+    places: Floats
+    jacobian: Floats
+
+
+def turns_of(vector: Floats) -> tuple[Floats, Floats]:
+    """Convert rotation vectors (3, ...) [rad] to `enforce.posed`'s `exponential` and `left_jacobian`, (3, 3, ...)."""
+    square = vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2
+    small = square < 1e-8
+    safe = np.where(small, 1.0, square)
+    angle = np.sqrt(safe)
+    half = np.sin(0.5 * angle) / angle
+    first = np.where(small, 1.0 - square / 6.0, np.sin(angle) / angle)
+    second = np.where(small, 0.5 - square / 24.0, 2.0 * half * half)
+    third = np.where(small, 1.0 / 6.0, (1.0 - first) / safe)
+    outer = vector[:, None] * vector[None]  # (3, 3, ...)
+    weights = np.stack([second, third])
+    both = weights[:, None, None] * outer  # of the rotation, then of its derivative
+    once = np.stack([first, second])[:, None] * vector
+    diagonal = 1.0 - weights * square
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        both[:, i, i] += diagonal
+        both[:, i, j] -= once[:, k]
+        both[:, j, i] += once[:, k]
+    return both[0], both[1]
+
+
+def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
+    """Put the points where a state has them, with derivatives: root (3, F) [m], and the legs' unknowns (8, L, F)."""
+    places, thrust, bent, arms, swing, twist, hinge = _points(legs, root, x)
+    n = places.shape[2:]
+    out = np.zeros((*n, 3, POINTS, ROOT + LEG))
+    for c in range(3):
+        out[..., c, :, c] = 1.0
+    rest = out[..., ROOT:]
+    rest[..., Q] = cross(swing, thrust[:, None]).transpose(2, 3, 0, 1)[..., None, :]
+    rest[..., K] = bent.transpose(1, 2, 0)[..., None]
+    rest[..., W] = cross(twist[:, :, None], arms[:, None]).transpose(3, 4, 0, 2, 1)
+    rest[..., TIP, B] = hinge.transpose(1, 2, 0)
+    return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
+
+
+def places_of(legs: Legs, root: Floats, x: Floats) -> Floats:
+    """Put the points (3, P, L, F) [m] where a state has them: root (3, F) [m], and the legs' unknowns (8, L, F)."""
+    return _points(legs, root, x)[0]
+
+
+def _points(legs: Legs, root: Floats, x: Floats) -> tuple[Floats, ...]:
+    """Work out points (3, P, L, F) [m], and what their derivatives are made of.
+
+    Besides the points: from hip to ankle, and its change by the knee's flexion (3, L, F); arms from the ankle to the
+    points (3, P, L, F); how hip and foot turn as their unknowns change (3, 3, L, F); the tip's change as toes bend.
+    """
+    k = x[K]
+    c0, c1, c2 = legs.reach
+    cos, sin = np.cos(k), np.sin(k)
+    distance = np.sqrt(np.maximum(c0 + c1 * cos + c2 * sin, 1e-12))
+    turn, change = turns_of(np.stack([x[Q], x[W], x[B] * legs.toe_hinge], axis=1))  # (3, 3, 3, L, F)
+    line = rotated(turn[:, :, 0], legs.line)
+    thrust, bent = line * distance, line * ((c2 * cos - c1 * sin) / (2.0 * distance))
+    in_foot = np.concatenate(
+        [legs.soles, legs.toe_hinge[:, None], rotated(turn[:, :, 2], legs.tip)[:, None]], axis=1
+    )  # fmt: skip
+    by_foot = rotated(turn[:, :, 1, None], in_foot)
+    arms = np.empty((3, POINTS, *k.shape))
+    arms[:, :2], arms[:, 2], arms[:, TIP] = by_foot[:, :2], 0.0, by_foot[:, TOE] + by_foot[:, 3]
+    places = (legs.hip + root[:, None] + thrust)[:, None] + arms
+    return places, thrust, bent, arms, change[:, :, 0], change[:, :, 1], cross(by_foot[:, 2], by_foot[:, 3])

@@ -1,0 +1,115 @@
+"""All legs of a stream together are what enforcement says of each by itself."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from streams import sample
+
+from footfix.detect.tracks import tracks_of
+from footfix.enforce import posed as one_leg
+from footfix.enforce.correction import apply
+from footfix.enforce.leg import LEG, ROOT, LegTracks
+from footfix.enforce.leg import tracks as leg_tracks
+from footfix.enforce.task import posed_joints
+from footfix.enforce.whole_clip import correction as whole_correction
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose, forward
+from footfix.settings import Settings
+from footfix.stream.calibration import calibrate
+from footfix.stream.legs import Legs, Measure, posed, turns_of
+from footfix.stream.part import Part, part_of
+from footfix.stream.past import Past
+from footfix.stream.turns import correction
+
+
+def figure(name: str) -> tuple[Part, Clip, Pose, Legs]:
+    """A figure, some frames of it, their pose and its legs."""
+    clip = sample(name).clip.frames(slice(60))
+    part = part_of(clip.skeleton, calibrate(clip, Settings()))
+    own = Clip.from_tracks(
+        part.skeleton, [clip.position(joint) for joint in part.joints],
+        [clip.rotation(joint) for joint in part.joints], clip.frame_time,
+    )  # fmt: skip
+    pose = forward(own, posed_joints(part.skeleton, part.known.rig))
+    return part, own, pose, Measure(part, pose.joints)(pose, clip.frame_time)[0]
+
+
+def state(legs: Legs, size: float) -> Floats:
+    shape = (ROOT + LEG * len(legs.kinds.legs), legs.flexion.shape[1])
+    return np.random.default_rng(4).normal(size=shape) * size
+
+
+def alike(ours: LegTracks, known: LegTracks) -> bool:
+    arrays = [each.name for each in fields(known) if isinstance(getattr(known, each.name), np.ndarray)]
+    assert len(ours.points) == len(known.points)
+    assert (ours.leg, ours.bends, ours.turns) == (known.leg, known.bends, known.turns)
+    pairs = [(getattr(ours, name), getattr(known, name)) for name in arrays]
+    return all(np.allclose(a, b, atol=1e-12) for a, b in [*pairs, *zip(ours.points, known.points, strict=True)])
+
+
+@pytest.mark.parametrize("name", ["walk_skate", "turn"])
+def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
+    part, clip, pose, legs = figure(name)
+    known = leg_tracks(clip, part.known.rig, pose, part.known.legs)
+    assert all(alike(ours, theirs) for ours, theirs in zip(legs.apart(), known, strict=True))
+    places = legs.places()
+    for k, leg in enumerate(known):
+        for point in range(len(leg.points) + 1):
+            assert np.allclose(places[:, point, k], leg.place(point), atol=1e-12)
+    _, feet = Measure(part, pose.joints)(pose, clip.frame_time)
+    expected = tracks_of(clip, part.known.rig, pose)
+    assert np.allclose(feet.feet[1].heel, expected.feet[1].heel, atol=1e-12)
+    assert np.allclose(feet.feet[0].toe, expected.feet[0].toe, atol=1e-12)
+
+
+def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
+    part, clip, pose, legs = figure("walk_skate")
+    again = Legs.of(legs.apart())
+    past = Past(legs.kinds, pose.joints, 5, 64)
+    past.append(np.zeros((60, 5)), legs, pose)
+    for ours, theirs in ((again, legs), (past.legs(0), legs), (past.legs(20), legs.frames(slice(20, None)))):
+        assert all(alike(a, b) for a, b in zip(ours.apart(), theirs.apart(), strict=True))
+    assert np.array_equal(past.pose(10, 30).rotations, pose.rotations[10:30])
+    assert part.known.rig.legs == legs.kinds.legs
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-6, 0.01, 0.5, 3.0])
+def test_turns_and_their_changes_are_those_of_rotation_vectors(size: float) -> None:
+    vectors = np.random.default_rng(1).normal(size=(3, 2, 7)) * size
+    turn, change = turns_of(vectors)
+    assert np.allclose(turn, one_leg.exponential(vectors), atol=1e-12)
+    assert np.allclose(change, one_leg.left_jacobian(vectors), atol=1e-8)
+
+
+def test_points_move_with_the_unknowns_as_differences_say() -> None:
+    _, _, _, legs = figure("walk_skate")
+    x, step = state(legs, 0.1), 1e-6
+    at = legs.flexion.shape[0]
+
+    def places(x: Floats) -> Floats:
+        return posed(legs, x[:ROOT], x[ROOT:].reshape(at, LEG, -1).swapaxes(0, 1)).places
+
+    jacobian = posed(legs, x[:ROOT], x[ROOT:].reshape(at, LEG, -1).swapaxes(0, 1)).jacobian
+    for unknown in range(ROOT + LEG):
+        moved = x.copy()
+        moved[unknown] += step  # of the root and the first leg
+        slope = (places(moved) - places(x))[:, :, 0] / step
+        assert np.allclose(jacobian[0, :, :, unknown].reshape(-1, 3, 4), slope.transpose(2, 0, 1), atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["walk_skate", "turn"])
+def test_rotations_of_a_state_are_those_of_a_whole_clip(name: str) -> None:
+    part, clip, pose, legs = figure(name)
+    x = state(legs, 0.05)
+    x[ROOT : ROOT + LEG] = 0.0  # one leg keeps its rotations
+    shift = x[:ROOT].T
+    columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(legs.kinds.legs))]
+    known = whole_correction(clip, part.known.rig, pose, legs.apart(), x, columns, shift)
+    found = correction(part, clip, pose, legs, x, shift)
+    assert set(found.joints) == set(known.joints)
+    ours, theirs = apply(clip, found), apply(clip, known)
+    assert np.allclose(np.abs(np.sum(ours.rotations * theirs.rotations, axis=-1)), 1.0, atol=1e-12)
+    assert np.allclose(ours.positions, theirs.positions, atol=1e-12)
