@@ -39,7 +39,7 @@ from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.pipeline import correct, find_contacts, measure_figures, prepare
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
@@ -65,8 +65,8 @@ class Row:
 
 def jump(before: Clip, after: Clip, rig: Rig) -> float:
     """By how much a leg joint turns farther between two frames than it did thereabouts before [deg per 1/120 s]."""
-    proper = motion_proper(before)
-    before, after = before.frames(proper), after.frames(proper)
+    frame_range = motion_range(before)
+    before, after = before.frames(frame_range), after.frames(frame_range)
     worst = 0.0
     for joint in {j for leg in rig.legs for j in (*leg.chain, leg.toe) if j is not None}:
         old, new = (
@@ -83,8 +83,8 @@ def run(path: Path, params: EnforceParams) -> Row:
     settings = Settings(enforce=params)
     document = api.load(path)
     clip = document.clip
-    proper = motion_proper(clip)
-    prepared = prepare(clip, settings, (api.find_rig(clip),), proper)
+    frame_range = motion_range(clip)
+    prepared = prepare(clip, settings, (api.find_rig(clip),), frame_range)
     contacts = find_contacts(prepared, settings)
     start = time.perf_counter()
     corrected, figures = correct(prepared, contacts, settings)

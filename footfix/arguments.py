@@ -62,8 +62,8 @@ def check_clip(clip: Any) -> Clip:
     check_frame_time(clip.frame_time)
     names = clip.skeleton.names
     for joint, name in enumerate(names):
-        _check_finite(f"position of {name}", clip.place(joint))
-        turns = clip.turn(joint)
+        _check_finite(f"position of {name}", clip.position(joint))
+        turns = clip.rotation(joint)
         _check_finite(f"rotation of {name}", turns)
         if len(turns):
             turns = turns[:1] if turns.strides[0] == 0 else turns

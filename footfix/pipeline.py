@@ -1,8 +1,8 @@
 """The order of the steps, on one screen: for the command line and for Python alike.
 
-    proper = motion_proper(clip)                                # without a T-pose that leads in
-    rigs = find_rigs(clip, settings.rig, proper)
-    prepared = prepare(clip, settings, rigs, proper)            # smoothed: one motion for all that follows
+    frame_range = motion_range(clip)                           # without a T-pose that leads in
+    rigs = find_rigs(clip, settings.rig, frame_range)
+    prepared = prepare(clip, settings, rigs, frame_range)      # smoothed: one motion for all that follows
     contacts = find_contacts(prepared, settings)
     corrected, figures = correct(prepared, contacts, settings)
     results = measure_figures(clip, corrected, figures)
@@ -20,12 +20,13 @@ from footfix.enforce.footplant import Footplant
 from footfix.enforce.put_back import put_back, repeated
 from footfix.enforce.run import enforce
 from footfix.enforce.task import ground_of
+from footfix.errors import InputError
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts, joined
 from footfix.motion.doubled import Doubled, doubled
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.motion.smoothing import smooth_clip
 from footfix.notes import Note
 from footfix.rig.crop import Crop, crop
@@ -131,9 +132,9 @@ def clean_figures(
         NoLegsError: no legs were found, and no rig was given.
     """
     settings = settings or Settings()
-    proper = motion_proper(clip)
-    rigs = (find_rigs(clip, settings.rig, proper) if rigs is None else tuple(rigs))[:most]
-    prepared = prepare(clip, settings, rigs, proper)
+    frame_range = motion_range(clip)
+    rigs = (find_rigs(clip, settings.rig, frame_range) if rigs is None else tuple(rigs))[:most]
+    prepared = prepare(clip, settings, rigs, frame_range)
     contacts = contacts or find_contacts(prepared, settings)
     corrected, figures = correct(prepared, contacts, settings)
     return measure_figures(clip, corrected, figures)
@@ -155,9 +156,9 @@ def loop(
         InputError: the clip holds no cycle, or not the one that is asked for.
     """
     settings = settings or Settings()
-    proper = motion_proper(clip)
-    rig = rig or find_rigs(clip, settings.rig, proper)[0]
-    prepared = prepare(clip, settings, (rig,), proper)
+    frame_range = motion_range(clip)
+    rigs = find_rigs(clip, settings.rig, frame_range) if rig is None else (rig,)
+    prepared = prepare(clip, settings, rigs, frame_range)
     return cut_loop(prepared, contacts or find_contacts(prepared, settings), settings)
 
 
@@ -168,9 +169,15 @@ def cut_loop(prepared: Prepared, contacts: Contacts, settings: Settings) -> Loop
         prepared: the clip and its figure.
         contacts: of that.
         settings: which cycle, how it is closed, and how contacts are enforced.
+
+    Raises:
+        InputError: the clip holds several figures, or no cycle, or not the one that is asked for.
     """
     from footfix.locomotion.loop.run import make_loop  # most commands cut no loop
 
+    if len(prepared.rigs) > 1:
+        text = f"the file holds {len(prepared.rigs)} figures, whose cycles differ; a loop is one figure's"
+        raise InputError(text, hint="export each figure to a file of its own")
     rig, motion, asked = prepared.rigs[0], prepared.crops[0], settings.loop
     start, end = (None if frame is None else frame - motion.start for frame in (asked.start, asked.end))
     found = make_loop(
@@ -181,20 +188,20 @@ def cut_loop(prepared: Prepared, contacts: Contacts, settings: Settings) -> Loop
     return replace(found.counted_from(motion.start), notes=notes)
 
 
-def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], proper: slice) -> Prepared:
+def prepare(clip: Clip, settings: Settings, rigs: Sequence[Rig], frame_range: slice) -> Prepared:
     """Smooth a clip where that is wanted, and find the frames in which its figures move.
 
     Args:
         clip: F frames, metres, y up.
         settings: whether channels are smoothed, and cycles looked for.
         rigs: legs and soles of each figure.
-        proper: the frames that are motion (`motion_proper`).
+        frame_range: the frames that are motion (`motion_range`).
     """
     notes: tuple[Note, ...] = ()
-    crops = tuple(crop(clip, rig, proper) for rig in rigs)
+    crops = tuple(crop(clip, rig, frame_range) for rig in rigs)
     doubles = tuple(doubled(motion.clip(clip)) for motion in crops)
     if settings.smooth.channels:
-        clip, notes = smooth_clip(clip, settings.smooth, proper)
+        clip, notes = smooth_clip(clip, settings.smooth, frame_range)
     rounds = tuple(
         None if any(motion.cut) else rounds_of(thin.clip(clip), rig, settings.enforce.cycle)
         for rig, motion, thin in zip(rigs, crops, doubles, strict=True)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+import once
 import pytest
 from hypothesis import settings
 
@@ -22,9 +25,31 @@ settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
 
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Set a folder for what the processes of this run make once."""
+    if not hasattr(session.config, "workerinput"):
+        os.environ[once.FOLDER] = tempfile.mkdtemp(prefix="footfix-tests-")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Take it away again."""
+    if not hasattr(session.config, "workerinput"):
+        shutil.rmtree(os.environ.pop(once.FOLDER), ignore_errors=True)
+
+
 def shared(folder: str) -> list[Path]:
     """The BVH files of a folder beside the project, sorted; empty where it is absent."""
     return sorted(path for path in (SHARED / folder).rglob("*") if path.suffix.lower() == ".bvh")
+
+
+def one_of_each_origin(most: float = 1e6) -> list[Path]:
+    """The smallest shared clip of each program or collection, of those up to a size [bytes]."""
+    smallest: dict[Path, Path] = {}
+    for path in shared("clips"):
+        known = smallest.setdefault(path.parent, path)
+        if path.stat().st_size < known.stat().st_size:
+            smallest[path.parent] = path
+    return [path for path in smallest.values() if path.stat().st_size <= most]
 
 
 def need(paths: list[Path], folder: str) -> list[Path]:

@@ -81,11 +81,11 @@ def character(
     if z_up:
         nodes[0]["rotation"] = _Z_UP.tolist()
     for j, name in enumerate(names):
-        turn = first_clip.turn(j)[len(first_clip) // 3] if mid_step else np.array([0.0, 0.0, 0.0, 1.0])
+        turn = first_clip.rotation(j)[len(first_clip) // 3] if mid_step else np.array([0.0, 0.0, 0.0, 1.0])
         place, turn = _local(first_clip, j, skeleton.offsets[j][None], turn[None], scale, z_up)
         still = all(_still(clip, j) for clip in clips.values())
         if matrices and still:
-            place, turn = _local(first_clip, j, first_clip.place(j)[:1], first_clip.turn(j)[:1], scale, z_up)
+            place, turn = _local(first_clip, j, first_clip.position(j)[:1], first_clip.rotation(j)[:1], scale, z_up)
         nodes.append({"name": name, **_rest(place[0], turn[0], matrices and still)})
     for j, parent in enumerate(skeleton.parents.tolist()):
         nodes[parent + 1].setdefault("children", []).append(j + 1)
@@ -124,7 +124,7 @@ def _animation(
     for j in range(len(clip.skeleton)):
         if matrices and _still(clip, j):
             continue
-        place, turn = _local(clip, j, clip.place(j), clip.turn(j), scale, z_up)
+        place, turn = _local(clip, j, clip.position(j), clip.rotation(j), scale, z_up)
         put(j + 1, "translation", place[keys])
         put(j + 1, "scale", np.ones((len(keys), 3)))
         put(j + 1, "rotation", rotation.continuous(turn[keys]))
@@ -142,7 +142,7 @@ def _local(
 
 
 def _still(clip: Clip, joint: int) -> bool:
-    return bool(np.ptp(clip.place(joint), axis=0).max() < 1e-9 and np.ptp(clip.turn(joint), axis=0).max() < 1e-9)
+    return bool(np.ptp(clip.position(joint), axis=0).max() < 1e-9 and np.ptp(clip.rotation(joint), axis=0).max() < 1e-9)
 
 
 def _rest(place: Floats, turn: Floats, matrix: bool) -> dict[str, Any]:

@@ -131,5 +131,5 @@ def changes(before: Clip, after: Clip) -> Bools:
 def largest_turn(one: Clip, other: Clip, rig: Rig) -> float:
     """[degrees] between two clips, the largest of all joints and frames of the legs."""
     joints = sorted({joint for leg in rig.legs for joint in (*leg.chain, leg.toe) if joint is not None})
-    turns = [rotation.multiply(rotation.inverse(one.turn(j)), other.turn(j)) for j in joints]
+    turns = [rotation.multiply(rotation.inverse(one.rotation(j)), other.rotation(j)) for j in joints]
     return float(np.degrees(max(rotation.angle(turn).max() for turn in turns)))

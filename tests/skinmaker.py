@@ -88,7 +88,7 @@ def file_of(clip: Clip, *, bound: str = "skin", weights: float = 1.0, normals: b
     """
     made, own, places = Writer(), clip.skeleton.names, zero_pose(clip)
     nodes: list[dict[str, Any]] = [
-        {"name": name, "translation": clip.place(j)[0].tolist(), "rotation": clip.turn(j)[0].tolist()}
+        {"name": name, "translation": clip.position(j)[0].tolist(), "rotation": clip.rotation(j)[0].tolist()}
         for j, name in enumerate(own)
     ]
     for j, parent in enumerate(clip.skeleton.parents.tolist()):

@@ -43,10 +43,14 @@ def floor(name: str) -> int:
 
 
 @cache
+def nodes(path: Path) -> list[ast.AST]:
+    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+
+
+@cache
 def imported(path: Path) -> set[str]:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
     names: set[str] = set()
-    for node in ast.walk(tree):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             names.update(each.name for each in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -70,7 +74,7 @@ def test_imports_point_down() -> None:
 def test_numeric_code_does_not_print() -> None:
     numeric = [path for path in MODULES if room(path.relative_to(PACKAGE).parts) in NUMERIC]
     for path in numeric:
-        calls = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]
+        calls = [node for node in nodes(path) if isinstance(node, ast.Call)]
         names = {call.func.id for call in calls if isinstance(call.func, ast.Name)}
         assert not names & {"print", "open"}, path
     assert len(numeric) > 50

@@ -24,22 +24,27 @@ def reference() -> ModuleType:
     return module
 
 
+@pytest.fixture(scope="module")
+def pages(reference: ModuleType) -> dict[str, str]:
+    found: dict[str, str] = reference.pages()
+    return found
+
+
 def test_every_setting_and_measure_is_explained(reference: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
     assert reference.main() == 0, capsys.readouterr().out
 
 
-def test_generated_pages_have_every_command_setting_and_public_name(reference: ModuleType) -> None:
-    pages = reference.pages()
+def test_generated_pages_have_every_command_setting_and_public_name(pages: dict[str, str]) -> None:
     assert "## check" in pages["reference/commands.md"]
     assert "| `slide` | `11000.0` |" in pages["reference/settings.md"]
     assert "::: footfix.api.positions.clean_positions" in pages["reference/python.md"]
     assert "| `source.sha256` | string |" in pages["reference/files.md"]
 
 
-def test_every_page_is_in_the_menu_and_every_entry_is_a_page(reference: ModuleType) -> None:
+def test_every_page_is_in_the_menu_and_every_entry_is_a_page(pages: dict[str, str]) -> None:
     listed = re.findall(r"^ +-(?: [^:\n]+:)? ([\w/-]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.M)
     written = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")}
-    assert sorted(listed) == sorted(written | set(reference.pages()))
+    assert sorted(listed) == sorted(written | set(pages))
 
 
 def test_pictures_that_pages_show_are_drawn() -> None:

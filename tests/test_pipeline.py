@@ -1,4 +1,4 @@
-"""One straight line: the same steps for the command and for Python, on the motion proper, measured as written."""
+"""One straight line: the same steps for the command and for Python, on the motion range, measured as written."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.motion.smoothing import SmoothParams
 from footfix.notes import Note
 from footfix.report import document
@@ -79,7 +79,7 @@ def test_contacts_are_detected_on_the_motion_that_is_enforced() -> None:
     clip = read(skating(), "a.bvh", SETTINGS).clip
     rig = find_rig(clip)
     found = footfix.clean(clip, SMOOTHING, rig=rig).contacts
-    smoothed = pipeline.prepare(clip, SMOOTHING, (rig,), motion_proper(clip)).clip
+    smoothed = pipeline.prepare(clip, SMOOTHING, (rig,), motion_range(clip)).clip
     assert found.effectors == footfix.detect(smoothed, rig).effectors
     assert found.effectors != footfix.detect(clip, rig).effectors, "smoothing was to make a difference"
 
@@ -211,7 +211,7 @@ def test_legs_that_go_on_through_a_cut_are_not_cut() -> None:
     rotations[0, arms] = rotation.identity((len(arms),))
     rotations[1:, arms] = rotation.multiply(turned[:, None], clip.rotations[1:, arms])
     clip = replace(clip, rotations=rotations)
-    assert motion_proper(clip).start == 1
+    assert motion_range(clip).start == 1
     assert crop(clip, find_rig(clip)) == Crop(0, len(clip), len(clip))
 
 
@@ -251,7 +251,7 @@ def test_the_largest_joint_change_is_named() -> None:
     rig = find_rig(clip)
     found = footfix.clean(clip, rig=rig).correction
     knees = [leg.knee for leg in rig.legs]
-    turns = np.stack([clip.turn(knee) for knee in knees], axis=1)
+    turns = np.stack([clip.rotation(knee) for knee in knees], axis=1)
     bend = rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians(31.0))
     turns[75, 1] = rotation.multiply(turns[75, 1], bend)
     shift = np.zeros((len(clip), 3))

@@ -22,6 +22,11 @@ def walk(name: str = "walk", fps: float = 60.0, duration: float = 3.0) -> Walk:
     return make(Gait(name=name, fps=fps, duration=duration))  # type: ignore[arg-type]
 
 
+def short_walk(name: str = "walk", fps: float = 60.0, duration: float = 2.0) -> Walk:
+    """One of the gaits for two seconds, which is enough for most of enforcement."""
+    return walk(name, fps, duration)
+
+
 def rig_of(made: Walk) -> Rig:
     """The walker's rig as it was built, nothing guessed."""
     at = made.clip.skeleton.names.index

@@ -147,7 +147,7 @@ class Engine:
         return Frame(self.time, self._places(found)[0], frozen(found.turns[0]), down)
 
     def ahead(self, seconds: float, *, frames: int = 25) -> Ahead:
-        """What comes next: postures from now on, and where the feet are going to stand.
+        """Foresee what comes next: postures from now on, and where the feet are going to stand.
 
         Args:
             seconds: [s] how far.
@@ -164,7 +164,7 @@ class Engine:
         )  # fmt: skip
 
     def clip(self, frames: Sequence[Frame], frame_time: float) -> Clip:
-        """Frames that were stepped through as a clip."""
+        """Make a clip of frames that were stepped through."""
         positions = np.stack([each.positions for each in frames])
         return Clip(self.skeleton, positions, np.stack([each.rotations for each in frames]), frame_time)
 

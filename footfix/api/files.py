@@ -65,7 +65,7 @@ def animations(path: str | os.PathLike[str]) -> tuple[str, ...]:
 
 
 def _file_and_clip(path: str | os.PathLike[str], animation: str | None) -> tuple[str, str]:
-    """The file that a path means, and the animation in it; "" where neither names one."""
+    """Tell the file that a path means, and the animation in it; "" where neither names one."""
     name = os.fspath(path)
     file, named = (name, "") if Path(name).exists() else in_file(name)
     if named and animation not in (None, named):
@@ -74,7 +74,7 @@ def _file_and_clip(path: str | os.PathLike[str], animation: str | None) -> tuple
 
 
 def _beside(file: str) -> Beside:
-    """What reads the files that a glTF file names."""
+    """Make what reads the files that a glTF file names."""
     return lambda name: (Path(file).parent / name).read_bytes()
 
 

@@ -17,7 +17,7 @@ from footfix.formats.label_arrays import encode_npy, encode_npz
 from footfix.jobs import contacts as job
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.pipeline import prepare
 from footfix.report import document as report_format
 from footfix.rig.rig import Rig
@@ -46,7 +46,7 @@ def load_contacts(
     settings = check_settings(settings)
     rigs = find_rigs(clip, settings) if rig is None else (check_rig(rig, check_clip(clip)),)
     labels = labels_format.decode(Path(path).read_bytes(), name=os.fspath(path), order=order)
-    return job.find_contacts(prepare(clip, settings, rigs, motion_proper(clip)), settings, labels)
+    return job.find_contacts(prepare(clip, settings, rigs, motion_range(clip)), settings, labels)
 
 
 def save_contacts(

@@ -124,7 +124,7 @@ def _check_up(clip: Clip, settings: Settings) -> None:
 
 
 def _y_up(up: str) -> Floats:
-    """(3, 3) the rotation that takes an upward axis to y, by shuffling axes so that no number changes."""
+    """Get the rotation (3, 3) that takes an upward axis to y, by shuffling axes so that no number changes."""
     axes = ("y", "z", "x", "-y", "-z", "-x")
     if up not in axes:
         raise ArgumentError(f"up must be one of {', '.join(axes)}, not {up!r}")

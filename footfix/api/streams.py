@@ -50,8 +50,9 @@ class Stream:
         >>> import footfix
         >>> walk = footfix.load("sample_data/walk_skate.bvh")
         >>> stream = footfix.Stream(walk, look_ahead=0.15)      # calibrated on the file's own frames
-        >>> shown = [frame for row in walk.values for frame in stream.push(row)] + stream.close()
-        >>> len(shown) == walk.frames, shown[0].values.shape == walk.values[0].shape
+        >>> rows = walk.values[:40]                             # of the live figure, as they come
+        >>> shown = [frame for row in rows for frame in stream.push(row)] + stream.close()
+        >>> len(shown) == len(rows), shown[0].values.shape == rows[0].shape
         (True, True)
 
     Args:

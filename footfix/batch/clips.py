@@ -22,7 +22,7 @@ _NAMED = 12  # clips that a message lists
 
 
 def beside_of(task: Task) -> Callable[[str], bytes] | None:
-    """What reads files that a task's own file names; None for standard input, beside which there is nothing."""
+    """Make what reads files that a task's own file names; None for standard input, beside which there is nothing."""
     if task.job.source == STDIN:
         return None
     folder = Path(task.folder, in_file(task.job.source)[0]).parent
@@ -30,7 +30,7 @@ def beside_of(task: Task) -> Callable[[str], bytes] | None:
 
 
 def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
-    """The tasks of the clips that a file holds, those that are asked for; None where it holds one alone.
+    """List the tasks of the clips that a file holds, those that are asked for; None where it holds one alone.
 
     Args:
         task: of the file.
@@ -59,7 +59,7 @@ def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
 
 
 def file_names(names: Sequence[str]) -> dict[str, str]:
-    """What the names of clips become in names of files: each another one, even where case counts for nothing."""
+    """Turn the names of clips into names of files: each another one, even where case counts for nothing."""
     found: dict[str, str] = {}
     taken: set[str] = set()
     count: dict[str, int] = {}
@@ -75,7 +75,7 @@ def file_names(names: Sequence[str]) -> dict[str, str]:
 
 
 def together(task: Task, parts: Sequence[FileResult]) -> FileResult:
-    """The result of a file, of those of its clips."""
+    """Make the result of a file of those of its clips."""
     states = [part.status for part in parts]
     order = ("over", "cleaned", "done", "unchanged", "failed")
     return FileResult(
@@ -90,12 +90,12 @@ def together(task: Task, parts: Sequence[FileResult]) -> FileResult:
 
 
 def spread(result: FileResult) -> tuple[FileResult, ...]:
-    """The results of the clips of a file; its own where it holds one."""
+    """List the results of the clips of a file; its own where it holds one."""
     return result.parts or (result,)
 
 
 def spread_pairs(tasks: Sequence[Task], results: Sequence[FileResult]) -> list[tuple[Task, FileResult]]:
-    """Tasks and results of every clip, those of files that hold several among them."""
+    """List tasks and results of every clip, those of files that hold several among them."""
     return [
         (replace(task, job=replace(task.job, name=named(task.job.name, part))) if result.parts else task, part)
         for task, result in zip(tasks, results, strict=True)
@@ -104,7 +104,7 @@ def spread_pairs(tasks: Sequence[Task], results: Sequence[FileResult]) -> list[t
 
 
 def named(name: str, part: FileResult) -> str:
-    """What a clip of a file is called in summaries."""
+    """Name a clip of a file as summaries do."""
     return f"{name}#{in_file(part.source)[1]}"
 
 

@@ -20,7 +20,7 @@ _AHEAD = 4  # tasks a thread of the cluster has in hand or waiting, so that a st
 def on_cluster(
     work: Work, tasks: Sequence[Task], *, address: str, stop: Stop, starting: Callable[[int], None]
 ) -> Results:
-    """Does the tasks on the cluster at an address, and gives each result as it comes.
+    """Do the tasks on the cluster at an address, and give each result as it comes.
 
     Raises:
         UsageError: `distributed` is not installed, or nothing answers at the address.
@@ -61,7 +61,7 @@ def _ended(
     client: Any, work: Work, tasks: Sequence[Task], order: Iterable[int], ahead: int, stop: Stop,
     starting: Callable[[int], None],
 ) -> Iterator[tuple[int, FileResult | Exception]]:  # fmt: skip
-    """Submits tasks, `ahead` of them at a time, and gives what came of each when it has ended."""
+    """Submit tasks, `ahead` of them at a time, and give what came of each when it has ended."""
     import distributed
 
     dask: Any = distributed
@@ -86,7 +86,7 @@ def _ended(
 
 
 def _end(future: Any) -> FileResult | Exception:
-    """What came of a future that has ended.
+    """Tell what came of a future that has ended.
 
     A result that went with its worker before it was fetched is made anew, and waited for.
     """

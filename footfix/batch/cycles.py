@@ -50,7 +50,7 @@ def fit_and_write(files: Sequence[FileCycles], output: Path, *, components: int 
 
 
 def style_of(source: Source, styles: Mapping[str, str]) -> str:
-    """Tell the style of a file: by the first glob that it matches, else the folder it lies in, below the one named."""
+    """Find the style of a file: by the first glob that it matches, else the folder it lies in, below the one named."""
     for glob, name in styles.items():
         if any(fnmatchcase(each, glob) for each in (source.below.as_posix(), source.below.name)):
             return name
@@ -59,7 +59,7 @@ def style_of(source: Source, styles: Mapping[str, str]) -> str:
 
 
 def check_output(output: Path, ends: Sequence[str], inputs: Sequence[str], *, force: bool) -> None:
-    """See that a file can be written.
+    """Make sure that a file can be written.
 
     Raises:
         UsageError: it ends otherwise, is an input, or is there.

@@ -13,7 +13,7 @@ Made = TypeVar("Made")
 
 
 def ended(task: Task, work: Callable[[], Made]) -> Made | FileResult:
-    """What some work on a clip gives, or a result that says why it failed."""
+    """Give what some work on a clip gives, or a result that says why it failed."""
     source = task.job.source
     try:
         return work()

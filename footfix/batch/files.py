@@ -22,7 +22,7 @@ _PART = 1 << 30  # [bytes] read together
 
 
 def read_whole(path: str | os.PathLike[str], most_bytes: int, glance: Callable[[bytes], None] | None = None) -> bytes:
-    """The bytes of a file, or of standard input for "-".
+    """Read the bytes of a file, or of standard input for "-".
 
     Args:
         path: which file.
@@ -49,7 +49,7 @@ def read_whole(path: str | os.PathLike[str], most_bytes: int, glance: Callable[[
 
 
 def read_clip(path: str, limits: Limits, *, name: str, called: str | None = None) -> bytes:
-    """The bytes of a clip's file, or of standard input for "-"; one that is no clip at all is not read to its end.
+    """Read a clip's file, or standard input for "-", as bytes; one that is no clip at all is not read to its end.
 
     Args:
         path: which file.
@@ -69,7 +69,7 @@ def read_clip(path: str, limits: Limits, *, name: str, called: str | None = None
 
 
 def _read(file: BinaryIO, most_bytes: int, glance: Callable[[bytes], None] | None) -> bytes:
-    """Up to one byte more than `most_bytes`; sets aside no more memory than the file says it needs."""
+    """Read up to one byte more than `most_bytes`, and set aside no more memory than the file says it needs."""
     try:
         size = os.fstat(file.fileno()).st_size
     except OSError:
@@ -85,7 +85,7 @@ def _read(file: BinaryIO, most_bytes: int, glance: Callable[[bytes], None] | Non
 
 
 def write_whole(path: Path, data: bytes, *, tag: str = "run") -> None:
-    """Writes a file so that it appears whole or not at all, with the permissions a new file would have.
+    """Write a file so that it appears whole or not at all, with the permissions a new file would have.
 
     Args:
         path: the file.
@@ -118,7 +118,7 @@ def write_whole(path: Path, data: bytes, *, tag: str = "run") -> None:
 
 
 def remove_leftovers(folder: Path, *, tag: str, process: int | None = None) -> None:
-    """Removes the temporary files that a killed run, or one killed process of it, left in a folder."""
+    """Remove the temporary files that a killed run, or one killed process of it, left in a folder."""
     pattern = f".footfix-{tag}-{'*' if process is None else process}-*.tmp"
     for path in folder.glob(pattern):
         with suppress(OSError):
@@ -126,7 +126,7 @@ def remove_leftovers(folder: Path, *, tag: str, process: int | None = None) -> N
 
 
 def sync_folder(folder: Path) -> None:
-    """Makes sure that the names in a folder survive a power cut, where the system can."""
+    """Make sure that the names in a folder survive a power cut, where the system can."""
     if os.name == "nt":
         return
     with suppress(OSError):

@@ -28,7 +28,7 @@ _MOST = 1 << 26  # [bytes] of a path
 
 
 def named(text: str) -> tuple[str, str | None]:
-    """The file of a clip, and where it begins: walk.bvh@3s. What is a file's whole name is no more than that.
+    """Part walk.bvh@3s into a clip's file, and where it begins. What is a file's whole name is no more than that.
 
     Raises:
         UsageError: there is no such file.
@@ -45,7 +45,7 @@ def named(text: str) -> tuple[str, str | None]:
 
 
 def drawn(text: str) -> DrawnPath:
-    """The path that a file holds, or that a text names.
+    """Read the path that a file holds, or that a text names.
 
     Raises:
         UsageError: it is neither.

@@ -39,7 +39,7 @@ DEFAULTS: Mapping[str, Gate] = {
 
 
 def parse(texts: tuple[str, ...]) -> dict[str, float]:
-    """Gates from "slide_mm=21" and the like.
+    """Parse gates from "slide_mm=21" and the like.
 
     Raises:
         UsageError: no such measure, or no number.
@@ -58,14 +58,14 @@ def parse(texts: tuple[str, ...]) -> dict[str, float]:
 
 
 def known(gates: Mapping[str, float]) -> None:
-    """Raises UsageError where a gate is on no measure."""
+    """Refuse gates that are on no measure, with a UsageError."""
     for name in gates:
         if name not in NAMES:
             raise UsageError(f"there is no measure {name!r} to gate{suggest(name, NAMES)}")
 
 
 def check(task: Task, data: bytes) -> FileResult:
-    """Measures a clip and holds it against its gates.
+    """Measure a clip and hold it against its gates.
 
     Args:
         task: `extra["gates"]` are those of the command line; they lie over the settings' own. Where there are none
@@ -112,7 +112,7 @@ def _rounded(found: Held) -> dict[str, float]:
 
 
 def _why(measure: str, plants: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """What is behind a slide: plants over 21 mm, held and let go apart, and the farthest with its reason."""
+    """Say what is behind a slide: plants over 21 mm, held and let go apart, and the farthest with its reason."""
     if measure not in ("share_over_21mm", "plants_over_21mm", "slide_mm", "held_slide_mm", "held_over_21mm"):
         return {}
     some = [plant for plant in plants if not (measure.startswith("held") and plant["let_go"])]
@@ -129,14 +129,14 @@ def _why(measure: str, plants: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 def _cleaning(
     task: Task, report: Mapping[str, Any]
 ) -> tuple[Mapping[str, float | None] | None, Labels | None]:  # fmt: skip
-    """Measures of the clip before it was cleaned, and its contacts."""
+    """Find the measures of the clip before it was cleaned, and its contacts."""
     if not report:
         return None, None
     return report["before"], None if task.extra.get("anew") else contacts_of(report)
 
 
 def _fates(report: Mapping[str, Any], plants: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """For each plant, why cleaning let it go, wholly or in part; "" where it is held."""
+    """Say for each plant why cleaning let it go, wholly or in part; "" where it is held."""
     words = {"released": "let go", "partly": "held only in part"}
     fates: dict[tuple[Any, ...], str] = {}
     for each in report.get("plants") or ():
@@ -152,7 +152,7 @@ def _no_reference(wanted: list[str]) -> dict[str, Any]:
 
 
 def _not_measured(names: list[str]) -> list[dict[str, Any]]:
-    """Notes on gates that a clip has no measure for."""
+    """Note the gates that a clip has no measure for."""
     reasons = {
         "planted feet move with a belt, and these know no ground that moves": [n for n in names if n in WORLD],
         "no planted foot has a tip beyond its toe joint": [n for n in names if n not in WORLD],

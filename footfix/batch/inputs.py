@@ -37,7 +37,7 @@ def sources(
     named: Iterable[str], *, lists: Iterable[str] = (), include: Sequence[str] = (), exclude: Sequence[str] = (),
     leave_out: Path | None = None, own_outputs: bool = False,
 ) -> tuple[Source, ...]:  # fmt: skip
-    """The inputs that files, folders, lists and "-" stand for.
+    """List the inputs that files, folders, lists and "-" stand for.
 
     A folder gives its files of motion, of any case, sorted, at any depth; hidden ones and what footfix itself
     wrote are left out. Globs choose among what folders give: they are held against the path below the folder
@@ -87,7 +87,7 @@ def sources(
 
 
 def shard(found: Sequence[Source], part: int, parts: int) -> tuple[Source, ...]:
-    """Part `part` (1 to `parts`) of the inputs: every `parts`-th one, so that all parts hold alike."""
+    """Take part `part` (1 to `parts`) of the inputs: every `parts`-th one, so that all parts hold alike."""
     return tuple(found[part - 1 :: parts])
 
 
@@ -119,7 +119,7 @@ def _walk(folder: Path, leave_out: Path | None, own_outputs: bool) -> Iterator[P
 
 
 def _listed(name: str) -> Iterator[tuple[str, Path]]:
-    """The inputs that a list names: one a line, or between NUL bytes; blank lines and # comments are none."""
+    """Read the inputs that a list names: one a line, or between NUL bytes; blank lines and # comments are none."""
     data = read_whole(name, _MOST_LIST_BYTES)
     lines = data.split(b"\0") if b"\0" in data else data.removeprefix(b"\xef\xbb\xbf").splitlines()
     for number, line in enumerate(lines, start=1):
@@ -136,7 +136,7 @@ def _listed(name: str) -> Iterator[tuple[str, Path]]:
 
 
 def _within_here(entry: str) -> Path:
-    """Where a listed file's outputs lie below the output folder: its path from here, or its name from elsewhere."""
+    """Find where a listed file's outputs go below the output folder: its path from here, or its name from elsewhere."""
     path = Path(os.path.normpath(Path.cwd() / entry))
     try:
         return path.relative_to(Path.cwd())

@@ -36,7 +36,7 @@ class Past:
 
 
 def journal_in(folder: Path, tag: str, *, own: bool, ending: str = "clean") -> Path:
-    """Where the journal of a run lies.
+    """Find where the journal of a run lies.
 
     Args:
         folder: the outputs of the run.
@@ -49,7 +49,7 @@ def journal_in(folder: Path, tag: str, *, own: bool, ending: str = "clean") -> P
 
 
 def recall(folder: Path, ending: str = "clean") -> Past:
-    """What the journals in a folder of outputs say, those of all its shards."""
+    """Read what the journals in a folder of outputs say, those of all its shards."""
     begun: set[str] = set()
     hashes: dict[str, Mapping[str, str]] = {}
     offenders: dict[str, list[dict[str, Any]]] = {}
@@ -63,7 +63,7 @@ def recall(folder: Path, ending: str = "clean") -> Past:
 
 
 def _entries(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
-    """The lines that are whole, and what they say."""
+    """Read the lines that are whole, and what they say."""
     for line in path.read_bytes().splitlines():
         try:
             entry = json.loads(line)
@@ -91,11 +91,11 @@ class Journal:
             raise OutputError(f"{path}: can't be written: {error.strerror or error}") from None
 
     def begin(self, clips: Iterable[str]) -> None:
-        """Says, before anything of theirs is written, that these clips' outputs are ours."""
+        """Say, before anything of theirs is written, that these clips' outputs are ours."""
         self._write([{"clip": clip, "state": "begun"} for clip in clips], safely=True)
 
     def end(self, clip: str, result: FileResult) -> None:
-        """Says what became of a clip."""
+        """Say what became of a clip."""
         if result.status == "failed":
             self._write([{"clip": clip, "state": "failed"}])
         elif not result.skipped:
@@ -105,7 +105,7 @@ class Journal:
             self.end(named(clip, part), part)
 
     def finish(self) -> None:
-        """Keeps one line a clip, by name: however a run came to its end, its journal is the same."""
+        """Keep one line a clip, by name: however a run came to its end, its journal is the same."""
         if self._handle < 0:
             return
         last: dict[str, bytes] = {}
@@ -116,7 +116,7 @@ class Journal:
         write_whole(self._path, b"".join(last[clip] + b"\n" for clip in sorted(last)))
 
     def close(self) -> None:
-        """Closes the file."""
+        """Close the file."""
         if self._handle >= 0:
             os.close(self._handle)
             self._handle = -1

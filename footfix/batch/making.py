@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
-    """What an output depends on, as one hash: the input's bytes, the settings, given labels and the version."""
+    """Hash what an output depends on: the input's bytes, the settings, given labels and the version."""
     from footfix.settings import plain
 
     digest = hashlib.sha256()
@@ -37,7 +37,7 @@ def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
 
 
 def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "") -> FileResult:
-    """What `make` makes of a file's clips, written.
+    """Write what `make` makes of a file's clips.
 
     Args:
         task: of the file.
@@ -73,7 +73,7 @@ def write_outputs(task: Task, outputs: Outputs, key: str) -> FileResult:
 def _written(
     task: Task, data: bytes, parts: Sequence[Task], outputs: Sequence[Outputs], keys: Sequence[str]
 ) -> list[FileResult]:
-    """Writes the outputs of a file's clips, the reports last, and says what became of each clip."""
+    """Write the outputs of a file's clips, the reports last, and say what became of each clip."""
     motion = _motion(task, data, outputs)
     sha = hashlib.sha256(motion).hexdigest()
     reports = [
@@ -107,7 +107,7 @@ def _written(
 
 
 def _motion(task: Task, data: bytes, outputs: Sequence[Outputs]) -> bytes:
-    """The corrected file, with what changed in every clip."""
+    """Make the corrected file, with what changed in every clip."""
     from footfix.formats.document import joined
 
     changed = [each.motion for each in outputs if each.motion != data]
@@ -120,7 +120,7 @@ def _motion(task: Task, data: bytes, outputs: Sequence[Outputs]) -> bytes:
 
 
 def _of_the_whole(outputs: Outputs, motion: bytes, sha: str) -> Outputs:
-    """Outputs that name the file by its sum, in place of that of the file with this clip alone changed."""
+    """Name the file in outputs by its sum, in place of that of the file with this clip alone changed."""
     if outputs.motion == motion:
         return outputs
     own = hashlib.sha256(outputs.motion).hexdigest().encode()
@@ -129,7 +129,7 @@ def _of_the_whole(outputs: Outputs, motion: bytes, sha: str) -> Outputs:
 
 
 def _files(task: Task, outputs: Outputs, motion: bytes, report: Mapping[str, Any]) -> dict[Path, bytes]:
-    """Every output of a clip and its bytes."""
+    """List every output of a clip and its bytes."""
     job = task.job
     assert job.target is not None
     files = {job.beside(CONTACTS): outputs.contacts}
@@ -142,7 +142,7 @@ def _files(task: Task, outputs: Outputs, motion: bytes, report: Mapping[str, Any
 
 
 def _refuse_what_is_there(task: Task, parts: Sequence[Task]) -> None:
-    """Raises where outputs of a file's clips, whose names only the file tells, would overwrite what is there."""
+    """Raise where outputs of a file's clips, whose names only the file tells, would overwrite what is there."""
     if task.force or task.dry_run or task.job.target is None or task.resume:
         return
     for part in parts:
@@ -152,7 +152,7 @@ def _refuse_what_is_there(task: Task, parts: Sequence[Task]) -> None:
 
 
 def _write_neighbours(task: Task, data: bytes) -> None:
-    """Puts the files that a file names beside its corrected copy, where that lies in another folder."""
+    """Put the files that a file names beside its corrected copy, where that lies in another folder."""
     from footfix.formats.document import neighbours_of
 
     job, fetch = task.job, beside_of(task)
@@ -179,7 +179,7 @@ def _write_neighbours(task: Task, data: bytes) -> None:
 
 
 def write(task: Task, files: Mapping[Path, bytes]) -> None:
-    """Writes outputs, the last one only when the others are safe on disk."""
+    """Write outputs, the last one only when the others are safe on disk."""
     paths = [(Path(task.folder, path), path, data) for path, data in files.items()]
     if not paths:
         return
@@ -202,7 +202,7 @@ def write(task: Task, files: Mapping[Path, bytes]) -> None:
 
 
 def _keep_edits(task: Task, path: Path, shown: Path, data: bytes) -> None:
-    """Raises where a resumed run would overwrite what is not its own, or what a person has changed since."""
+    """Raise where a resumed run would overwrite what is not its own, or what a person has changed since."""
     if not task.resume or not path.exists():
         return
     if task.wrote is None:
@@ -216,7 +216,7 @@ def _keep_edits(task: Task, path: Path, shown: Path, data: bytes) -> None:
 
 
 def _finished(task: Task, key: str) -> FileResult | None:
-    """What an earlier run made of a clip, if it is whole and of the same input, settings and version."""
+    """Find what an earlier run made of a clip, if it is whole and of the same input, settings and version."""
     job = task.job
     if job.target is None or task.settings.report.kind == "none":
         return None
@@ -241,7 +241,7 @@ def _finished(task: Task, key: str) -> FileResult | None:
 
 
 def digest(report: Mapping[str, Any]) -> dict[str, Any]:
-    """What summaries and indexes need of a report, so that ten thousand of them fit in memory."""
+    """Keep what summaries and indexes need of a report, so that ten thousand of them fit in memory."""
     kept = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "outcome", "reason")
     return {
         **{key: report[key] for key in ("source", "status", "method", "before", "after", "correction", "notes")},

@@ -37,13 +37,13 @@ class Job:
     end: str = ""
 
     def beside(self, suffix: str) -> Path:
-        """Path of another output of this clip."""
+        """Give the path of another output of this clip."""
         assert self.stem is not None
         return self.stem.with_name(self.stem.name + suffix)
 
 
 def names_file(output: Path | None, found: Sequence[Source], *, folder: bool, ends: Sequence[str] = ()) -> bool:
-    """Whether what -o names is one file, as it is with one clip and a name that ends as its output's does.
+    """Tell whether what -o names is one file, as it is with one clip and a name that ends as its output's does.
 
     Args:
         output: what -o names.
@@ -82,7 +82,7 @@ def plan(
     force: bool, ours: Callable[[Job], bool] = lambda job: False, extra: Iterable[Path] = (), extra_ours: bool = False,
     dry_run: bool = False, one_file: bool = False, ending: str = "clean",
 ) -> tuple[Job, ...]:  # fmt: skip
-    """The jobs of a run, checked before any work.
+    """Plan the jobs of a run, and check them before any work.
 
     Args:
         found: the inputs.
@@ -131,7 +131,7 @@ def plan(
 def plan_labels(
     found: Sequence[Source], *, output: Path | None, suffix: str, force: bool, one_file: bool = False
 ) -> tuple[Job, ...]:
-    """The jobs of a run that writes labels only; a job's target is its label file, None for standard output.
+    """Plan the jobs of a run that writes labels only; a job's target is its label file, None for standard output.
 
     Raises:
         UsageError: as `plan`.
@@ -185,13 +185,13 @@ def _stay_within(jobs: Iterable[Job]) -> None:
 
 
 def is_within(path: Path, folder: Path) -> bool:
-    """Whether a file's folder, links followed, lies in another one; the file itself may be a link, it is replaced."""
+    """Tell whether a file's folder, links followed, is in another; the file itself may be a link, it is replaced."""
     inner, outer = os.path.realpath(path.parent), os.path.realpath(folder)
     return inner == outer or inner.startswith(outer.rstrip(os.sep) + os.sep)
 
 
 def _writable(folders: Iterable[Path]) -> None:
-    """Tries the nearest folder that exists above each; none is made before all are known to be good."""
+    """Try the nearest folder that exists above each; none is made before all are known to be good."""
     tried: set[Path] = set()
     for folder in sorted(folders):
         there = folder

@@ -54,7 +54,7 @@ class _Worker:
 
 
 def here(work: Work, tasks: Sequence[Task], *, stop: Stop, starting: Callable[[int], None]) -> Results:
-    """Does the tasks one after the other in this process."""
+    """Do the tasks one after the other in this process."""
     for index, task in enumerate(tasks):
         if stop.soon:
             return
@@ -66,7 +66,7 @@ def on_processes(
     work: Work, tasks: Sequence[Task], *, workers: int, timeout: float | None, stop: Stop,
     starting: Callable[[int], None],
 ) -> Results:  # fmt: skip
-    """Does the tasks on several processes, and gives each result as it comes.
+    """Do the tasks on several processes, and give each result as it comes.
 
     Args:
         work: a function of a module, for each task.
@@ -111,7 +111,7 @@ def on_processes(
 
 
 def _way() -> Literal["fork", "spawn"]:
-    """How workers start.
+    """Choose how workers start.
 
     A fork begins with all that is loaded here, where a process that is spawned takes half a second of its processor
     to load it again: as long as ten clips of 300 frames. It copies no threads, so it is for a process without any;
@@ -149,7 +149,7 @@ def _hire(work: Work, crew: Sequence[_Worker]) -> _Worker:
 
 @contextmanager
 def _no_interrupts() -> Iterator[None]:
-    """Processes that are started within never hear of Ctrl-C: not even before they could say that they won't."""
+    """Keep Ctrl-C from processes that are started within, even before they could say that they won't hear it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -161,7 +161,7 @@ def _no_interrupts() -> Iterator[None]:
 
 
 def _serve(pipe: Connection, work: Work, not_mine: Sequence[Connection] = ()) -> None:
-    """What a worker does: a task, its result, the next one, until the pipe closes."""
+    """Serve as a worker: a task, its result, the next one, until the pipe closes."""
     # Ctrl-C reaches every process of a terminal; it is for the parent to say what ends
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # not the parent's way of ending
@@ -188,7 +188,7 @@ def _hand_out(
 
 
 def _heard(crew: Sequence[_Worker], timeout: float | None) -> list[_Worker]:
-    """The workers that have something to say, have died, or are out of time."""
+    """Find the workers that have something to say, have died, or are out of time."""
     from multiprocessing.connection import wait
 
     by_handle: dict[Any, _Worker] = {}
@@ -209,7 +209,7 @@ def _heard(crew: Sequence[_Worker], timeout: float | None) -> list[_Worker]:
 
 
 def _outcome(worker: _Worker, tasks: Sequence[Task], timeout: float | None) -> tuple[int | None, FileResult | None]:
-    """The task a worker was at, and what became of it; nothing where it has only just begun to live."""
+    """Tell the task a worker was at, and what became of it; nothing where it has only just begun to live."""
     index = worker.task
     try:
         if worker.pipe.poll():
@@ -240,7 +240,7 @@ def _end(code: int | None) -> str:
 
 
 def _dismiss(worker: _Worker, tasks: Sequence[Task]) -> None:
-    """Lets an idle worker go; kills one that is still at work."""
+    """Let an idle worker go; kill one that is still at work."""
     if worker.task is None:
         worker.pipe.close()
         worker.process.join(2.0)

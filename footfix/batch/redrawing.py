@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def redraw_one(
     path: Path, source: Path | None, params: ReportParams, output: Path | None, *, force: bool
 ) -> FileResult:
-    """Draws the pages of one clip again.
+    """Draw the pages of one clip again.
 
     Args:
         path: its report file.
@@ -75,7 +75,7 @@ def _report(data: bytes, path: Path) -> Mapping[str, Any]:
 
 
 def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again | None:
-    """How the clip is cleaned again with the settings of the report."""
+    """Tell how the clip is cleaned again with the settings of the report."""
     name, output = (report.get("source") or {}).get("file"), report.get("output")
     if not name or not output:
         return None
@@ -90,7 +90,7 @@ def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again 
 
 
 def _skin(report: Mapping[str, Any], path: Path, source: Path | None) -> Skin | None:
-    """The character whose mesh the soles were taken from, from where it was or beside the clip or the report."""
+    """Find the character whose mesh the soles were taken from: where it was, or beside the clip or the report."""
     told = (report.get("settings") or {}).get("rig") or {}
     named = told.get("skin")
     if not isinstance(named, str):
@@ -104,7 +104,7 @@ def _skin(report: Mapping[str, Any], path: Path, source: Path | None) -> Skin | 
 
 
 def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int) -> bytes:
-    """The clip that came in, known by its hash."""
+    """Find the clip that came in, known by its hash."""
     entry = report.get("source") or {}
     name, known = str(entry.get("file", "")), entry.get("sha256")
     folder = source if source is not None and source.is_dir() else path.parent

@@ -50,7 +50,7 @@ def run(
     work: Work, tasks: Sequence[Task], *, crew: Crew, told: Callable[[FileResult], None],
     journal: Journal | None = None, asked_to_stop: Callable[[int], None] = lambda running: None,
 ) -> Outcome:  # fmt: skip
-    """Does all tasks; one that fails does not stop the others.
+    """Do all tasks; one that fails does not stop the others.
 
     Args:
         work: what is done with each.
@@ -119,14 +119,14 @@ def _done(work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: C
 
 
 def _processors() -> int:
-    """The processors that are ours to use: a job of a cluster's queue has fewer than the machine."""
+    """Count the processors that are ours to use: a job of a cluster's queue has fewer than the machine."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def _clear_leftovers(tasks: Sequence[Task]) -> None:
-    """Temporary files of the killed run that is being resumed; without --resume they may be those of a live one."""
+    """Remove temporary files of the killed run that is being resumed; without --resume they may be a live one's."""
     folders = {
         (Path(task.folder, task.job.target).parent, task.tag)
         for task in tasks
@@ -138,7 +138,7 @@ def _clear_leftovers(tasks: Sequence[Task]) -> None:
 
 @contextmanager
 def _interrupts(stop: Stop, first: Callable[[], None]) -> Iterator[None]:
-    """The first Ctrl-C (or SIGTERM, as schedulers send it) asks for an end, the second one is it."""
+    """Take the first Ctrl-C (or SIGTERM, as schedulers send it) as a wish to end, and the second one as the end."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

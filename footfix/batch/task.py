@@ -89,7 +89,7 @@ class FileResult:
 
 
 def beside(settings: Settings) -> tuple[str, ...]:
-    """What the names of the outputs beside a corrected clip end in."""
+    """List what the names of the outputs beside a corrected clip end in."""
     kind, png = settings.report.kind, settings.report.png
     asked = {REPORT: kind != "none", PAGE: kind == "html", PICTURE: png}
     return (CONTACTS, *(suffix for suffix, wanted in asked.items() if wanted))

@@ -28,32 +28,32 @@ Work = Callable[[Task, bytes], FileResult]
 
 
 def clean_one(task: Task) -> FileResult:
-    """Cleans one clip and writes its outputs, the report last: where that is, all of it is."""
+    """Clean one clip and write its outputs, the report last: where that is, all of it is."""
     return _guarded(task, _clean)
 
 
 def loop_one(task: Task) -> FileResult:
-    """Cuts a loop out of one clip and writes its outputs, the report last."""
+    """Cut a loop out of one clip and write its outputs, the report last."""
     return _guarded(task, _loop)
 
 
 def detect_one(task: Task) -> FileResult:
-    """Finds the contacts of one clip, and writes them or hands them back; `extra["kind"]` is the format."""
+    """Find the contacts of one clip, and write them or hand them back; `extra["kind"]` is the format."""
     return _guarded(task, _detect)
 
 
 def inspect_one(task: Task) -> FileResult:
-    """Looks into one file."""
+    """Look into one file."""
     return _guarded(task, _each(_inspect))
 
 
 def repair_one(task: Task) -> FileResult:
-    """Writes what a strict reader wants of one file."""
+    """Write what a strict reader wants of one file."""
     return _guarded(task, _repair)
 
 
 def check_one(task: Task) -> FileResult:
-    """Measures one clip and holds it against `extra["gates"]`."""
+    """Measure one clip and hold it against `extra["gates"]`."""
     return _guarded(task, _each(_check))
 
 
@@ -63,7 +63,7 @@ def sample_one(task: Task) -> FileResult:
 
 
 def _guarded(task: Task, work: Work) -> FileResult:
-    """The result of some work and the time it took."""
+    """Give the result of some work and the time it took."""
     begun = time.perf_counter()
 
     def done() -> FileResult:
@@ -75,7 +75,7 @@ def _guarded(task: Task, work: Work) -> FileResult:
 
 
 def _as_it_is(task: Task, data: bytes) -> Task:
-    """The task with a name for what standard input holds, where that is no BVH."""
+    """Give the task a name for what standard input holds, where that is no BVH."""
     job = task.job
     if job.source != STDIN or not data.startswith(b"glTF"):
         return task
@@ -86,7 +86,7 @@ def _as_it_is(task: Task, data: bytes) -> Task:
 
 
 def _each(work: Work) -> Work:
-    """Does some work on every clip of a file."""
+    """Do some work on every clip of a file."""
 
     def done(task: Task, data: bytes) -> FileResult:
         parts = parts_of(task, data)
@@ -137,7 +137,7 @@ def _output(task: Task) -> str | None:
 
 
 def _again(task: Task, *, loop: bool = False) -> Again | None:
-    """How a clip is cleaned again from edited contacts; not known where it has no place on the disk."""
+    """Tell how a clip is cleaned again from edited contacts; not known where it has no place on the disk."""
     from footfix.report.again import clean_again, clean_loop_again
 
     job, here = task.job, Path(task.folder)
@@ -150,7 +150,7 @@ def _again(task: Task, *, loop: bool = False) -> Again | None:
 
 
 def _detect(task: Task, data: bytes) -> FileResult:
-    """Finds the contacts of every clip of a file; events go beside them, and into a copy of it that has a place."""
+    """Find the contacts of every clip of a file; events go beside them, and into a copy of it that has a place."""
     result = _each(_detect_clip)(task, data)
     wanted = task.extra.get("events") and task.job.target is not None and not task.dry_run
     return _annotated(task, data, result) if wanted else result
@@ -188,7 +188,7 @@ def _detect_clip(task: Task, data: bytes) -> FileResult:
 
 
 def _labels_of(task: Task) -> Path | None:
-    """Where the labels of a clip go; of one among several, whose names only its file tells, it is looked at now."""
+    """Find where the labels of a clip go; of one among several, whose names only its file tells, only now."""
     from footfix.formats.contacts import ENDS
 
     job, one = task.job, bool(task.extra.get("one_file"))
@@ -240,7 +240,7 @@ def _check(task: Task, data: bytes) -> FileResult:
 
 
 def _annotated(task: Task, data: bytes, result: FileResult) -> FileResult:
-    """Writes a copy of a file whose animations say when feet strike and lift, where its format has a place for that."""
+    """Write a copy of a file whose animations say when feet strike and lift, where its format has a place for that."""
     from footfix.formats.document import annotated, clips_of
 
     job = task.job

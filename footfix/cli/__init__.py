@@ -51,7 +51,7 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command that is named first; a clip in its place is most likely to be cleaned."""
+        """Find the command that is named first; a clip in its place is most likely to be cleaned."""
         name = args[0] if args else ""
         if name and name not in COMMANDS and not name.startswith("-"):
             if is_motion(name) or os.path.lexists(name):
@@ -67,7 +67,7 @@ class Commands(click.Group):
 
 
 def main() -> None:
-    """The entry point: does what the command line asks for, and ends the process."""
+    """Do what the command line asks for, and end the process: the entry point."""
     try:
         code = run()
         _hear_no_more()
@@ -84,12 +84,12 @@ def main() -> None:
 
 
 def _hear_no_more() -> None:
-    """All is written and said: while Python puts itself away, an interrupt would only make another code of this one."""
+    """Ignore interrupts: all is written, and while Python puts itself away one would only change the exit code."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def run() -> int:
-    """Does what the command line asks for, and gives what each kind of ending means to a shell: its exit code."""
+    """Do what the command line asks for, and give what each kind of ending means to a shell: its exit code."""
     _open_streams()
     _bytes_through()
     # One thread a process: batches run as many processes, and sums come out the same to the last bit.
@@ -129,7 +129,7 @@ def run() -> int:
 
 
 def _open_streams() -> None:
-    """What a shell has closed (`>&-`) leads nowhere, and its number is not given to the next file that is opened."""
+    """Open what a shell has closed (`>&-`) to nowhere, so that the next file that is opened does not get its number."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -145,7 +145,7 @@ def _open_streams() -> None:
 
 
 def _bytes_through() -> None:
-    """File names of any bytes, on consoles of any encoding, are shown as well as they can be, and never fail."""
+    """Show file names of any bytes, on consoles of any encoding, as well as they can be, and never fail."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
@@ -154,7 +154,7 @@ def _bytes_through() -> None:
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="footfix")
 def cli() -> None:
-    """Cleans motion-capture clips: finds footplants and takes the foot skate out.
+    """Clean motion-capture clips: find footplants and take the foot skate out.
 
     footfix clean walk.bvh   writes walk.clean.bvh, contact labels and a report beside it.
     """

@@ -63,7 +63,7 @@ def checked(
     src: tuple[str, ...], *, most: tuple[str, ...], junit: Path | None, given: Given, style: str, anew: bool,
     many: Many, common: Common,
 ) -> int:  # fmt: skip
-    """`footfix check`."""
+    """Run `footfix check`."""
     from footfix.batch import gates
     from footfix.report import checking
 

@@ -151,7 +151,7 @@ def cleaned(
 def _close_clean(
     outcome: Outcome, tasks: Sequence[Task], whole: Whole, past: Past, writing: Writing, common: Common, ending: str
 ) -> int:  # fmt: skip
-    """What is told and written at the end of a run."""
+    """Tell and write what ends a run."""
     from footfix.report.summary import table
 
     if common.as_json:
@@ -184,7 +184,7 @@ def whole_run(
     src: Sequence[str], found: Sequence[Source], output: Path | None, many: Many, kind: str,
     ending: str = "clean",
 ) -> Whole:  # fmt: skip
-    """Where the summary and the index of a run go: into -o's folder, or into the one folder that was named.
+    """Find where the summary and the index of a run go: into -o's folder, or into the one folder that was named.
 
     Args:
         src: what was named.
@@ -208,7 +208,7 @@ def whole_run(
 
 
 def _reported(job: Job) -> bool:
-    """Whether a report with a fingerprint lies there; then the clip decides for itself whether it is done."""
+    """Tell whether a report with a fingerprint lies there; then the clip decides for itself whether it is done."""
     if job.stem is None:
         return False
     try:
@@ -247,7 +247,7 @@ def _entry(task: Task, result: FileResult, whole: Whole) -> Entry:
 
 
 def _from(base: Path, path: Path) -> str:
-    """A file's path from a folder; what --in-place has replaced lies where its links lead."""
+    """Give a file's path from a folder; what --in-place has replaced lies where its links lead."""
     if path.is_relative_to(base):
         return path.relative_to(base).as_posix()
     return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(base))).as_posix()

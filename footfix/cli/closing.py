@@ -38,7 +38,7 @@ def told(result: FileResult, common: Common) -> ExitCode:
 
 
 def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: str = "", every: bool = False) -> str:
-    """One line on what was written, the clip or the folder first, ending in the page to open; "" if nothing was.
+    """Say in one line what was written, the clip or the folder first, and the page to open last; "" if nothing was.
 
     Args:
         results: of all clips; those that an earlier run had done are counted.
@@ -69,12 +69,12 @@ def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: st
 
 
 def _motion(result: FileResult) -> str:
-    """The corrected clip among the files of one."""
+    """Find the corrected clip among the files of one."""
     return next((path for path in result.written if not path.endswith((".json", ".html", ".png"))), result.written[0])
 
 
 def _common(files: Sequence[str]) -> str:
-    """The nearest folder that holds all files."""
+    """Find the nearest folder that holds all files."""
     folders = [Path(path).parent for path in files]
     nearest = folders[0]
     while not all(nearest in (folder, *folder.parents) for folder in folders) and nearest != nearest.parent:

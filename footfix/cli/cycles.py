@@ -85,7 +85,7 @@ def _glob(text: str) -> tuple[str, str]:
 
 
 def _fitted(fitted: Fitted, output: Path, verbose: bool) -> str:
-    """What came of a fit, in a few lines."""
+    """Say in a few lines what came of a fit."""
     from footfix.report.text import printable
 
     model, error = fitted.model, fitted.error

@@ -68,7 +68,7 @@ def detected(
     src: tuple[str, ...], *, output: Path | None, kind: str | None, options: Mapping[str, Any], given: Given,
     force: bool, many: Many, common: Common, events: bool = False,
 ) -> int:  # fmt: skip
-    """`footfix detect`."""
+    """Run `footfix detect`."""
     from footfix.formats.contacts import ENDS
 
     found = found_inputs(src, many, leave_out=output)
@@ -120,14 +120,14 @@ def _told_detected(common: Common, alone: bool) -> Callable[[FileResult, Say], N
 
 
 def _document(result: FileResult, kind: str) -> Any:
-    """What --json prints of a clip: its contacts file; of another format, what was found."""
+    """Make what --json prints of a clip: its contacts file; of another format, what was found."""
     if result.data and kind == "json":
         return json.loads(result.data)
     return plain(result)
 
 
 def _table(results: Sequence[FileResult]) -> str:
-    """Clips, plants of each effector, and coverage; clips whose effectors have other names have tables of their own."""
+    """List clips, plants of each effector, and coverage; one table for all clips with effectors of the same names."""
     from footfix.report.text import printable
 
     lines: list[str] = []

@@ -45,7 +45,7 @@ def inspect(src: tuple[str, ...], repair: bool, output: Path | None, force: bool
 
 
 def inspected(src: tuple[str, ...], *, many: Many, common: Common) -> int:
-    """`footfix inspect`."""
+    """Run `footfix inspect`."""
     from footfix.report.inspection import describe
 
     found = found_inputs(src, many, own_outputs=True)
@@ -63,7 +63,7 @@ def inspected(src: tuple[str, ...], *, many: Many, common: Common) -> int:
 
 
 def repaired(src: tuple[str, ...], *, output: Path | None, force: bool, many: Many, common: Common) -> int:
-    """`footfix inspect --repair`."""
+    """Run `footfix inspect --repair`."""
     found = found_inputs(src, many, leave_out=output)
     config = config_for(src, many, common, {})
     if output is None and any(source.path != STDIN for source in found):

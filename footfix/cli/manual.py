@@ -18,7 +18,7 @@ _ENDINGS = {
 
 
 def page() -> str:
-    """The page in the language of man(7): every command with its text and its options."""
+    """Write the page in the language of man(7): every command with its text and its options."""
     lines = [f'.TH FOOTFIX 1 "" "footfix {__version__}" "User Commands"', ".SH NAME",
              "footfix \\- take the foot skate out of motion\\-capture clips",
              ".SH SYNOPSIS", ".B footfix", ".I COMMAND", "[OPTIONS] [SRC...]", ".SH DESCRIPTION",
@@ -55,7 +55,7 @@ def _paragraphs(text: str) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Text in which nothing is taken for a request."""
+    """Write text in which nothing is taken for a request."""
     shown = text.replace("\\", "\\e").replace("-", "\\-")
     return "\\&" + shown if shown.startswith((".", "'")) else shown
 

@@ -35,14 +35,14 @@ class Common:
 
 
 def _presets(context: click.Context, option: click.Parameter, begun: str) -> list[str]:
-    """The presets whose names begin so, for the completion of a shell."""
+    """List the presets whose names begin so, for the completion of a shell."""
     from footfix.config import presets
 
     return [name for name in presets() if name.startswith(begun)]
 
 
 def shared(command: Command) -> Command:
-    """The options that every command on clips takes; they arrive together as `common: Common`."""
+    """Add the options that every command on clips takes; they arrive together as `common: Common`."""
     return _gathered(
         command, Common, "common",
         click.option("--config", type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -74,7 +74,7 @@ class Given:
 
 
 def given(purpose: str) -> Callable[[Command], Command]:
-    """The options for what is given, contacts for a purpose in words; they arrive together as `given: Given`."""
+    """Add the options for what is given, contacts for a purpose in words; they arrive together as `given: Given`."""
 
     def decorate(command: Command) -> Command:
         return _gathered(
@@ -119,7 +119,7 @@ class Writing:
 
 
 def writing(command: Command) -> Command:
-    """The options of commands that make a clip of each clip; they arrive together as `writing: Writing`."""
+    """Add the options of commands that make a clip of each clip; they arrive together as `writing: Writing`."""
     return _gathered(
         command, Writing, "writing",
         click.option("--dry-run", is_flag=True, help="Do everything but write."),
@@ -161,12 +161,12 @@ class Many:
         return "run" if self.shard is None else f"{self.shard[0]}-of-{self.shard[1]}"
 
     def named(self, stem: str, suffix: str) -> str:
-        """The name of a file of the whole run."""
+        """Name a file of the whole run."""
         return f"{stem}{suffix}" if self.shard is None else f"{stem}.{self.tag}{suffix}"
 
 
 def many(command: Command) -> Command:
-    """The options of commands that do many clips; they arrive together as `many: Many`."""
+    """Add the options of commands that do many clips; they arrive together as `many: Many`."""
     return _gathered(
         command, Many, "many",
         click.option("--from-file", multiple=True, metavar="LIST", help="Inputs, one a line; - for standard input."),
@@ -195,7 +195,7 @@ def _shard(context: click.Context, option: click.Parameter, value: str | None) -
 
 
 def _gathered(command: Command, kind: type[Any], key: str, *options: Callable[[Any], Any]) -> Command:
-    """The command with more options, which reach it as one value."""
+    """Give a command more options, which reach it as one value."""
     names = [each.name for each in fields(kind)]
 
     @wraps(command)

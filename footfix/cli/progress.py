@@ -29,7 +29,7 @@ class Progress:
         self._width = 0
 
     def step(self, *, failed: bool, skipped: bool) -> None:
-        """One clip has ended."""
+        """Count a clip that has ended."""
         self._done += 1
         self._failed += failed
         self._skipped += skipped
@@ -39,14 +39,14 @@ class Progress:
             self._draw()
 
     def say(self, text: str) -> None:
-        """A line of talk, above the bar."""
+        """Print a line of talk, above the bar."""
         self._wipe()
         print(text, file=self._stream, flush=True)
         if self._terminal:
             self._draw()
 
     def close(self) -> None:
-        """Takes the bar away."""
+        """Take the bar away."""
         self._wipe()
         self._terminal = False
 

@@ -32,7 +32,7 @@ def redrawn(
     named: tuple[str, ...], *, source: Path | None, kind: Literal["none", "html"], png: bool, output: Path | None,
     force: bool,
 ) -> int:  # fmt: skip
-    """`footfix report`."""
+    """Run `footfix report`."""
     from footfix.batch.redrawing import redraw_one
     from footfix.settings import ReportParams
 

@@ -33,7 +33,7 @@ Say = Callable[[str], None]
 
 
 def plain(result: FileResult) -> dict[str, Any]:
-    """A result as it stands in a `--json` document."""
+    """Write a result as it stands in a `--json` document."""
     entry: dict[str, Any] = {"source": result.source, "status": result.status}
     if result.error:
         entry["error"] = result.error
@@ -45,12 +45,12 @@ def plain(result: FileResult) -> dict[str, Any]:
 
 
 def print_json(document: Any) -> None:
-    """One document on stdout; ASCII, so that it is the same on a console of any encoding."""
+    """Print one document on stdout; ASCII, so that it is the same on a console of any encoding."""
     click.echo(json.dumps(document, indent=1))
 
 
 def code(outcome: Outcome) -> ExitCode:
-    """The exit code that results stand for."""
+    """Give the exit code that results stand for."""
     results = [part for result in outcome.results for part in spread(result)]
     if any(result.bug for result in results):
         return ExitCode.BUG
@@ -78,7 +78,7 @@ def config_for(src: tuple[str, ...], many: Many, common: Common, options: Mappin
 
 
 def config_near(named: Sequence[str], common: Common, options: Mapping[str, Any]) -> Config:
-    """The settings of a run; `footfix.yaml` is looked for from the common parent of what was named, upward."""
+    """Find the settings of a run; `footfix.yaml` is looked for from the common parent of what was named, upward."""
     from footfix.config import load_config
 
     parents = [Path(each) if Path(each).is_dir() else Path(each).parent for each in named if each != STDIN]
@@ -114,7 +114,7 @@ def tasks_for(
 
 
 def labels_for(given: Given, found: Sequence[Source]) -> dict[str, Labels]:
-    """For each input the labels given for it: one file for one clip, or a folder with a file for each."""
+    """Find for each input the labels given for it: one file for one clip, or a folder with a file for each."""
     path = given.labels
     if path is None:
         return {}
@@ -143,7 +143,7 @@ def labels_for(given: Given, found: Sequence[Source]) -> dict[str, Labels]:
 
 
 def clip_labels_for(given: Given, source: Source) -> dict[str, Labels]:
-    """The labels in a folder for the clips of a file that may hold several: character.Walk.contacts.json and so on."""
+    """Find the labels in a folder for the clips of a file that may hold several: character.Walk.contacts.json ..."""
     path, stem = given.labels, source.below.with_suffix("").name
     if path is None or not path.is_dir() or source.below.suffix.lower() in ("", ".bvh"):
         return {}
@@ -162,7 +162,7 @@ def run_tasks(
     work: Callable[[Task], FileResult], tasks: Sequence[Task], many: Many, common: Common, style: str,
     journal: Journal, told: Callable[[FileResult, Say], None],
 ) -> Outcome:  # fmt: skip
-    """Runs the tasks, with a bar or lines of progress; failures are told at once."""
+    """Run the tasks, with a bar or lines of progress; failures are told at once."""
     from footfix.report.text import printable
 
     progress = Progress(len(tasks), shown=not common.quiet and not common.as_json)
@@ -198,5 +198,5 @@ def one_or_many(documents: list[Any]) -> Any:
 
 
 def reading(source: Source) -> Job:
-    """A job that writes nothing."""
+    """Make a job that writes nothing."""
     return Job(source.path, None, None, source.below.as_posix(), clip=source.clip)

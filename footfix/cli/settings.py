@@ -33,7 +33,7 @@ def settings(src: tuple[str, ...], presets: bool, common: Common) -> int:
 
 
 def listed(common: Common) -> int:
-    """`footfix settings --presets`."""
+    """Run `footfix settings --presets`."""
     if common.as_json:
         print_json({
             name: {

@@ -139,7 +139,7 @@ def _live(
 
 
 def _document(path: Path, settings: Settings) -> Document:
-    """A file of the figure, in metres and y up."""
+    """Read a file of the figure, in metres and y up."""
     from footfix.batch.files import read_whole
     from footfix.formats.bvh.document import Document
     from footfix.jobs.source import read

@@ -1,4 +1,4 @@
-"""What all detectors look at: the tracks of sole points, hips and pelvis, over the motion proper."""
+"""What all detectors look at: the tracks of sole points, hips and pelvis, over the motion range."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def apply(clip: Clip, correction: Correction) -> Clip:
         if parent >= 0:  # the shift is in the world, the channel in the parent's frame
             turn = forward(clip.frames(np.flatnonzero(moved)), [parent]).rotation(parent)
             shift = rotation.rotate(rotation.inverse(turn), shift)
-        places[correction.root] = np.array(clip.place(correction.root), order="F")
+        places[correction.root] = np.array(clip.position(correction.root), order="F")
         places[correction.root][moved] += shift
     turns = {joint: correction.rotations[:, k] for k, joint in enumerate(correction.joints)}
     corrected = clip.with_joints(places, turns) if places or turns else clip
@@ -71,7 +71,7 @@ def _led_along(before: Clip, after: Clip, follower: Follower) -> Clip:
     if parent >= 0:
         back = rotation.inverse(now.rotation(parent))
         place, turned = rotation.rotate(back, place - now.position(parent)), rotation.multiply(back, turned)
-    places = np.where(off[:, None], place, after.place(joint))
-    turns = np.where(twisted[:, None], turned, after.turn(joint))
+    places = np.where(off[:, None], place, after.position(joint))
+    turns = np.where(twisted[:, None], turned, after.rotation(joint))
     able = after.skeleton.rotates[joint] and np.any(twisted)
     return after.with_joints({joint: places} if np.any(off) else {}, {joint: turns} if able else {})

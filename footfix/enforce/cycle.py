@@ -66,7 +66,7 @@ def correction_back(found: Correction, rounds: Rounds) -> Correction:
     within, n = rounds.within, rounds.cycle.frames
     before = slice(within.start - n, within.stop - n)
     shift, rotations = found.root_shift[within], found.rotations[within]
-    turns = [rounds.whole.turn(joint) for joint in found.joints]
+    turns = [rounds.whole.rotation(joint) for joint in found.joints]
     if len(shift) > n and any(rotation.angle(_between(turn[:1], turn[n:]))[0] > _SAME for turn in turns):
         return replace(found, root_shift=shift, rotations=rotations)  # its ends are as much alike as they were
     u = np.arange(len(shift)) / n
@@ -76,7 +76,7 @@ def correction_back(found: Correction, rounds: Rounds) -> Correction:
     led = rotations.copy()
     for k, turn in enumerate(turns):
         own, other = rotations[:, k], found.rotations[before, k]
-        other = rotation.multiply(other, _between(rounds.clip.turn(found.joints[k])[before], turn))
+        other = rotation.multiply(other, _between(rounds.clip.rotation(found.joints[k])[before], turn))
         change = (np.any(own != turn, axis=1) | np.any(found.rotations[before, k] != turn, axis=1))[:, None]
         led[:, k] = np.where(change, rotation.slerp(own, other, u), own)
     return replace(found, root_shift=shift, rotations=led)

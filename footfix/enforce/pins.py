@@ -33,6 +33,7 @@ class PinParams:
         edge: time at both ends of a detected contact in which the foot may still land or leave [s].
         edge_weight: weight of a pin at the outermost frame of these, of its own [share].
         ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
+        bare_ankle: the same of a foot without toe joint, whose heel and toe are guessed [share].
         tip: weight of the toes' tip against that of the toe joint [share].
         near: a plant nearer than this to the floor stands on it, else on a step of its own [leg lengths].
         sink: how deep a point may be in the floor, if it was not captured deeper [leg lengths].
@@ -46,6 +47,7 @@ class PinParams:
     edge: float = 0.015
     edge_weight: float = 0.05
     ankle: float = 0.4
+    bare_ankle: float = 1.6
     tip: float = 0.3
     near: float = 0.067
     sink: float = 0.0033
@@ -118,7 +120,8 @@ def pins(
             share = share_held(leg, both, frame_time, params.turning)
             alike = held_alike(found[0].hold, found[1].hold, both, share)
             found = [replace(each, hold=hold) for each, hold in zip(found, alike, strict=True)]
-            found.append(_ankle(found, own, leg, ground, keep, params))
+            weight = params.bare_ankle if rig.legs[k].toe is None else params.ankle
+            found.append(_ankle(found, own, leg, ground, keep, weight))
             continue
         found.append(_pins(
             mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params
@@ -140,7 +143,7 @@ def _both(own: Sequence[Footplant], k: int, by_hand: Sequence[bool], frames: int
 
 def _ankle(
     feet: Sequence[Pins], plants: Sequence[Footplant], leg: LegTracks, ground: Floats, keep: Sequence[bool],
-    params: PinParams,
+    weight: float,
 ) -> Pins:  # fmt: skip
     """The ankle's pin: it stands while heel and toe do, as surely as the less sure of them."""
     heel, toe = feet
@@ -152,7 +155,7 @@ def _ankle(
     slip = np.where(as_captured, np.diff(leg.ankle, axis=1), np.diff(ground.T, axis=1))
     nothing = np.zeros(frames)
     return Pins(
-        params.ankle * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
+        weight * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
         np.full(frames, -np.inf), np.zeros((3, frames)), nothing,
     )  # fmt: skip
 

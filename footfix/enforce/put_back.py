@@ -1,4 +1,4 @@
-"""What enforcement found in the motion proper, put back among all frames of the clip."""
+"""What enforcement found in the motion range, put back among all frames of the clip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _REST = 1e-3  # [rad] root mean square over the joints: frames that differ by le
 
 
 def put_back(found: Enforcement, clip: Clip, crop: Crop) -> Enforcement:
-    """Put an enforcement of the motion proper back among all frames.
+    """Put an enforcement of the motion range back among all frames.
 
     A T-pose before or after the motion stays as it is; frames that lead from it to the motion lead over to what is
     corrected in it.
@@ -80,13 +80,13 @@ def _correction(found: Correction, clip: Clip, crop: Crop) -> Correction:
     shift[crop.within] = found.root_shift
     rotations = np.zeros((crop.frames, 0, 4))
     if found.joints:
-        rotations = np.stack([clip.turn(joint) for joint in found.joints], axis=1)  # (F, J, 4)
+        rotations = np.stack([clip.rotation(joint) for joint in found.joints], axis=1)  # (F, J, 4)
     rotations[crop.within] = found.rotations
     for rest, motion, between in ((0, start, slice(1, start)), (len(clip) - 1, end - 1, slice(end, len(clip) - 1))):
         share = _way_over(clip, rest, motion, between)
         shift[between] = share[:, None] * shift[motion]
         for k, joint in enumerate(found.joints):
-            captured = clip.turn(joint)
+            captured = clip.rotation(joint)
             turn = rotation.multiply(rotations[motion, k], rotation.inverse(captured[motion]))
             eased = rotation.from_rotation_vector(share[:, None] * rotation.to_rotation_vector(turn))
             on_its_way = (share > 0.0)[:, None]

@@ -120,7 +120,7 @@ def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
     """A share of a correction, 0 to 1."""
     if strength == 1.0:
         return done
-    captured = [clip.turn(joint) for joint in done.joints]
+    captured = [clip.rotation(joint) for joint in done.joints]
     turned = [rotation.slerp(a, done.rotations[:, k], np.full(len(a), strength)) for k, a in enumerate(captured)]
     rotations = np.stack(turned, axis=1) if turned else done.rotations
     return replace(done, root_shift=strength * done.root_shift, rotations=rotations)

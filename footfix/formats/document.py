@@ -171,7 +171,7 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
 
 
 def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Document:
-    """A document with some of the frames of another one, each written as it was.
+    """Make a document with some of the frames of another one, each written as it was.
 
     Args:
         document: the file.
@@ -224,7 +224,7 @@ def _format(name: str) -> Any:
 
 
 def one_format(name: str, other: str) -> bool:
-    """Whether two files' names are of one format, as far as they say."""
+    """Tell whether two files' names are of one format, as far as they say."""
     return _format(name) is _format(other)
 
 

@@ -41,12 +41,12 @@ class DrawnPath:
         object.__setattr__(self, "points", frozen(self.points))
 
     def metres(self, unit: float) -> Floats:
-        """(N, 2) [m] with `unit` [m] of what was read from a file."""
+        """Give the points (N, 2) [m], with `unit` [m] of what was read from a file."""
         return self.points if self.relative else np.asarray(self.points * unit)
 
 
 def shape(text: str) -> DrawnPath | None:
-    """The path that a text names or is: a shape, or an SVG path; None where it may name a file.
+    """Read the path that a text names or is: a shape, or an SVG path; None where it may name a file.
 
     Args:
         text: "line:10", "circle:2" (to the left; "circle:-2" to the right), "sine:1x6" (1 m aside, 6 m a wave; as

@@ -24,7 +24,7 @@ STDIN_NAME = "stdin.bvh"
 
 
 def is_motion(name: str) -> bool:
-    """Whether a file's name says that it holds motion."""
+    """Tell whether a file's name says that it holds motion."""
     return name.lower().endswith(tuple(MOTION))
 
 
@@ -42,17 +42,17 @@ def in_file(name: str) -> tuple[str, str]:
 
 
 def bare(name: str) -> str:
-    """A clip's name without the folders of its file."""
+    """Give a clip's name without the folders of its file."""
     file, clip = in_file(name)
     return PurePath(file).name + (f"#{clip}" if clip else "")
 
 
 def is_cleaned(name: str) -> bool:
-    """Whether a file's name is one that an output has: walk.clean.bvh, walk.loop.bvh."""
+    """Tell whether a file's name is one that an output has: walk.clean.bvh, walk.loop.bvh."""
     return name.lower().endswith(tuple(f"{ending}{suffix}" for suffix in MOTION for ending in _OWN))
 
 
 def cleaned_name(name: str, ending: str = "clean") -> str:
-    """The name of an output beside its input: walk.clean.bvh of walk.bvh."""
+    """Name an output beside its input: walk.clean.bvh of walk.bvh."""
     stem, dot, suffix = name.rpartition(".")
     return f"{stem}.{ending}.{suffix.lower()}" if is_motion(name) else f"{stem if dot else name}.{ending}.bvh"

@@ -19,7 +19,7 @@ Point = complex  # x + i y
 
 
 def points_of(data: str, name: str) -> Floats:
-    """(N, 2) points of path data; y of the drawing, which goes down, is z.
+    """Read the points (N, 2) of path data; y of the drawing, which goes down, is z.
 
     Args:
         data: "M 0 0 L 4 0 C ...".

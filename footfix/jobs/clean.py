@@ -12,6 +12,7 @@ from footfix import version
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite
 from footfix.jobs.contacts import contacts_json, find_contacts
+from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import LEAST_FRAMES, about, opened, source_entry, suited
 from footfix.motion.clip import Clip
@@ -48,7 +49,8 @@ def clean_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, proper = opened(data, name, settings, beside)
+    settings = with_shared_legs(data, name, settings, beside)
+    document, frame_range = opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip
     source = source_entry(data, name, clip)
@@ -57,7 +59,7 @@ def clean_file(
     if leave:
         settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         if leave:
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
         contacts = find_contacts(prepared, settings, labels)

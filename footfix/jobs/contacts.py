@@ -10,6 +10,7 @@ from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document
+from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.source import LEAST_FRAMES, about, opened, source_entry, suited
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
@@ -59,13 +60,14 @@ def planted(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document, proper = opened(data, name, settings, beside)
+    settings = with_shared_legs(data, name, settings, beside)
+    document, frame_range = opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, proper, skin), proper)
+        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
 
 

@@ -21,7 +21,7 @@ from footfix.locomotion.cycles.leave_out import LeftOut
 from footfix.locomotion.cycles.model import CycleModel, Origin
 from footfix.locomotion.cycles.samples import Sample, SampleParams, sample_cycles
 from footfix.motion.clip import Floats, Skeleton
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.pipeline import prepare
 from footfix.report.document import rounded
 from footfix.rig.find import find_rigs
@@ -101,11 +101,11 @@ def cycles_of_file(
     if len(document.clip) < 8:
         raise InputError(f"{len(document.clip)} frames are too few for a stride", file=name)
     with about(name):
-        proper = motion_proper(document.clip)
-        rigs = find_rigs(document.clip, settings.rig, proper)
+        frame_range = motion_range(document.clip)
+        rigs = find_rigs(document.clip, settings.rig, frame_range)
         if len(rigs) > 1:
             raise InputError(f"the file holds {len(rigs)} figures; cycles are learnt from one")
-        prepared = prepare(document.clip, settings, rigs, proper)
+        prepared = prepare(document.clip, settings, rigs, frame_range)
         crop, (rig,) = prepared.crops[0], rigs
         contacts = crop.contacts(find_contacts(prepared, settings, None))
         clip = crop.clip(prepared.clip)
@@ -207,7 +207,7 @@ def _unlike(one: Skeleton, other: Skeleton) -> str:
 
 
 def told_of(fitted: Fitted) -> dict[str, Any]:
-    """What a fit has to tell, each key with its unit."""
+    """Tell what came of a fit, each key with its unit."""
     model, error = fitted.model, fitted.error
     return {
         "joints": len(model.skeleton),

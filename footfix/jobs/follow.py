@@ -19,12 +19,13 @@ from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.loop import LEAST_FRAMES
 from footfix.jobs.outputs import Outputs
 from footfix.jobs.source import about, read, source_entry
-from footfix.locomotion.follow.run import At, Follow, follow_path
+from footfix.locomotion.follow.planning import At
+from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.walk import Walk, make_walk
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.pipeline import Figure, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
 from footfix.report.pages import draw
@@ -73,11 +74,11 @@ def walk_of(
     with about(name):
         if len(clip) < LEAST_FRAMES:
             raise InputError(f"{len(clip)} frames are too few for a stride")
-        proper = motion_proper(clip)
-        rigs = (rig,) if rig is not None else find_rigs(clip, settings.rig, proper)
+        frame_range = motion_range(clip)
+        rigs = (rig,) if rig is not None else find_rigs(clip, settings.rig, frame_range)
         if len(rigs) > 1:
             raise InputError(f"the file holds {len(rigs)} figures; one walks along a path")
-        prepared = prepare(clip, settings, rigs, proper)
+        prepared = prepare(clip, settings, rigs, frame_range)
         found = contacts if contacts is not None else find_contacts(prepared, settings, None)
         return make_walk(cut_loop(prepared, found, settings), name)
 
@@ -140,7 +141,7 @@ def follow_file(
 
 
 def start_of(at: Start) -> At:
-    """Where a walk begins: "3s", "8m", seconds, or None.
+    """Read where a walk begins: "3s", "8m", seconds, or None.
 
     Raises:
         UsageError: it is none of these.
@@ -157,7 +158,7 @@ def start_of(at: Start) -> At:
 
 
 def check_starts(ats: Sequence[At], names: Sequence[str]) -> None:
-    """See that the first walk begins at the start, and all others later.
+    """Check that the first walk begins at the start, and all others later.
 
     Raises:
         UsageError: they do not.
@@ -171,7 +172,7 @@ def check_starts(ats: Sequence[At], names: Sequence[str]) -> None:
 
 
 def follow_entry(found: Follow, asked: str, clips: Sequence[tuple[str, bytes]]) -> dict[str, Any]:
-    """What a report says of walks along a path; each key carries its unit.
+    """Report walks along a path; each key carries its unit.
 
     Args:
         found: the walks.

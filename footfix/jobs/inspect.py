@@ -8,6 +8,7 @@ from typing import Any
 from footfix.errors import InputError
 from footfix.formats.document import Beside, legible, open_document, repair
 from footfix.formats.suffixes import bare
+from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.source import placed
 from footfix.notes import Note
 from footfix.report import document as report_format
@@ -19,7 +20,7 @@ from footfix.settings import Settings
 def repair_file(
     data: bytes, name: str, settings: Settings, *, beside: Beside | None = None
 ) -> tuple[bytes, list[dict[str, Any]]]:  # fmt: skip
-    """The bytes that a strict reader wants of a file, and a note for each change.
+    """Write a file as a strict reader wants it, with a note for each change.
 
     Raises:
         InputError: it can't be read.
@@ -32,12 +33,13 @@ def repair_file(
 def inspect_file(
     data: bytes, name: str, settings: Settings, *, beside: Beside | None = None, skin: Skin | None = None
 ) -> dict[str, Any]:
-    """What there is to say of a file: its frames, joints, rig, unit, axes, and everything odd about it.
+    """Look into a file: its frames, joints, rig, unit, axes, and everything odd about it.
 
     Raises:
         InputError: it can't be read.
     """
     document = open_document(data, name=name, limits=settings.limits, beside=beside)
+    settings = with_shared_legs(data, name, settings, beside)
     found: tuple[Note, ...] = document.notes
     rigs: list[dict[str, Any]] = []
     if not document.unusable and document.frames:

@@ -16,12 +16,13 @@ from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite, select
 from footfix.formats.suffixes import in_file
 from footfix.jobs.contacts import contacts_json, find_contacts
+from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import about, read, source_entry
 from footfix.locomotion.loop.run import Loop, as_round
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
 from footfix.report.loops import seen_as
@@ -56,16 +57,15 @@ def loop_file(
     Raises:
         InputError: the clip can't be used, or holds no cycle; says why.
     """
+    settings = with_shared_legs(data, name, settings, beside)
     document = read(data, name, settings, beside=beside)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames are too few for a stride", file=name)
     with about(name):
-        proper = motion_proper(clip)
-        rigs = find_rigs(clip, settings.rig, proper, skin)
-        if len(rigs) > 1:
-            raise InputError(f"the file holds {len(rigs)} figures; a loop is cut out of the motion of one")
-        prepared = prepare(clip, settings, rigs, proper)
+        frame_range = motion_range(clip)
+        rigs = find_rigs(clip, settings.rig, frame_range, skin)
+        prepared = prepare(clip, settings, rigs, frame_range)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)
         # the file, and what it says when it is read again
@@ -123,7 +123,7 @@ def _report(
 
 
 def loop_entry(loop: Loop, settings: Settings) -> dict[str, Any]:
-    """What a report says of a loop; each key carries its unit."""
+    """Report a loop; each key carries its unit."""
     number, seam, asked = report_format.rounded, loop.seam, settings.loop
     return {
         "start": loop.start,

@@ -126,7 +126,7 @@ def make_file(
     plants = _plants(made, model)
     source = {**source, "frames": len(clip), "frame_time": clip.frame_time}
     legs = model.legs.turned
-    turned = np.stack([made.clip.turn(joint) for joint in legs], axis=1)
+    turned = np.stack([made.clip.rotation(joint) for joint in legs], axis=1)
     still = np.zeros((len(clip), 3))
     correction = Correction(model.rig.root, still, legs, turned)
     every = Doubled(np.arange(len(clip)), len(clip))
@@ -174,7 +174,7 @@ def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
 
 
 def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -> dict[str, Any]:
-    """What a report says of locomotion made from cycles; each key carries its unit."""
+    """Report locomotion made from cycles; each key carries its unit."""
     number, course = report_format.rounded, made.foreseen.course
     times = made.postures.times
     phase = course.phases(times)

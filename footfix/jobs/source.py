@@ -12,7 +12,7 @@ from footfix.errors import InputError
 from footfix.formats.document import Beside, Document, open_document
 from footfix.formats.suffixes import bare
 from footfix.motion.clip import Clip
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.notes import Note
 from footfix.rig.params import RigParams
 from footfix.rig.units import infer_units
@@ -51,9 +51,9 @@ def opened(data: bytes, name: str, settings: Settings, beside: Beside | None) ->
         raise InputError(broken.text, file=name, line=broken.line, column=broken.column)
     if document.frames == 0:
         return document, slice(0, 0)
-    proper = motion_proper(document.clip)
+    frame_range = motion_range(document.clip)
     with about(name):
-        return placed(document, settings.rig, proper)[0], proper
+        return placed(document, settings.rig, frame_range)[0], frame_range
 
 
 def suited(settings: Settings, document: Document) -> Settings:
@@ -64,10 +64,10 @@ def suited(settings: Settings, document: Document) -> Settings:
 
 
 def placed(
-    document: Document, params: RigParams, proper: slice | None = None
+    document: Document, params: RigParams, frame_range: slice | None = None
 ) -> tuple[Document, tuple[Note, ...]]:
     """Give a document its unit and up axis as found, and say what was doubtful about them."""
-    found = infer_units(document.clip, params, proper, metric=document.metric)
+    found = infer_units(document.clip, params, frame_range, metric=document.metric)
     return document.placed(unit_m=found.unit_m, up=found.up), found.notes
 
 

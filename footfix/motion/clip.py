@@ -170,12 +170,12 @@ class Clip:
         self.__dict__[name] = whole
         return whole
 
-    def place(self, joint: int) -> Floats:
+    def position(self, joint: int) -> Floats:
         """Get (F, 3) [m] the track of one joint in its parent's frame."""
         tracks = self.__dict__.get("_places")
         return self.positions[:, joint] if tracks is None else tracks[joint]
 
-    def turn(self, joint: int) -> Floats:
+    def rotation(self, joint: int) -> Floats:
         """Get (F, 4) the rotations of one joint in its parent's frame."""
         tracks = self.__dict__.get("_turns")
         return self.rotations[:, joint] if tracks is None else tracks[joint]
@@ -190,13 +190,13 @@ class Clip:
         joints = range(len(self.skeleton))
         return Clip.from_tracks(
             self.skeleton,
-            [places[joint] if joint in places else self.place(joint) for joint in joints],
-            [turns[joint] if joint in turns else self.turn(joint) for joint in joints],
+            [places[joint] if joint in places else self.position(joint) for joint in joints],
+            [turns[joint] if joint in turns else self.rotation(joint) for joint in joints],
             self.frame_time,
         )
 
     def __len__(self) -> int:
-        return len(self.place(0)) if len(self.skeleton) else len(self.positions)
+        return len(self.position(0)) if len(self.skeleton) else len(self.positions)
 
     @property
     def fps(self) -> float:
@@ -208,8 +208,8 @@ class Clip:
         joints = range(len(self.skeleton))
         return Clip.from_tracks(
             self.skeleton,
-            [take_frames(self.place(joint), which) for joint in joints],
-            [take_frames(self.turn(joint), which) for joint in joints],
+            [take_frames(self.position(joint), which) for joint in joints],
+            [take_frames(self.rotation(joint), which) for joint in joints],
             self.frame_time,
         )
 

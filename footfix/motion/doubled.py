@@ -48,24 +48,24 @@ class Doubled:
         return np.asarray(np.searchsorted(self.kept, np.arange(self.frames), side="right") - 1)
 
     def among(self, start: int, frames: int) -> Doubled:
-        """The same of a longer clip of so many frames, in which this one's begin at `start`."""
+        """Say the same of a longer clip of so many frames, in which this one's begin at `start`."""
         if not self:
             return Doubled(np.arange(frames), frames)
         kept = np.concatenate([np.arange(start), start + self.kept, np.arange(start + self.frames, frames)])
         return Doubled(kept, frames)
 
     def track(self, whole: Floats) -> Floats:
-        """A track of the clip (F, ...) on the frames that are kept (n, ...)."""
+        """Take a track of the clip (F, ...) on the frames that are kept (n, ...)."""
         return whole[self.kept] if self else whole
 
     def clip(self, whole: Clip) -> Clip:
-        """The clip without what is repeated, at the rate it was made at; the very clip where nothing is."""
+        """Take the clip without what is repeated, at the rate it was made at; the very clip where nothing is."""
         if not self:
             return whole
         return _at_rate(whole.frames(self.kept), whole.frame_time * self.frames / len(self.kept))
 
     def contacts(self, whole: Contacts) -> Contacts:
-        """The contacts of the clip on the frames that are kept."""
+        """Take the contacts of the clip on the frames that are kept."""
         if not self:
             return whole
         effectors = tuple(
@@ -104,7 +104,7 @@ class Doubled:
         return track[self.owner] if self else track
 
     def first(self, kept: int) -> int:
-        """The first of the frames that a kept one stands for; of one after the last, the clip's length."""
+        """Find the first of the frames that a kept one stands for; of one after the last, the clip's length."""
         return int(self.kept[kept]) if kept < len(self.kept) else self.frames
 
     def notes(self, clip: Clip) -> tuple[Note, ...]:
@@ -122,9 +122,8 @@ class Doubled:
 def _at_rate(clip: Clip, frame_time: float) -> Clip:
     """The same frames at another rate."""
     joints = range(len(clip.skeleton))
-    return Clip.from_tracks(
-        clip.skeleton, [clip.place(joint) for joint in joints], [clip.turn(joint) for joint in joints], frame_time
-    )
+    positions, rotations = [clip.position(joint) for joint in joints], [clip.rotation(joint) for joint in joints]
+    return Clip.from_tracks(clip.skeleton, positions, rotations, frame_time)
 
 
 def doubled(clip: Clip) -> Doubled:
@@ -159,7 +158,7 @@ def _same(clip: Clip) -> Bools:
     """(F - 1,) whether each frame but the first is the one before."""
     same = np.ones(len(clip) - 1, dtype=np.bool_)
     for joint in range(len(clip.skeleton)):
-        for track in (clip.place(joint), clip.turn(joint)):
+        for track in (clip.position(joint), clip.rotation(joint)):
             if track.strides[0]:
                 same &= (np.abs(np.diff(track, axis=0)) <= _SAME).all(axis=1)
         if not same.any():

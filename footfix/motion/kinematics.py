@@ -91,7 +91,7 @@ def _walk(clip: Clip, needed: Sequence[int], turned: Container[int]) -> Iterator
     world: dict[int, tuple[Floats, Floats]] = {}
     for joint in needed:  # parents stand before children
         parent = int(clip.skeleton.parents[joint])
-        place, turn = clip.place(joint), clip.turn(joint)
+        place, turn = clip.position(joint), clip.rotation(joint)
         if parent >= 0:
             parent_place, parent_turn = world[parent]
             place = parent_place + rotation.rotate(parent_turn, place)

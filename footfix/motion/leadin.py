@@ -24,7 +24,7 @@ _MOST_STEPS = 400  # steps looked at to know the clip's own
 
 
 
-def motion_proper(clip: Clip) -> slice:
+def motion_range(clip: Clip) -> slice:
     """Find the frames of a clip without what leads in and out of it.
 
     Args:
@@ -86,7 +86,7 @@ def _between(clip: Clip, firsts: Ints, seconds: Ints) -> tuple[Floats, Floats]:
     a, b = clip.rotations[firsts], clip.rotations[seconds]
     angles = np.nan_to_num(rotation.angle(rotation.multiply(rotation.inverse(a), b)))
     both, roots = np.stack([firsts, seconds]), np.flatnonzero(clip.skeleton.parents < 0).tolist()
-    places = np.nan_to_num(np.stack([clip.place(root)[both] for root in roots], axis=2), posinf=0.0, neginf=0.0)
+    places = np.nan_to_num(np.stack([clip.position(root)[both] for root in roots], axis=2), posinf=0.0, neginf=0.0)
     shifts = np.linalg.norm(places[1] - places[0], axis=-1).max(axis=1, initial=0.0)
     return np.sqrt(np.mean(angles**2, axis=1)), shifts
 

@@ -98,16 +98,16 @@ def smooth_rotations(q: Floats, frame_time: float, *, seconds: float, degree: in
     return rotation.normalize(savgol(rotation.continuous(q), frame_time, seconds=seconds, degree=degree))
 
 
-def smooth_clip(clip: Clip, params: SmoothParams, proper: slice) -> tuple[Clip, tuple[Note, ...]]:
-    """Smooth the channels of a clip, inside the motion proper only.
+def smooth_clip(clip: Clip, params: SmoothParams, frame_range: slice) -> tuple[Clip, tuple[Note, ...]]:
+    """Smooth the channels of a clip, inside the motion range only.
 
-    Frames before and after `proper` (a T-pose or zero lead-in) keep their numbers and do not bleed into
+    Frames before and after `frame_range` (a T-pose or zero lead-in) keep their numbers and do not bleed into
     the motion. Joints that stand still keep theirs, too.
 
     Args:
         clip: the motion.
         params: window and degree.
-        proper: the frames that belong to the motion.
+        frame_range: the frames that belong to the motion.
 
     Returns:
         The smoothed clip, and a note where the frame rate is too low for the window.
@@ -120,11 +120,11 @@ def smooth_clip(clip: Clip, params: SmoothParams, proper: slice) -> tuple[Clip, 
         return clip, (Note("smoothing-too-short", text),)
     positions, rotations = clip.positions.copy(order="K"), clip.rotations.copy(order="K")
     for joint in range(len(clip.skeleton)):
-        place, turn = clip.positions[proper, joint], clip.rotations[proper, joint]
+        place, turn = clip.positions[frame_range, joint], clip.rotations[frame_range, joint]
         if np.any(place != place[:1]):
-            positions[proper, joint] = savgol(place, clip.frame_time, seconds=params.seconds, degree=params.degree)
+            positions[frame_range, joint] = savgol(place, clip.frame_time, seconds=params.seconds, degree=params.degree)
         if np.any(turn != turn[:1]):
-            rotations[proper, joint] = smooth_rotations(
+            rotations[frame_range, joint] = smooth_rotations(
                 turn, clip.frame_time, seconds=params.seconds, degree=params.degree
             )
     return replace(clip, positions=positions, rotations=rotations), ()

@@ -31,7 +31,7 @@ class Again:
 def clean_again(
     source: Path, target: Path, contacts: Path, settings: Settings, *, several: bool = False
 ) -> Again:  # fmt: skip
-    """The command that cleans a clip again, for the folder in which its contacts file and its page lie.
+    """Write the command that cleans a clip again, for the folder in which its contacts file and its page lie.
 
     It names no place of this machine but how clip and outputs lie to each other, so that it holds when all are moved.
 
@@ -53,7 +53,7 @@ def clean_again(
 
 
 def clean_loop_again(target: Path, contacts: Path, settings: Settings, *, several: bool = False) -> Again:
-    """The command that cleans a loop itself from edited contacts, which are of its frames, into a folder beside it.
+    """Write the command that cleans a loop from edited contacts, which are of its frames, into a folder beside it.
 
     Args:
         target: path of the loop.
@@ -65,7 +65,7 @@ def clean_loop_again(target: Path, contacts: Path, settings: Settings, *, severa
 
 
 def _seen_from(folder: Path, path: Path) -> str:
-    """A path relative to a folder; as it is where they lie on different drives."""
+    """Make a path relative to a folder; as it is where they lie on different drives."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:
@@ -73,7 +73,7 @@ def _seen_from(folder: Path, path: Path) -> str:
 
 
 def _where(folder: Path, source: Path, target: Path) -> list[str]:
-    """The options that make the corrected clip land where it did."""
+    """List the options that make the corrected clip land where it did."""
     if os.path.realpath(source) == os.path.realpath(target):
         return ["--in-place"]
     if target.name == source.name:

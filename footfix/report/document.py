@@ -162,7 +162,7 @@ def _correction(found: Correction, clip: Clip) -> dict[str, Any]:
     drift = shift[-1, [0, 2]] - shift[0, [0, 2]] if len(shift) else np.zeros(2)
     largest, name, frame = 0.0, None, None
     for k, joint in enumerate(found.joints):
-        new, old = found.rotations[:, k], clip.turn(joint)  # (F, 4)
+        new, old = found.rotations[:, k], clip.rotation(joint)  # (F, 4)
         changed = np.flatnonzero(np.any(new != old, axis=1))
         if len(changed):
             turns = rotation.angle(rotation.multiply(rotation.inverse(old[changed]), new[changed]))  # [rad]

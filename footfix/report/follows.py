@@ -6,11 +6,12 @@ from typing import Any
 
 from footfix.report.verdict import Report, entries, number, section
 
-_SAID = ("kinks-rounded", "path-ends", "blend-cut")  # notes that are about what was asked for
+# notes that are about what was asked for
+_SAID = ("kinks-rounded", "path-ends", "blend-cut", "too-fast", "feet-let-go")
 
 
 def follow_lines(report: Report) -> list[str]:
-    """A few lines about walks along a path; none where the report is not about them."""
+    """Write a few lines about walks along a path; none where the report is not about them."""
     follow = section(report, "follow")
     if not follow:
         return []
@@ -19,7 +20,7 @@ def follow_lines(report: Report) -> list[str]:
 
 
 def path_of(report: Report) -> list[list[float]] | None:
-    """The path that was walked, [x, z] [m], for the page's view from above; None where the report is not about one."""
+    """Give the path that was walked, [x, z] [m], for the page's view from above; None where none was."""
     points = section(section(report, "follow"), "path").get("points_m")
     if not isinstance(points, list):
         return None

@@ -1,4 +1,4 @@
-"""The motion proper of a clip cut out to be worked on, and what was found in it put back among all frames."""
+"""The motion range of a clip cut out to be worked on, and what was found in it put back among all frames."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
@@ -79,19 +79,19 @@ class Crop:
         return np.pad(track, around, mode="edge") if any(self.cut) else track
 
 
-def crop(clip: Clip, rig: Rig, proper: slice | None = None) -> Crop:
+def crop(clip: Clip, rig: Rig, frame_range: slice | None = None) -> Crop:
     """Find the frames of a clip in which a figure's legs move.
 
-    These are the motion proper, and frames beside it from which other joints jump to it and the legs don't: a first
+    These are the motion range, and frames beside it from which other joints jump to it and the legs don't: a first
     frame in which only the arms are those of a T-pose.
 
     Args:
         clip: metres, y up.
         rig: the figure's legs.
-        proper: the motion proper of the clip; found where it is not given.
+        frame_range: the motion range of the clip; found where it is not given.
     """
-    proper = motion_proper(clip) if proper is None else proper
-    start, end = proper.start, proper.stop
+    frame_range = motion_range(clip) if frame_range is None else frame_range
+    start, end = frame_range.start, frame_range.stop
     while start > 0 and _legs_go_on(clip, rig, start):
         start -= 1
     while end < len(clip) and _legs_go_on(clip, rig, end):

@@ -11,7 +11,7 @@ import numpy as np
 from footfix.errors import InputError, UsageError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.notes import Note
 from footfix.rig import soles
 from footfix.rig.figure import Figure, figures, joint
@@ -26,32 +26,32 @@ _ON_ZERO = 0.012  # [leg lengths] from the file's zero plane, up to which soles 
 
 
 def find_rig(
-    clip: Clip, params: RigParams | None = None, proper: slice | None = None, skin: Skin | None = None
+    clip: Clip, params: RigParams | None = None, frame_range: slice | None = None, skin: Skin | None = None
 ) -> Rig:  # fmt: skip
     """Find the rig of a clip's figure; of the first one where there are several.
 
     Args:
         clip: metres, y up.
         params: what is known beforehand.
-        proper: the frames that are motion; found where they are not given.
+        frame_range: the frames that are motion; found where they are not given.
         skin: a character whose feet these are, for its soles.
 
     Raises:
         NoLegsError: nothing in the skeleton could be a pair of legs.
         UsageError: the parameters name a joint that is not there.
     """
-    return find_rigs(clip, params, proper, skin)[0]
+    return find_rigs(clip, params, frame_range, skin)[0]
 
 
 def find_rigs(
-    clip: Clip, params: RigParams | None = None, proper: slice | None = None, skin: Skin | None = None
+    clip: Clip, params: RigParams | None = None, frame_range: slice | None = None, skin: Skin | None = None
 ) -> tuple[Rig, ...]:  # fmt: skip
     """Find the rigs of all figures of a clip, in the order of the file: one for each root that has legs.
 
     Args:
         clip: metres, y up.
         params: what is known beforehand.
-        proper: the frames that are motion; found where they are not given.
+        frame_range: the frames that are motion; found where they are not given.
         skin: a character whose feet these are, for the soles of each figure.
 
     Raises:
@@ -59,7 +59,7 @@ def find_rigs(
         UsageError: the parameters name a joint that is not there.
     """
     params = params or RigParams()
-    seen = sample(clip, motion_proper(clip) if proper is None else proper)
+    seen = sample(clip, motion_range(clip) if frame_range is None else frame_range)
     found = figures(seen, params, y_up=True)
     return tuple(_rig(seen, figure, params, skin).of_figure(number) for number, figure in enumerate(found, start=1))
 

@@ -71,7 +71,7 @@ class Rounds:
         top = self.root
         while self.whole.skeleton.parents[top] >= 0:
             top = int(self.whole.skeleton.parents[top])
-        place, turn = np.array(laid.place(top)), np.array(laid.turn(top))
+        place, turn = np.array(laid.position(top)), np.array(laid.rotation(top))
         for k in np.unique(self._turns[self._turns != 0]).tolist():
             there = self._turns == k
             about, way = self._lead(k)

@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.errors import UsageError
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 from footfix.notes import Note
 from footfix.rig.figure import Figure, figures
 from footfix.rig.params import RigParams
@@ -51,14 +51,14 @@ class FileUnits:
 
 
 def infer_units(
-    clip: Clip, params: RigParams | None = None, proper: slice | None = None, *, metric: bool = False
+    clip: Clip, params: RigParams | None = None, frame_range: slice | None = None, *, metric: bool = False
 ) -> FileUnits:  # fmt: skip
     """Find metres per unit and the up axis of a clip.
 
     Args:
         clip: in the units and axes of its file.
         params: what is known beforehand.
-        proper: the frames that are motion; found where they are not given.
+        frame_range: the frames that are motion; found where they are not given.
         metric: whether the file's format says metres, y up. Then only a figure as large as those in centimetres,
             millimetres or inches are is taken for one of these.
 
@@ -68,7 +68,7 @@ def infer_units(
     params = params or RigParams()
     if params.up is not None and params.up not in AXES:
         raise UsageError(f"rig.up must be one of {', '.join(AXES)}, not {params.up!r}")
-    seen = sample(clip, motion_proper(clip) if proper is None else proper)
+    seen = sample(clip, motion_range(clip) if frame_range is None else frame_range)
     figure = figures(seen, params, y_up=False)[0]
     unit, unit_notes, unit_origin = _unit(figure.length)
     if metric and unit not in _MISTAKEN:

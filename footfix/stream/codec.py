@@ -71,6 +71,6 @@ class Arrays:
         """(n, 7 J) the rows with the motion `after` in place of `before`."""
         out = rows.copy()
         for k in range(len(self._part.joints)):
-            out[:, self._places[k]] = after.place(k)
-            out[:, self._turns[k]] = after.turn(k)
+            out[:, self._places[k]] = after.position(k)
+            out[:, self._turns[k]] = after.rotation(k)
         return out

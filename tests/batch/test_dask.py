@@ -43,8 +43,8 @@ def cluster() -> Iterator[Any]:
 
 @pytest.fixture
 def tasks(tmp_path: Path) -> list[Task]:
-    for k, name in enumerate("abcd"):
-        walk = make(Gait(name="walk", duration=1.6, fps=30, seed=k))
+    for k, name in enumerate("abc"):
+        walk = make(Gait(name="walk", duration=1.3, fps=30, seed=k))
         (tmp_path / "in").mkdir(exist_ok=True)
         (tmp_path / "in" / f"{name}.bvh").write_bytes(exports.bvh(artefacts.wander(walk.clip, 0.05)))
     (tmp_path / "in" / "broken.bvh").write_bytes(b"nothing")
@@ -71,7 +71,7 @@ def test_a_cluster_gives_the_same_bytes_a_killed_worker_included(
     crew = Crew(dask=cluster.scheduler_address)
     work = batch_tasks.clean_or_die_once if sys.platform != "win32" else clean_one
     outcome = run(work, tasks, crew=crew, told=lambda each: None)
-    assert [each.status for each in outcome.results] == ["cleaned", "cleaned", "failed", "cleaned", "cleaned"]
+    assert [each.status for each in outcome.results] == ["cleaned", "cleaned", "failed", "cleaned"]
     assert "broken.bvh" in outcome.results[2].error
     if sys.platform != "win32":
         assert (tmp_path / "died").exists()

@@ -19,6 +19,7 @@ from conftest import ROOT, Run
 from walker import make
 from walker_plan import Gait
 
+from footfix import cli
 from footfix.batch import processes
 from footfix.batch.processes import Stop, on_processes
 from footfix.batch.run import Crew
@@ -48,7 +49,7 @@ def results(names: list[str], *, workers: int = 2, timeout: float | None = None)
 @POSIX
 @pytest.mark.usefixtures("way")
 def test_a_killed_worker_costs_its_clip_alone_and_is_named() -> None:
-    found = results(["a", "die1", "b", "leave", "c", "d"])
+    found = results(["a", "die1", "b", "leave", "c"])
     assert [name for name, each in found.items() if each.status == "failed"] == ["die1", "leave"]
     assert "die1" in found["die1"].error and "SIGKILL" in found["die1"].error and "memory" in found["die1"].error
     assert "exit code 7" in found["leave"].error
@@ -107,8 +108,8 @@ def test_workers_end_when_their_parent_is_killed(way: str, tmp_path: Path) -> No
 def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("clips") / "in"
     (folder / "sub").mkdir(parents=True)
-    for k, name in enumerate(("a", "b", "c", "sub/d", "sub/e")):
-        walk = make(Gait(name="walk", duration=1.6, fps=30, seed=k))
+    for k, name in enumerate(("a", "b", "sub/c", "sub/d")):
+        walk = make(Gait(name="walk", duration=1.3, fps=30, seed=k))
         (folder / f"{name}.bvh").write_bytes(exports.bvh(artefacts.wander(walk.clip, 0.05, seed=k)))
     (folder / "broken.bvh").write_bytes(b"HIERARCHY\n")
     return folder
@@ -122,9 +123,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 def alone(clips: Path) -> dict[str, bytes]:
     """What one process makes of them."""
     out = clips.parent / "alone"
-    command = [sys.executable, "-m", "footfix", "clean", str(clips), "-o", str(out), "-j1"]
-    ended = subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=120, check=False)
-    assert ended.returncode == 3 and "broken.bvh" in ended.stderr and "Traceback" not in ended.stderr
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["footfix", "clean", str(clips), "-o", str(out), "-j1"])
+        assert cli.run() == 3
     return contents(out)
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import largest_turn
-from walks import cleaned, rig_of, walk
+from walks import cleaned, rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.params import EnforceParams
 from footfix.motion import rotation
@@ -69,7 +70,7 @@ def test_a_round_of_few_frames_is_found_and_a_round_that_lacks_more_than_one_is_
     clip = striding(0.1, closed=False)[0].frames(slice(None, None, 6))
     shin = clip.skeleton.names.index("LeftLeg")
     kick = rotation.from_axis_angle(X, 0.6 * np.sin(6.0 * np.pi * np.arange(len(clip)) / len(clip) + 3.0))
-    clip = clip.with_joints({}, {shin: rotation.multiply(clip.turn(shin), kick)})
+    clip = clip.with_joints({}, {shin: rotation.multiply(clip.rotation(shin), kick)})
     found = found_in(clip)
     assert found is not None and found.frames == len(clip)  # type: ignore[attr-defined]
     assert found_in(clip.frames(slice(0, -2))) is None
@@ -99,7 +100,7 @@ def test_a_cycles_seam_stays_closed_and_that_is_said(start: float, yaw: float) -
     assert largest_turn(clip, after, rig) > 3.0, "there was to be something to do"
     for leg in rig.legs:
         for joint in leg.chain:
-            over = rotation.multiply(rotation.inverse(after.turn(joint)[:1]), after.turn(joint)[-1:])
+            over = rotation.multiply(rotation.inverse(after.rotation(joint)[:1]), after.rotation(joint)[-1:])
             assert np.degrees(rotation.angle(over)[0]) < 0.001
     turn = rotation.from_axis_angle(Y, np.array([yaw]))
     shift = found.correction.root_shift
@@ -203,8 +204,8 @@ def test_a_cycle_comes_out_the_same_wherever_it_is_cut(yaw: float) -> None:
     off = []
     for leg in rig.legs:
         for joint in leg.chain:
-            moved = np.roll(one.turn(joint), -later, axis=0)
-            off.append(rotation.angle(rotation.multiply(rotation.inverse(moved), other.turn(joint))).max())
+            moved = np.roll(one.rotation(joint), -later, axis=0)
+            off.append(rotation.angle(rotation.multiply(rotation.inverse(moved), other.rotation(joint))).max())
     assert np.degrees(max(off)) < 1.0
 
 

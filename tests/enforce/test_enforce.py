@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from legmaker import KINDS, changed, changes, largest_turn
 from walker import Walk
-from walks import cleaned, extension, heights, rig_of, slides, straightness, walk
+from walks import cleaned, extension, heights, rig_of, slides, straightness
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.costs import CostParams
@@ -257,7 +258,8 @@ def test_no_strength_no_change_and_half_strength_half_way(method: Method, solver
     after, found = cleaned(clip, rig, made.contacts, EnforceParams(strength=strength, method=method, solver=solver))
     if strength == 0.0:
         for joint in range(len(clip.skeleton)):
-            assert rotation.angle(rotation.multiply(rotation.inverse(clip.turn(joint)), after.turn(joint))).max() < 1e-6
+            turned = rotation.multiply(rotation.inverse(clip.rotation(joint)), after.rotation(joint))
+            assert rotation.angle(turned).max() < 1e-6
         assert np.array_equal(after.positions, clip.positions)
     else:
         whole, _ = cleaned(clip, rig, made.contacts, EnforceParams(method=method, solver=solver))
@@ -398,7 +400,7 @@ def test_a_plant_that_was_brought_elsewhere_was_not_kept() -> None:
 
 
 def test_what_is_forced_is_held_whatever_it_costs() -> None:
-    made = walk("stand")
+    made = walk("stand", duration=3.0)
     rig = rig_of(made)
     clip = artefacts.drift(made.clip, 1.2)
     cheap = EnforceParams(costs=CostParams(slide=20.0))
@@ -630,7 +632,7 @@ def test_teleports_and_spikes_leave_numbers(method: Method, solver: Solver, what
 
 def test_a_spike_is_not_felt_far_away() -> None:
     """A knee that is wrong by 50 degrees in one frame, while its foot is planted."""
-    made = walk()
+    made = walk(duration=3.0)
     rig = rig_of(made)
     clip = artefacts.scale_root(made.clip, 1.08, height=False)
     rotations = clip.rotations.copy()
@@ -645,7 +647,7 @@ def test_a_spike_is_not_felt_far_away() -> None:
 
 
 def test_where_a_pose_was_cut_off_the_correction_starts_small() -> None:
-    made = walk("stand")
+    made = walk("stand", duration=3.0)
     rig = rig_of(made)
     positions = made.clip.positions.copy()
     positions[:, 0, 0] += 0.03 * np.exp(-np.arange(len(made.clip)) / 20.0)
@@ -655,7 +657,7 @@ def test_where_a_pose_was_cut_off_the_correction_starts_small() -> None:
         found = enforce(clip, rig, made.contacts, EnforceParams(), cut=cut)
         shift = np.linalg.norm(found.correction.root_shift[0])
         turns = [
-            rotation.angle(rotation.multiply(rotation.inverse(clip.turn(j)), found.correction.rotations[:, k]))[0]
+            rotation.angle(rotation.multiply(rotation.inverse(clip.rotation(j)), found.correction.rotations[:, k]))[0]
             for k, j in enumerate(found.correction.joints)
         ]
         sizes[cut[0]] = float(shift), float(np.degrees(max(turns)))

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from walks import cleaned, rig_of, walk
+from walks import cleaned, rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.motion import rotation
@@ -23,7 +24,7 @@ def skating() -> tuple[Clip, Contacts]:
     """A walker whose root wanders, so that its feet skate."""
     made = walk()
     t = np.arange(len(made.clip)) * made.clip.frame_time
-    places = np.array(made.clip.place(0))
+    places = np.array(made.clip.position(0))
     places[:, 0] += 0.04 * np.sin(3.0 * t)
     return made.clip.with_joints({0: places}, {}), made.contacts
 
@@ -167,14 +168,14 @@ def test_where_the_foot_stays_the_numbers_do() -> None:
     clip, _ = helped()
     names = clip.skeleton.names
     joint, foot, knee = (names.index(name) for name in ("target_l", "LeftFoot", "LeftLeg"))
-    turns = np.array(clip.turn(knee))
+    turns = np.array(clip.rotation(knee))
     bend = rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.full(20, 0.1))
     turns[40:60] = rotation.multiply(turns[40:60], bend)
     frames = len(clip)
     correction = Correction(1, np.zeros((frames, 3)), (knee,), turns[:, None], (Follower(joint, foot, True),))
     after = apply(clip, correction)
     rest = np.r_[0:40, 60:frames]
-    for before, now in ((clip.place(joint), after.place(joint)), (clip.turn(joint), after.turn(joint))):
+    for before, now in ((clip.position(joint), after.position(joint)), (clip.rotation(joint), after.rotation(joint))):
         assert np.array_equal(before[rest], now[rest]) and np.all(np.any(before[40:60] != now[40:60], axis=1))
     nothing = Correction(1, np.zeros((frames, 3)), (), np.zeros((frames, 0, 4)), (Follower(joint, foot, True),))
     assert apply(clip, nothing) is clip

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.ground import GroundParams, _drifts, _without_gaps, belt, belt_notes, lift
 from footfix.motion import rotation

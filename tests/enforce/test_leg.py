@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import KINDS, Figure, figure, figure_of, with_knees
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.leg import (
@@ -54,7 +55,7 @@ def test_jacobians_are_what_differences_say(size: float) -> None:
 
 @pytest.mark.parametrize("degrees", [-12.0, -0.5, 0.0, 0.01, 4.0, 60.0, 130.0])
 def test_jacobians_of_a_knee_however_it_is_bent(degrees: float) -> None:
-    made = walk()
+    made = walk(duration=3.0)
     angles = np.where(np.arange(len(made.clip)) < 90, 50.0, degrees)  # the first half tells how it bends
     clip = with_knees(made.clip, rig_of(made), np.radians(angles))
     leg = figure_of(clip, rig_of(made), made.contacts).legs[1].frames(np.arange(90, 180, 10))
@@ -160,7 +161,7 @@ def test_kinematics_puts_the_sole_points_where_the_state_says(kind: str, size: f
     moved = set(joints)
     for joint in range(len(made.clip.skeleton)):
         if joint not in moved:
-            assert np.array_equal(after.turn(joint), made.clip.turn(joint))
+            assert np.array_equal(after.rotation(joint), made.clip.rotation(joint))
     assert {leg.hip for leg in made.rig.legs} < moved
 
 
@@ -200,7 +201,7 @@ def test_a_knee_bent_in_a_state_is_bent_in_the_clip() -> None:
     flat = made.contacts.mask()[:, :2].all(axis=1)
     assert np.all(lifted[1, flat] > 0.01)
     up = made.clip.with_joints({}, local_rotations(made.clip, made.pose, leg, x))
-    bend = rotation.multiply(rotation.inverse(made.clip.turn(rig.legs[0].toe)), up.turn(rig.legs[0].toe))
+    bend = rotation.multiply(rotation.inverse(made.clip.rotation(rig.legs[0].toe)), up.rotation(rig.legs[0].toe))
     assert np.allclose(rotation.angle(bend), 0.3, atol=1e-9)
 
 
@@ -237,7 +238,7 @@ def test_the_axis_of_a_knee_comes_over_smoothly_as_the_leg_straightens() -> None
     clip = with_knees(made.clip, rig, np.radians(np.linspace(60.0, 0.0, len(made.clip))))
     aside = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), np.full(len(clip), np.radians(2.0)))
     knee = rig.legs[0].knee
-    clip = clip.with_joints({}, {knee: rotation.multiply(clip.turn(knee), aside)})
+    clip = clip.with_joints({}, {knee: rotation.multiply(clip.rotation(knee), aside)})
     found = figure_of(clip, rig, made.contacts)
     leg, hip = found.legs[0], found.pose.rotation(rig.legs[0].hip)
     in_thigh = rotation.rotate(rotation.inverse(hip), leg.axis.T)
@@ -254,7 +255,7 @@ def test_a_leg_that_never_bends_bends_away_from_its_toes(noise: float) -> None:
     rig = rig_of(made)
     clip = with_knees(made.clip, rig, noise * np.where(np.arange(len(made.clip)) % 7 < 3, 1.0, -1.0))
     for leg in rig.legs:  # the figure stands with its feet level
-        flat = rotation.multiply(clip.turn(leg.ankle), made.clip.turn(leg.knee))
+        flat = rotation.multiply(clip.rotation(leg.ankle), made.clip.rotation(leg.knee))
         clip = clip.with_joints({}, {leg.ankle: flat})
     found = figure_of(clip, rig, made.contacts)
     for leg in found.legs:
@@ -293,7 +294,7 @@ def test_each_noise_is_that_of_its_unknowns() -> None:
 
     def noises(joint: int, sigma: float) -> list[float]:
         shake = rotation.from_rotation_vector(sigma * random.normal(size=(frames, 1)) * [1.0, 0.0, 0.0])
-        clip = made.clip.with_joints({}, {joint: rotation.multiply(made.clip.turn(joint), shake)})
+        clip = made.clip.with_joints({}, {joint: rotation.multiply(made.clip.rotation(joint), shake)})
         return [each.sigma for each in figure_of(clip, rig, made.contacts).calibration[0].noise]
 
     leg, sigma = rig.legs[0], 0.01

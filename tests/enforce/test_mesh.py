@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from skinmaker import skin_of
-from walks import walk
+from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.params import EnforceParams
@@ -21,10 +21,8 @@ def spoiled(pitch: float) -> tuple[Clip, Rig]:
     """A walk whose feet point down by an angle [rad] more than they did, and its rig with the soles of a skin."""
     clip = walk().clip
     rig = find_rig(clip, skin=skin_of(clip))
-    turns = {
-        leg.ankle: rotation.multiply(clip.turn(leg.ankle), rotation.from_rotation_vector(np.array([pitch, 0.0, 0.0])))
-        for leg in rig.legs
-    }
+    pitched = rotation.from_rotation_vector(np.array([pitch, 0.0, 0.0]))
+    turns = {leg.ankle: rotation.multiply(clip.rotation(leg.ankle), pitched) for leg in rig.legs}
     return clip.with_joints({}, turns), rig
 
 
@@ -54,7 +52,7 @@ def test_penetration_is_that_of_the_deepest_vertex() -> None:
 
 def test_root_alone_puts_vertices_at_their_floor() -> None:
     clip, rig = spoiled(0.0)
-    raised = clip.with_joints({rig.root: clip.place(rig.root) + np.array([0.0, 0.03, 0.0])}, {})
+    raised = clip.with_joints({rig.root: clip.position(rig.root) + np.array([0.0, 0.03, 0.0])}, {})
     contacts = walk().contacts
     found = enforce(raised, rig, contacts, EnforceParams(method="root"))
     done = apply(raised, found.correction)

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import Figure, figure, figure_of
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.floors import floors, lacks, nominal
 from footfix.enforce.footplant import Footplant, footplants, given, stands
@@ -360,7 +361,7 @@ def test_contacts_of_a_few_frames_are_left_as_they_are_unless_forced() -> None:
     shift = np.zeros((FRAMES, 3))
     shift[:, 0] = 0.02 * np.arange(FRAMES)
     made = moved(still(), shift)
-    spans = [Contact(5, 8, 0.9), Contact(20, 23, 0.9, wish="force"), Contact(40, 60, 0.9)]
+    spans = [Contact(5, 7, 0.9), Contact(20, 22, 0.9, wish="force"), Contact(40, 60, 0.9)]
     assert kept_of(made, contacts_of(made, left_toe=spans)) == [True, False, False]
 
 
@@ -416,3 +417,11 @@ def test_the_tips_of_toes_rest_at_their_median_height_while_the_foot_is_flat() -
         level = floors(plants, made.legs, made.rig, PARAMS.near * made.rig.leg_length)
         assert level.tips[0] == pytest.approx(tip - 0.03)
         assert level.tips[1] == pytest.approx(float(np.median(made.legs[1].place(TIP)[1])))
+
+
+def test_the_ankle_of_a_foot_without_toe_joint_counts_more_than_its_guessed_sole() -> None:
+    made = figure("no toes")
+    found, _ = laid_out(made, made.contacts)
+    assert made.rig.legs[0].toe is None
+    assert found[ANKLE].hold.any() and PARAMS.bare_ankle > 1.0
+    assert np.allclose(found[ANKLE].hold, PARAMS.bare_ankle * np.minimum(found[HEEL].hold, found[TOE].hold))

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import artefacts
 import numpy as np
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.params import EnforceParams

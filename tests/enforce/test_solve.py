@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from legmaker import figure_of
 from problems import FREE, dense, idle, places, problem, state, system
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce import solve as solver
 from footfix.enforce.costs import CostParams

@@ -9,7 +9,7 @@ import bvhio
 import numpy as np
 import pytest
 from bvhmaker import plain
-from conftest import SAMPLES, need, shared
+from conftest import SAMPLES, need, one_of_each_origin
 
 from footfix.formats.bvh import Document, decode
 from footfix.formats.bvhio import from_bvhio, to_bvhio
@@ -43,7 +43,7 @@ def agrees(document: Document, root: Any) -> None:
 @pytest.mark.clips
 def test_kinematics_agrees_on_clips_of_all_origins(tmp_path: Path) -> None:
     seen: set[str] = set()
-    for path in need(shared("clips"), "clips"):
+    for path in need(one_of_each_origin(), "clips"):
         if path.parent.name in seen:
             continue
         data = path.read_bytes()

@@ -28,8 +28,8 @@ def both(frames: int = 9) -> tuple[Clip, Clip]:
 def the_same(one: Clip, other: Clip) -> None:
     assert len(one) == len(other)
     for joint in range(4):
-        assert np.array_equal(one.place(joint), other.place(joint))
-        assert np.array_equal(one.turn(joint), other.turn(joint))
+        assert np.array_equal(one.position(joint), other.position(joint))
+        assert np.array_equal(one.rotation(joint), other.rotation(joint))
     assert np.array_equal(places(one), places(other))
     assert np.array_equal(forward(one, [3]).rotations, forward(other, [3]).rotations)
     assert np.array_equal(one.positions, other.positions)
@@ -57,13 +57,13 @@ def test_places_are_those_of_forward() -> None:
 
 def test_other_joints_are_shared() -> None:
     for clip in both():
-        place, turn = clip.place(0) + 1.0, clip.turn(2)[:, [1, 0, 2, 3]]
+        place, turn = clip.position(0) + 1.0, clip.rotation(2)[:, [1, 0, 2, 3]]
         new = clip.with_joints({0: place}, {2: turn})
-        assert np.array_equal(new.place(0), place)
-        assert np.array_equal(new.turn(2), turn)
-        assert all(same_track(new.turn(joint), clip.turn(joint)) for joint in (0, 1, 3))
-        assert all(same_track(new.place(joint), clip.place(joint)) for joint in (1, 2, 3))
-        assert not same_track(new.place(0), clip.place(0))
+        assert np.array_equal(new.position(0), place)
+        assert np.array_equal(new.rotation(2), turn)
+        assert all(same_track(new.rotation(joint), clip.rotation(joint)) for joint in (0, 1, 3))
+        assert all(same_track(new.position(joint), clip.position(joint)) for joint in (1, 2, 3))
+        assert not same_track(new.position(0), clip.position(0))
         positions = clip.positions.copy()
         positions[:, 0] += 1.0
         assert np.array_equal(new.positions, positions)

@@ -36,7 +36,7 @@ def test_the_clip_without_what_is_repeated_is_the_one_at_the_true_rate(pattern: 
     assert np.array_equal(own.positions, clip.positions) and np.array_equal(own.rotations, clip.rotations)
     assert own.frame_time == pytest.approx(clip.frame_time, rel=0.02)
     assert np.array_equal(found.owner, np.repeat(np.arange(FRAMES), counts))
-    assert np.array_equal(found.track_back(own.place(0)), long.place(0))
+    assert np.array_equal(found.track_back(own.position(0)), long.position(0))
     (note,) = found.notes(long)
     assert note.id == "frames-doubled" and "30" in note.text and f"{100.0 * found.share:.0f} %" in note.text
 

@@ -13,7 +13,7 @@ from walker_plan import STYLES, Gait
 
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
-from footfix.motion.leadin import motion_proper
+from footfix.motion.leadin import motion_range
 
 
 def walk(name: str = "walk", fps: float = 60.0) -> Clip:
@@ -50,7 +50,7 @@ def blend(one: Clip, other: Clip, frames: int) -> Clip:
 @pytest.mark.parametrize("name", sorted(STYLES))
 def test_motion_is_all_motion(name: str, fps: float) -> None:
     clip = walk(name, fps)
-    assert motion_proper(clip) == slice(0, len(clip))
+    assert motion_range(clip) == slice(0, len(clip))
 
 
 @pytest.mark.parametrize("at_origin", [True, False])
@@ -58,20 +58,20 @@ def test_motion_is_all_motion(name: str, fps: float) -> None:
 def test_a_rest_pose_at_the_start_is_no_motion(held: int, at_origin: bool) -> None:
     clip = walk()
     before = rest_pose(clip, held, at_origin=at_origin)
-    assert motion_proper(joined(before, clip)) == slice(held, held + len(clip))
+    assert motion_range(joined(before, clip)) == slice(held, held + len(clip))
 
 
 @pytest.mark.parametrize("held", [1, 2, 10])
 def test_nor_is_one_at_the_end(held: int) -> None:
     clip = walk()
     longer = joined(clip, rest_pose(clip, held))
-    assert motion_proper(longer) == slice(0, len(clip))
+    assert motion_range(longer) == slice(0, len(clip))
 
 
 def test_both_ends_are_looked_at() -> None:
     clip = walk("run")
     longer = joined(rest_pose(clip, 1), clip, rest_pose(clip, 2))
-    assert motion_proper(longer) == slice(1, 1 + len(clip))
+    assert motion_range(longer) == slice(1, 1 + len(clip))
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3])
@@ -79,7 +79,7 @@ def test_frames_that_lead_over_go_with_the_pose(frames: int) -> None:
     clip = walk()
     before = rest_pose(clip, 1)
     longer = joined(before, blend(before, clip, frames), clip)
-    found = motion_proper(longer)
+    found = motion_range(longer)
     assert abs(found.start - (1 + frames)) <= 1  # the last of them is next to the motion
     assert found.stop == len(longer)
 
@@ -88,29 +88,29 @@ def test_an_actor_who_leaves_a_t_pose_slowly_is_motion() -> None:
     clip = walk()
     before = rest_pose(clip, 30, at_origin=False)
     longer = joined(before, blend(before, clip, 30), clip)
-    assert motion_proper(longer) == slice(0, len(longer))
+    assert motion_range(longer) == slice(0, len(longer))
 
 
 def test_a_glitch_inside_moves_nothing() -> None:
     clip = walk()
     turns = clip.rotations.copy()
     turns[60, 5] = rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.array(2.0))
-    assert motion_proper(replace(clip, rotations=turns)) == slice(0, len(clip))
+    assert motion_range(replace(clip, rotations=turns)) == slice(0, len(clip))
 
 
 def test_units_and_axes_do_not_matter() -> None:
     clip = joined(rest_pose(walk(), 1), walk())
     skeleton = replace(clip.skeleton, offsets=clip.skeleton.offsets * 39.37)
     inches = replace(clip, skeleton=skeleton, positions=clip.positions * 39.37)
-    assert motion_proper(inches) == motion_proper(clip) == slice(1, len(clip))
+    assert motion_range(inches) == motion_range(clip) == slice(1, len(clip))
 
 
 @pytest.mark.parametrize("frames", range(20))
 def test_short_clips_are_left_whole_or_keep_two_frames(frames: int) -> None:
     clip = walk().frames(slice(0, frames))
-    assert motion_proper(clip) == slice(0, frames)
+    assert motion_range(clip) == slice(0, frames)
     with_pose = joined(rest_pose(clip, 1), clip) if frames else clip
-    found = motion_proper(with_pose)
+    found = motion_range(with_pose)
     assert found.start in (0, 1)
     assert found.stop == len(with_pose)
 
@@ -123,5 +123,5 @@ def test_never_fails_on_nonsense(seed: int, frames: int) -> None:
     positions, turns = clip.positions.copy(), rng.normal(size=clip.rotations.shape)
     positions[rng.random(positions.shape) < 0.01] = np.nan
     positions[rng.random(positions.shape) < 0.01] = 1e30
-    found = motion_proper(replace(clip, positions=positions, rotations=rotation.normalize(turns)))
+    found = motion_range(replace(clip, positions=positions, rotations=rotation.normalize(turns)))
     assert 0 <= found.start <= found.stop <= frames

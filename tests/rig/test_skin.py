@@ -78,9 +78,9 @@ def with_frames(clip: Clip, seed: int) -> Clip:
     places, own, rest = [], [], []
     for j in range(len(parents)):
         back = rotation.inverse(above[j])
-        places.append(rotation.rotate(back, clip.place(j)))
+        places.append(rotation.rotate(back, clip.position(j)))
         rest.append(rotation.rotate(back, clip.skeleton.offsets[j]))
-        own.append(rotation.multiply(rotation.multiply(back, clip.turn(j)), turns[j]))
+        own.append(rotation.multiply(rotation.multiply(back, clip.rotation(j)), turns[j]))
     ends = zip(clip.skeleton.end_parents.tolist(), clip.skeleton.end_offsets, strict=True)
     tips = [rotation.rotate(rotation.inverse(turns[parent]), offset) for parent, offset in ends]
     skeleton = replace(clip.skeleton, offsets=np.array(rest), end_offsets=np.array(tips).reshape(-1, 3))

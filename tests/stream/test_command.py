@@ -11,15 +11,17 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import SAMPLES
+from conftest import SAMPLES, Run
 
 from footfix.jobs.clean import clean_file
-from footfix.settings import Settings
+from footfix.settings import ReportParams, Settings
 
 FILE = (SAMPLES / "walk_skate.bvh").read_bytes()
 START = FILE.index(b"\n", FILE.index(b"Frame Time")) + 1
 HEAD, ROWS = FILE[:START], FILE[START:].splitlines(keepends=True)
 COMMAND = [sys.executable, "-m", "footfix", "stream"]
+SHORT = HEAD.replace(b"Frames: 301", b"Frames: 120") + b"".join(ROWS[:120])
+SETTINGS = Settings(report=ReportParams(kind="json"))
 PATIENCE = 90.0  # [s]
 
 
@@ -46,9 +48,9 @@ def test_rows_come_out_while_others_still_come_in_and_the_count_is_put_right(tmp
 def test_waiting_for_the_end_writes_what_clean_writes(tmp_path: Path) -> None:
     whole = tmp_path / "whole.bvh"
     with whole.open("wb") as out:
-        done = subprocess.run([*COMMAND, "--look-ahead", "inf"], input=FILE, stdout=out, timeout=PATIENCE, check=False)
+        done = subprocess.run([*COMMAND, "--look-ahead", "inf"], input=SHORT, stdout=out, timeout=PATIENCE, check=False)
     assert done.returncode == 0
-    assert whole.read_bytes() == clean_file(FILE, "walk_skate.bvh", Settings()).motion
+    assert whole.read_bytes() == clean_file(SHORT, "walk_skate.bvh", SETTINGS).motion
 
 
 def test_broken_input_is_said_and_nothing_hangs(tmp_path: Path) -> None:
@@ -96,13 +98,21 @@ def test_a_peer_that_is_killed_is_waited_for_again() -> None:
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--look-ahead", "soon"], b"no time in seconds"),
-        (["--events", "-"], b"name a file for the rows"),
-        (["--listen", "udp://127.0.0.1:1"], b"only tcp://"),
-        (["--connect", "here"], b"HOST:PORT"),
+        (["--look-ahead", "soon"], "no time in seconds"),
+        (["--events", "-"], "name a file for the rows"),
     ],
 )
-def test_options_that_make_no_sense_are_refused(options: list[str], says: bytes) -> None:
+def test_options_that_make_no_sense_are_refused(options: list[str], says: str, run: Run) -> None:
+    code, _, said = run("stream", *options)
+    assert code == 2
+    assert says in said
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [(["--listen", "udp://127.0.0.1:1"], b"only tcp://"), (["--connect", "here"], b"HOST:PORT")],
+)
+def test_addresses_that_are_none_are_refused(options: list[str], says: bytes) -> None:
     done = subprocess.run([*COMMAND, *options], input=b"", capture_output=True, timeout=PATIENCE, check=False)
     assert done.returncode == 2
     assert says in done.stderr

@@ -69,8 +69,8 @@ def test_no_joint_jumps_by_over_two_degrees_more_than_it_did(name: str) -> None:
     for leg in footfix.find_rig(before).legs:
         for joint in leg.chain:
             was, now = (
-                np.degrees(rotation.angle(rotation.multiply(rotation.inverse(c.turn(joint)[:-1]), c.turn(joint)[1:])))
-                for c in (before, after)
+                np.degrees(rotation.angle(rotation.multiply(rotation.inverse(turns[:-1]), turns[1:])))
+                for turns in (before.rotation(joint), after.rotation(joint))
             )
             near = np.maximum(was, np.maximum(np.append(was[1:], was[-1]), np.append(was[0], was[:-1])))
             assert (now - near).max() <= 2.0 * 120.0 * before.frame_time

@@ -113,7 +113,7 @@ def _solved(
     new = {}
     for k, joint in enumerate(leg.leg.chain):
         if k in chain.owner:
-            new[joint] = np.array(clip.turn(joint))
+            new[joint] = np.array(clip.rotation(joint))
             new[joint][which] = found[:, k]
     return new
 
@@ -128,7 +128,7 @@ def _two_bones_start(
     start = np.zeros((len(which), len(chain.owner)))
     new = local_rotations(clip, pose, leg, two_bones(leg, goal.ankle), goal.turn)
     for joint in (leg.leg.hip, leg.leg.ankle):
-        turn = rotation.multiply(rotation.inverse(clip.turn(joint)), new[joint])[which]
+        turn = rotation.multiply(rotation.inverse(clip.rotation(joint)), new[joint])[which]
         start[:, chain.owner == leg.leg.chain.index(joint)] = rotation.to_rotation_vector(turn)
     knee = leg.leg.chain.index(leg.leg.knee)
     start[:, chain.owner == knee] = (flexion_for(leg, goal.ankle) - leg.flexion)[which, None]

@@ -199,7 +199,7 @@ def where_moved(clip: Clip, new: Mapping[int, Floats], moves: Bools) -> dict[int
     """Keep new local rotations (F, 4) where a leg moves (F,), and the clip's very numbers elsewhere."""
     out = {}
     for joint, turn in new.items():
-        old = clip.turn(joint)
+        old = clip.rotation(joint)
         turn = rotation.normalize(turn) * np.where(dot(turn, old) < 0.0, -1.0, 1.0)[:, None]  # q and -q are one
         out[joint] = np.where(moves[:, None], turn, old)
     return out

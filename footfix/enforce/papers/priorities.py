@@ -112,9 +112,9 @@ def leg_chain(clip: Clip, pose: Pose, leg: CapturedLeg, effectors: Sequence[Floa
     return Chain(
         base=leg.hip[which],
         base_turn=base_turn,
-        bones=tuple(take_frames(clip.place(joint), which) for joint in joints[1:]),
+        bones=tuple(take_frames(clip.position(joint), which) for joint in joints[1:]),
         effectors=tuple(leg.in_foot(point)[which] for point in effectors),
-        locals_=np.stack([take_frames(clip.turn(joint), which) for joint in joints], axis=1),
+        locals_=np.stack([take_frames(clip.rotation(joint), which) for joint in joints], axis=1),
         axes=np.concatenate([*axes, free]),
         owner=np.array([*owner, last, last, last], dtype=np.intp),
     )

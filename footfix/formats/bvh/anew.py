@@ -47,7 +47,7 @@ def with_motion(document: Document, frames: Ints, clip: Clip) -> bytes:
 
 
 def going_on(angles: Floats, three: bool) -> Floats:
-    """Angles (F, n) [degrees] of the same rotations that go on from frame to frame.
+    """Find angles (F, n) [degrees] of the same rotations that go on from frame to frame.
 
     Of three different axes a rotation has two solutions, of which the one nearer to the frame before is taken: whether
     to change over between two frames does not depend on where one is, so the choice is a running sum.
@@ -67,7 +67,7 @@ def _turn(step: Floats) -> Floats:
 
 
 def _places(document: Document) -> int:
-    """Decimals of the file's numbers, and at least as many as a new number has."""
+    """Count decimals of the file's numbers, and at least as many as a new number has."""
     block = next(row_blocks(document.rows), None)
     if block is None:
         return LEAST_DECIMALS

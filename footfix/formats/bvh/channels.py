@@ -111,7 +111,7 @@ def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int]
 
 
 def check_belief(unit_m: float, up: str) -> None:
-    """See that a file can have such a unit [m] and upward axis.
+    """Check that a file can have such a unit [m] and upward axis.
 
     Raises:
         ValueError: it can't.
@@ -135,7 +135,7 @@ def displaced(clip: Clip, unit_m: float, up: str) -> Clip:
 def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
     """Turn the figure at its roots; below them only lengths change, and arrays that don't change are the same."""
     skeleton, roots = clip.skeleton, np.flatnonzero(clip.skeleton.parents < 0)
-    places, rotations, offsets = [clip.place(j) for j in range(len(skeleton))], clip.rotations, skeleton.offsets
+    places, rotations, offsets = [clip.position(j) for j in range(len(skeleton))], clip.rotations, skeleton.offsets
     if unit_m != 1.0:
         places = [per_frame(lambda place: place * unit_m, each) for each in places]
         offsets = offsets * unit_m
@@ -193,13 +193,13 @@ def changes(
     moves, turns = joint_channels(channels, joints, "P"), joint_channels(channels, joints, "R")
     for joint in range(joints):
         axes = AXES[up] if old.skeleton.parents[joint] < 0 else AXES["y"]
-        if moves[joint] and not same_track(old.place(joint), new.place(joint)):
-            for change in _moved(moves[joint], old.place(joint), new.place(joint), unit_m, axes):
+        if moves[joint] and not same_track(old.position(joint), new.position(joint)):
+            for change in _moved(moves[joint], old.position(joint), new.position(joint), unit_m, axes):
                 yield replace(change, values=change.values - base[joint, channels[change.column].axis])
-        if turns[joint] and not same_track(old.turn(joint), new.turn(joint)):
-            turned: Bools = np.asarray(_differs(old.turn(joint), new.turn(joint)).any(axis=1))
+        if turns[joint] and not same_track(old.rotation(joint), new.rotation(joint)):
+            turned: Bools = np.asarray(_differs(old.rotation(joint), new.rotation(joint)).any(axis=1))
             if turned.any():
-                yield from _turned(turns[joint], values, turned, new.turn(joint)[turned], axes)
+                yield from _turned(turns[joint], values, turned, new.rotation(joint)[turned], axes)
 
 
 def _differs(old: Floats, new: Floats) -> Bools:

@@ -24,7 +24,7 @@ _RATES = (12, 12.5, 15, 20, 23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 72, 75
 
 
 def frame_time(headings: Headings, notes: Notes) -> float:
-    """The time between frames [s]: what the file says, or what it must mean."""
+    """Find the time between frames [s]: what the file says, or what it must mean."""
     word, at = headings.time, headings.time_at
     if word is None:
         notes.add("frame-time-missing", "there is no Frame Time; 30 frames per second assumed", "warning",
@@ -51,7 +51,7 @@ def frame_time(headings: Headings, notes: Notes) -> float:
 
 
 def _quotient(word: bytes) -> float | None:
-    """A number, or one over another (`1/30`)."""
+    """Read a number, or one over another (`1/30`)."""
     upper, _, lower = word.partition(b"/")
     value, divisor = number(upper), number(lower) if lower else 1.0
     return None if value is None or not divisor else value / divisor
@@ -178,7 +178,7 @@ def _odd_channels(tree: Hierarchy, skeleton: Skeleton, base: Floats, notes: Note
 
 
 def _motion(tree: Hierarchy, skeleton: Skeleton, rows: Rows, notes: Notes) -> None:
-    """What no motion does: nothing moves, or the figure is elsewhere from one frame to the next."""
+    """Note what no motion does: nothing moves, or the figure is elsewhere from one frame to the next."""
     values = rows.values
     if len(values) > 1 and np.array_equal(values[0], values[-1]) and np.all(values == values[0]):
         notes.add("frozen", "nothing moves: all frames are the same", at=offset_of(rows, 0, 0),

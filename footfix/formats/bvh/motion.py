@@ -90,7 +90,7 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
 
 
 def _read_regular(text: bytes, start: int, layouts: list[int]) -> Rows | None:
-    """Rows as they should be: one a line, all equally long."""
+    """Read rows as they should be: one a line, all equally long."""
     values = read_plain(text, start)
     if values is None:
         try:

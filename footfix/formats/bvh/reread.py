@@ -46,8 +46,8 @@ def reread_motion(document: Document, new: Mapping[int, Floats]) -> Clip | None:
     for joints, up in ((roots, document.up), (others, "y")):  # below the roots there are no axes of the file
         if joints:
             alone = placed(_alone(document, joints, column), document.unit_m, up)
-            places |= {joint: alone.place(k) for k, joint in enumerate(joints) if joint in owners["P"]}
-            turns |= {joint: alone.turn(k) for k, joint in enumerate(joints) if joint in owners["R"]}
+            places |= {joint: alone.position(k) for k, joint in enumerate(joints) if joint in owners["P"]}
+            turns |= {joint: alone.rotation(k) for k, joint in enumerate(joints) if joint in owners["R"]}
     return clip.with_joints(places, turns)
 
 

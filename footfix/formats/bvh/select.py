@@ -19,7 +19,7 @@ _FRAMES = re.compile(rb"(frames?(?![ \t_]*time)(?:[ \t_]*count)?\b[ \t]*[:=]?[ \
 
 
 def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
-    """The document of some frames.
+    """Make the document of some frames.
 
     Args:
         document: the file.
@@ -47,7 +47,7 @@ def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits =
 
 
 def header_for(document: Document, frames: int) -> tuple[bytes, bytes]:
-    """The header of a file as it stands, for another number of frames, with the end of its last line; its newline."""
+    """Write a file's header as it stands, for another number of frames, with the end of its last line; its newline."""
     text = document.text
     newline = b"\r\n" if b"\r\n" in text[:1000] else b"\n" if b"\n" in text[:1000] else b"\r"
     head = text[: document.motion_at] + _FRAMES.sub(

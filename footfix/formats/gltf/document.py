@@ -155,11 +155,11 @@ class Document:
         return document
 
     def parent(self, joint: int) -> int:
-        """The joint above another one; -1 for a root."""
+        """Find the joint above another one; -1 for a root."""
         return int(self._parents[joint])
 
     def local(self, joint: int) -> Floats:
-        """(F, 3) the translation of a joint's node, in its parent's frame and scale."""
+        """Get the translation (F, 3) of a joint's node, in its parent's frame and scale."""
         node = self.joints[joint]
         track = self.tracks.get((node, "translation"))
         if track is None:
@@ -177,7 +177,7 @@ class Document:
         return np.asarray(self.nodes.scales[node] if track is None else track.values[0])
 
     def _scaled(self, joint: int, local: Floats) -> Floats:
-        """The place (F, 3) of a joint in its parent's frame, in the units of the world."""
+        """Get the place (F, 3) of a joint in its parent's frame, in the units of the world."""
         parent = int(self._parents[joint])
         size = np.ones(1) if parent < 0 else self.scales[parent]
         if len(size) > 1:

@@ -70,7 +70,7 @@ def glance(head: bytes, *, limits: Limits = _LIMITS) -> None:
 
 
 def repair(document: Document) -> tuple[bytes, tuple[Note, ...]]:
-    """Nothing: what is wrong with a glTF file is refused, not mended."""
+    """Mend nothing: what is wrong with a glTF file is refused."""
     return document.container.data, ()
 
 

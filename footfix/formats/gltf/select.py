@@ -20,7 +20,7 @@ _LIMITS = Limits()
 
 
 def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
-    """The document of some frames, from time 0 on; every channel of the animation is cut to them.
+    """Make the document of some frames, from time 0 on; every channel of the animation is cut to them.
 
     Args:
         document: the animation.
@@ -43,7 +43,7 @@ def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits =
 
 
 def annotated(data: bytes, extras: Mapping[str, Any], *, name: str, beside: Beside | None = None) -> bytes:
-    """The file with `extras` at some of its animations, which engines and programs hand on to scripts.
+    """Add `extras` to some of a file's animations, which engines and programs hand on to scripts.
 
     Args:
         data: the file.
@@ -63,7 +63,7 @@ def annotated(data: bytes, extras: Mapping[str, Any], *, name: str, beside: Besi
 
 
 def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Beside | None = None) -> bytes:
-    """One file with the changes of two others.
+    """Make one file with the changes of two others.
 
     Args:
         data: the file that both were made of.

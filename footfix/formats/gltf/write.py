@@ -140,15 +140,15 @@ def _changes(document: Document, clip: Clip) -> dict[tuple[int, str], Floats]:
     now = clip if document.plain else displaced(clip, document.unit_m, document.up)
     found: dict[tuple[int, str], Floats] = {}
     for j, node in enumerate(document.joints):
-        turned = _differ(clip.turn(j), old.turn(j))
+        turned = _differ(clip.rotation(j), old.rotation(j))
         if np.any(turned):
-            values = np.where(turned[:, None], now.turn(j), was.turn(j))
-            found[node, "rotation"] = _signed(values, was.turn(j))
-        moved = _differ(clip.place(j), old.place(j))
+            values = np.where(turned[:, None], now.rotation(j), was.rotation(j))
+            found[node, "rotation"] = _signed(values, was.rotation(j))
+        moved = _differ(clip.position(j), old.position(j))
         if np.any(moved):
             size = np.ones(1) if document.parent(j) < 0 else document.scales[document.parent(j)]
             kept = document.local(j)
-            found[node, "translation"] = np.where(moved[:, None], now.place(j) / size[:, None], kept)
+            found[node, "translation"] = np.where(moved[:, None], now.position(j) / size[:, None], kept)
     return found
 
 

@@ -232,7 +232,7 @@ def _normalised(
     turn = rotation.multiply(back, turn)[:-1]
     place = place - [place[:, 0].mean(), rig.floor, place[:, 2].mean()]
     joints = len(cycle.skeleton)
-    turns = np.stack([turn if j == rig.root else cycle.turn(j)[:-1] for j in range(joints)], axis=1)
+    turns = np.stack([turn if j == rig.root else cycle.rotation(j)[:-1] for j in range(joints)], axis=1)
     if abs(_facing(cycle, rig, back)) > params.askew:
         return "it goes sideways or backwards"
     leg = rig.leg_length

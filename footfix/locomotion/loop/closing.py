@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
 from footfix.errors import InputError
 from footfix.locomotion.loop.cloud import fit
 from footfix.locomotion.loop.cuts import Cut
+from footfix.locomotion.loop.gaps import RATIO, Gap, gaps_below, gaps_of_root
 from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.seam import apart, changes, ratios
+from footfix.locomotion.loop.seam import figure, ratios, ratios_of
 from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.rig.rig import Rig
 
-_BESIDE = 1.0 / 30.0  # [s] before and after a frame, over which its velocity is taken
-_RATIO = 0.5  # of the gap that the start takes; the end takes the rest
 # shares of the time for the gap, and for its slope: the sooner they decay the less do joints swing out, and the more
 # are they jolted. The first is tried, the others where it does not do.
 _TIMES = ((1.0, 0.4), (1.6, 0.6), (1.0, 0.25), (0.75, 0.25), (0.5, 0.2))
@@ -38,11 +37,13 @@ class Closed:
         clip: L + 1 frames; the last one is the first moved by `travel`.
         start: the frame of the captured clip that became the first.
         travel: of one round.
+        worst_ratio: of all joints the largest acceleration beside the seam over that elsewhere (`seam.ratios`).
     """
 
     clip: Clip
     start: int
     travel: Travel
+    worst_ratio: float
 
 
 def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
@@ -59,26 +60,27 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
     """
     root, travel = carrier(clip, rig), fit(clip, rig, cut.start, cut.end, params.window)
     if params.method == "kim-neff":
-        return _blended(clip, root, cut, travel)
-    best: tuple[float, Clip | None] = (np.inf, None)
+        return _blended(clip, rig, root, cut, travel)
+    span, limit = slice(cut.start, cut.end + 1), 0.5 * (cut.end - cut.start) * clip.frame_time
+    captured = clip.frames(span)
+    seen = figure(captured, rig)
+    far = float(np.linalg.norm(seen[-1] - travel.places(seen[0]), axis=1).max())
+    below, of_root = gaps_below(clip, root, cut.start, cut.end), gaps_of_root(clip, root, cut.start, cut.end, travel)
+    best: tuple[float, Closed] | None = None
     for share, slope in _TIMES:
-        limit = 0.5 * (cut.end - cut.start) * clip.frame_time
-        closed = _offset(clip, root, cut, travel, min(share * params.blend, limit), min(slope * params.blend, limit))
-        worse = _worse(clip, rig, cut, closed, travel)
-        if best[1] is None or worse < best[0]:
-            best = worse, closed
+        fade = decay(len(captured), clip.frame_time, min(share * params.blend, limit), min(slope * params.blend, limit))
+        closed = _offset(captured, root, below, of_root, travel, fade)
+        now = figure(closed, rig)
+        moved = float(np.linalg.norm(now - seen, axis=2).max())
+        ratio = ratios_of(now, travel, clip.frame_time)[1]
+        swings = max(moved / far - _MOST, 0.0) if far > _NO_GAP * rig.leg_length else 0.0
+        worse = _FAR * swings + max(ratio - _CALM, 0.0)  # joints that swing out, or are jolted at the seam
+        if best is None or worse < best[0]:
+            best = worse, Closed(closed, cut.start, travel, ratio)
         if worse == 0.0:
             break
-    assert best[1] is not None
-    return Closed(best[1], cut.start, travel)
-
-
-def _worse(clip: Clip, rig: Rig, cut: Cut, closed: Clip, travel: Travel) -> float:
-    """By how much a closed cycle is worse than it should be: joints that swing out, or are jolted at the seam."""
-    gap = apart(clip, rig, cut.start, cut.end, travel)[0]
-    moved = changes(clip.frames(slice(cut.start, cut.end + 1)), closed, rig)[0]
-    far = max(moved / gap - _MOST, 0.0) if gap > _NO_GAP * rig.leg_length else 0.0
-    return _FAR * far + max(ratios(closed, rig, travel)[1] - _CALM, 0.0)
+    assert best is not None
+    return best[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,14 +99,24 @@ class Decay:
     value_behind: Floats
     slope_behind: Floats
 
+    def frames(self, which: Ints) -> Decay:
+        """The same in some frames."""
+        parts = (self.value_ahead, self.slope_ahead, self.value_behind, self.slope_behind)
+        return Decay(*(part[which] for part in parts))
+
     def ahead(self, gap: Floats = _NONE, speed: Floats = _NONE) -> Floats:
-        """(F, 3) the start's share of a gap (3,) and of its change (3,) [1/s]."""
-        return _RATIO * (np.multiply.outer(self.value_ahead, gap) + np.multiply.outer(self.slope_ahead, speed))
+        """(..., F, 3) the start's share of gaps (..., 3) and of their change (..., 3) [1/s]."""
+        return _outer(RATIO * self.value_ahead, gap) + _outer(RATIO * self.slope_ahead, speed)
 
     def behind(self, gap: Floats = _NONE, speed: Floats = _NONE) -> Floats:
-        """(F, 3) the end's share, which takes away what the start adds."""
-        rest = 1.0 - _RATIO
-        return rest * (np.multiply.outer(self.slope_behind, speed) - np.multiply.outer(self.value_behind, gap))
+        """(..., F, 3) the end's share, which takes away what the start adds."""
+        rest = 1.0 - RATIO
+        return _outer(rest * self.slope_behind, speed) - _outer(rest * self.value_behind, gap)
+
+
+def _outer(share: Floats, vector: Floats) -> Floats:
+    """(..., F, 3) a share (F,) of vectors (..., 3)."""
+    return (share * vector[..., None]).swapaxes(-1, -2)
 
 
 def decay(frames: int, frame_time: float, tau: float, slope: float) -> Decay:
@@ -117,93 +129,52 @@ def decay(frames: int, frame_time: float, tau: float, slope: float) -> Decay:
     return Decay(*parts)
 
 
-def _offset(clip: Clip, root: int, cut: Cut, travel: Travel, tau: float, slope: float) -> Clip:
+def _offset(
+    clip: Clip, root: int, below: tuple[Gap, Gap], of_root: tuple[Gap, Gap], travel: Travel, fade: Decay
+) -> Clip:  # fmt: skip
     """The gap of position, rotation and velocity is shared by both ends, and decays from either.
 
     A joint is so moved by half of what a blend on one side moves it. Rotations are offset by rotation vectors on the
     left, what carries the figure in the frame of the travel. First the poses are joined, by offsets that begin at
     rest; the velocities are compared as these turn them, and their gap decays after.
 
+    Args:
+        clip: the L + 1 frames of the cut.
+        root: what carries it (`carrier`).
+        below, of_root: the gaps of places and of rotations.
+        travel: of one round.
+        fade: how they decay.
+
     Source: D. Holden, Creating looping animations from motion capture, theorangeduck.com 2022.
     """
-    whole, dt = slice(cut.start, cut.end + 1), clip.frame_time
-    out = clip.frames(whole)
-    fade = decay(len(out), dt, tau, slope)
-    some = (fade.value_ahead > 0.0) | (fade.value_behind > 0.0)
-    places, turns = dict[int, Floats](), dict[int, Floats]()
-    for joint in range(len(clip.skeleton)):
-        if joint in clip.skeleton.ancestors(root):
-            continue
-        gap, speed = _place_gap(clip.place(joint), cut, dt)
-        if np.any(gap) or np.any(speed):
-            places[joint] = np.array(out.place(joint), order="F")
-            places[joint][some] += (fade.ahead(gap, speed) + fade.behind(gap, speed))[some]
-        gap, speed = _turn_gap(clip.turn(joint), cut, dt)
-        if np.any(gap) or np.any(speed):
-            joined = rotation.from_rotation_vector((fade.ahead(gap) + fade.behind(gap))[some])
-            smooth = rotation.from_rotation_vector((fade.ahead(speed=speed) + fade.behind(speed=speed))[some])
-            turns[joint] = np.array(out.turn(joint), order="F")
-            turns[joint][some] = rotation.multiply(smooth, rotation.multiply(joined, turns[joint][some]))
-    place, turn = root_in_world(clip, root)
-    gap, speed = _place_gap(place, cut, dt, travel)
-    place_out = place[whole] + fade.ahead(gap, speed) + rotation.rotate(travel.turn, fade.behind(gap, speed))
-    gap, speed = _turn_gap(turn, cut, dt, travel)
-    turn_out = np.array(turn[whole], order="F")
+    some = np.flatnonzero((fade.value_ahead > 0.0) | (fade.value_behind > 0.0))
+    near = fade.frames(some)
+    moves, spins = below
+    places = _tracks(clip.position, moves.joints)
+    if moves.joints:
+        places[:, some] += near.ahead(moves.value, moves.speed) + near.behind(moves.value, moves.speed)
+    turns = _tracks(clip.rotation, spins.joints)
+    if spins.joints:
+        joined = rotation.from_rotation_vector(near.ahead(spins.value) + near.behind(spins.value))
+        smooth = rotation.from_rotation_vector(near.ahead(speed=spins.speed) + near.behind(speed=spins.speed))
+        turns[:, some] = rotation.multiply(smooth, rotation.multiply(joined, turns[:, some]))
+    place, turn = (np.array(each, order="F") for each in root_in_world(clip, root))
+    gap, speed = of_root[0].value[0], of_root[0].speed[0]
+    place += fade.ahead(gap, speed) + rotation.rotate(travel.turn, fade.behind(gap, speed))
+    gap, speed = of_root[1].value[0], of_root[1].speed[0]
     for kind in ({"gap": gap}, {"speed": speed}):
-        behind = rotation.from_rotation_vector(rotation.rotate(travel.turn, fade.behind(**kind))[some])
-        off = rotation.multiply(rotation.from_rotation_vector(fade.ahead(**kind)[some]), behind)
-        turn_out[some] = rotation.multiply(off, turn_out[some])
-    return _exactly(with_root(out.with_joints(places, turns), root, place_out, turn_out), root, travel)
+        behind = rotation.from_rotation_vector(rotation.rotate(travel.turn, near.behind(**kind)))
+        off = rotation.multiply(rotation.from_rotation_vector(near.ahead(**kind)), behind)
+        turn[some] = rotation.multiply(off, turn[some])
+    moved = clip.with_joints(dict(zip(moves.joints, places, strict=True)), dict(zip(spins.joints, turns, strict=True)))
+    return _exactly(with_root(moved, root, place, turn), root, travel)
 
 
-def _place_gap(place: Floats, cut: Cut, dt: float, travel: Travel | None = None) -> tuple[Floats, Floats]:
-    """(3,) [m] and (3,) [m/s] from the start of a track to its end, moved back by the travel."""
-    (a, b), (va, vb) = place[[cut.start, cut.end]], (_velocity(place, f, dt) for f in (cut.start, cut.end))
-    if travel is not None:
-        b, vb = travel.places_back(b), rotation.rotate(rotation.inverse(travel.turn), vb)
-    return b - a, vb - va
-
-
-def _velocity(place: Floats, frame: int, dt: float) -> Floats:
-    at, weight = _beside(frame, len(place), dt)
-    return np.asarray(weight @ (place[at] - place[frame]))
-
-
-def _beside(frame: int, frames: int, dt: float) -> tuple[Ints, Floats]:
-    """The frames that the velocity of a frame is told by, and the weight [1/s] of each: the slope of a polynomial.
-
-    It is a cubic, so that a changing acceleration does not count as velocity, and a parabola where the clip ends.
-    """
-    n = max(2, round(_BESIDE / dt))
-    before, after = min(n, frame), min(n, frames - 1 - frame)
-    return np.arange(frame - before, frame + after + 1), _slope(before, after, dt)
-
-
-@cache
-def _slope(before: int, after: int, dt: float) -> Floats:
-    at = np.arange(-before, after + 1)
-    degree = 3 if min(before, after) >= 2 else min(2, len(at) - 1)
-    return np.asarray(np.linalg.pinv(np.vander(at * dt, degree + 1, increasing=True))[1])
-
-
-def _turn_gap(turn: Floats, cut: Cut, dt: float, travel: Travel | None = None) -> tuple[Floats, Floats]:
-    """(3,) [rad] and (3,) [rad/s], as rotation vectors on the left, from the start of a track to its end.
-
-    The velocities are those that both ends have when they are turned to where they meet.
-    """
-    (a, b), (va, vb) = turn[[cut.start, cut.end]], (_spin(turn, f, dt) for f in (cut.start, cut.end))
-    if travel is not None:
-        back = rotation.inverse(travel.turn)
-        b, vb = rotation.multiply(back, b), rotation.rotate(back, vb)
-    gap = rotation.to_rotation_vector(rotation.multiply(b, rotation.inverse(a)))
-    va = rotation.rotate(rotation.from_rotation_vector(_RATIO * gap), va)
-    vb = rotation.rotate(rotation.from_rotation_vector((_RATIO - 1.0) * gap), vb)
-    return gap, vb - va
-
-
-def _spin(turn: Floats, frame: int, dt: float) -> Floats:
-    at, weight = _beside(frame, len(turn), dt)
-    return np.asarray(weight @ rotation.to_rotation_vector(rotation.multiply(turn[at], rotation.inverse(turn[frame]))))
+def _tracks(track: Callable[[int], Floats], joints: Sequence[int]) -> Floats:
+    """(J, F, n) a copy of some joints' tracks, each component's frames side by side in memory."""
+    if not joints:
+        return np.zeros((0, 0, 3))
+    return np.stack([track(joint).T for joint in joints]).transpose(0, 2, 1)
 
 
 def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
@@ -211,7 +182,7 @@ def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
     joints = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in joints:
-        for track, into in ((clip.place(joint), places), (clip.turn(joint), turns)):
+        for track, into in ((clip.position(joint), places), (clip.rotation(joint), turns)):
             if np.any(track[-1] != track[0]):
                 into[joint] = np.array(track, order="F")
                 into[joint][-1] = track[0]
@@ -221,7 +192,7 @@ def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
     return with_root(closed, root, place, turn)
 
 
-def _blended(clip: Clip, root: int, cut: Cut, travel: Travel) -> Closed:
+def _blended(clip: Clip, rig: Rig, root: int, cut: Cut, travel: Travel) -> Closed:
     """The frames after the end are blended into those after the start: the last ones first, then the first ones.
 
     The window is what is left of the shorter of both plants, N_b = min(F_fs - F_s, F_fe - F_e) frames, of which the
@@ -249,12 +220,12 @@ def _blended(clip: Clip, root: int, cut: Cut, travel: Travel) -> Closed:
     for joint in range(len(clip.skeleton)):
         if joint in clip.skeleton.ancestors(root):
             continue
-        place, turn = clip.place(joint), clip.turn(joint)
+        place, turn = clip.position(joint), clip.rotation(joint)
         if np.any(place[a] != place[b]):
-            places[joint] = np.array(out.place(joint), order="F")
+            places[joint] = np.array(out.position(joint), order="F")
             places[joint][where] = (1.0 - w)[:, None] * place[a] + w[:, None] * place[b]
         if np.any(turn[a] != turn[b]):
-            turns[joint] = np.array(out.turn(joint), order="F")
+            turns[joint] = np.array(out.rotation(joint), order="F")
             turns[joint][where] = rotation.slerp(turn[a], turn[b], w)
     out = out.with_joints(places, turns)
     place, turn = _root_blended(clip, root, a, b, w, travel)
@@ -262,7 +233,8 @@ def _blended(clip: Clip, root: int, cut: Cut, travel: Travel) -> Closed:
     whole[0][where[:half]], whole[1][where[:half]] = place[:half], turn[:half]
     whole[0][where[half:]] = travel.places_back(place[half:])
     whole[1][where[half:]] = rotation.multiply(rotation.inverse(travel.turn), turn[half:])
-    return Closed(_exactly(with_root(out, root, *whole), root, travel), cut.start + half, travel)
+    closed = _exactly(with_root(out, root, *whole), root, travel)
+    return Closed(closed, cut.start + half, travel, ratios(closed, rig, travel)[1])
 
 
 def _root_blended(clip: Clip, root: int, a: Ints, b: Ints, w: Floats, travel: Travel) -> tuple[Floats, Floats]:

@@ -17,6 +17,7 @@ _TURNED = 1e-4  # [rad] what three decimals of a degree leave, and their sum ove
 _MOVED = 2e-4  # [leg lengths]
 _FEWEST = 8  # frames
 _LEADS = 0.3  # of the usual step, root mean square over the joints: a step over the seam like those beside it
+_BENDS = 0.7  # of the usual step: as much may a step over the seam be unlike those beside it, where others are, too
 _MOVES = 0.2  # of the usual step: less at the seam is a pause, not a stride
 _HEIGHT = 0.02  # [leg lengths] by which the root's height may go on otherwise
 _FEW, _RESTS = 4, 0.3  # steps of a plant that tell, and the share of them in which a foot rests that is held
@@ -39,10 +40,10 @@ def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
     travel = travel_between((place[0], turn[0]), (place[2], turn[2]))
     again, turned = travel.places(place[0]), rotation.multiply(travel.turn, turn[0])
     below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
-    turns = np.stack([few.turn(joint) for joint in below], axis=1)
+    turns = np.stack([few.rotation(joint) for joint in below], axis=1)
     off = rotation.angle(rotation.multiply(turns[2], rotation.inverse(turns[0]))).max(initial=0.0)
     off = max(off, float(rotation.angle(rotation.multiply(turn[2], rotation.inverse(turned)))))
-    far = max((float(np.abs(few.place(j)[2] - few.place(j)[0]).max()) for j in below), default=0.0)
+    far = max((float(np.abs(few.position(j)[2] - few.position(j)[0]).max()) for j in below), default=0.0)
     far = max(far, float(np.abs(place[2] - again).max()))
     goes = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0]))).max(initial=0.0) > _STILL
     return travel if goes and off <= _TURNED and far <= _MOVED * rig.leg_length else None
@@ -97,15 +98,16 @@ def _leads_on(clip: Clip, rig: Rig) -> bool:
     """Whether a step from the last frame to the first is what the steps before and after it make one expect."""
     root = carrier(clip, rig)
     below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
-    turns = np.stack([clip.turn(joint) for joint in below], axis=1)  # (F, J, 4)
-    around = turns[[-2, -1, 0, 1]]
-    steps = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(around[:-1]), around[1:]))
-    usual = _size(rotation.to_rotation_vector(rotation.multiply(rotation.inverse(turns[:-1]), turns[1:])))
+    turns = np.stack([clip.rotation(joint) for joint in below], axis=1)  # (F, J, 4)
+    every = np.concatenate([turns[-2:], turns, turns[:2]])
+    steps = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(every[:-1]), every[1:]))
+    usual = _size(steps[2:-2])
+    bends = np.sqrt(np.mean(np.sum((steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])) ** 2, axis=-1), axis=-1))
+    most = max(_LEADS * usual, min(float(bends[2:-2].max()), _BENDS * usual))
     height = root_in_world(clip, root)[0][[-2, -1, 0, 1], 1]
     moves = usual > _STILL / 10.0 and min(_size(steps[0]), _size(steps[2])) >= _MOVES * usual
-    bend = _size(steps[1] - 0.5 * (steps[0] + steps[2])) < _LEADS * usual
     rise = np.diff(height)
-    return bool(moves and bend and abs(rise[1] - 0.5 * (rise[0] + rise[2])) < _HEIGHT * rig.leg_length)
+    return bool(moves and bends[0] < most and abs(rise[1] - 0.5 * (rise[0] + rise[2])) < _HEIGHT * rig.leg_length)
 
 
 def _size(turns: Floats) -> float:

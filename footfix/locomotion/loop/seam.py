@@ -48,7 +48,7 @@ class Seam:
     slide_mm: float | None = None
 
 
-def _figure(clip: Clip, rig: Rig) -> Floats:
+def figure(clip: Clip, rig: Rig) -> Floats:
     """(F, joints, 3) [m] the root and what hangs on it, End Sites too."""
     skeleton = clip.skeleton
     mine = [joint for joint in range(len(skeleton)) if rig.root in skeleton.ancestors(joint)]
@@ -63,9 +63,9 @@ def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[f
 
     Rotations are those in the parent's frame, so that a root's travel and turn do not count.
     """
-    place = _figure(clip.frames(np.array([start, end])), rig)
+    place = figure(clip.frames(np.array([start, end])), rig)
     far = float(np.linalg.norm(place[1] - travel.places(place[0]), axis=1).max())
-    turns = np.stack([clip.turn(joint)[[start, end]] for joint in range(len(clip.skeleton))], axis=1)
+    turns = np.stack([clip.rotation(joint)[[start, end]] for joint in range(len(clip.skeleton))], axis=1)
     below = clip.skeleton.parents >= 0
     turned = rotation.angle(rotation.multiply(turns[1], rotation.inverse(turns[0])))[below]
     return far, float(turned.max(initial=0.0))
@@ -73,10 +73,10 @@ def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[f
 
 def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
     """[m] and [rad] by which joints differ at most in two clips of the same frames."""
-    moved = float(np.linalg.norm(_figure(after, rig) - _figure(before, rig), axis=2).max(initial=0.0))
+    moved = float(np.linalg.norm(figure(after, rig) - figure(before, rig), axis=2).max(initial=0.0))
     turned = 0.0
     for joint in range(len(before.skeleton)):
-        old, new = before.turn(joint), after.turn(joint)
+        old, new = before.rotation(joint), after.rotation(joint)
         if old is not new:
             turned = max(turned, float(rotation.angle(rotation.multiply(new, rotation.inverse(old))).max(initial=0.0)))
     return moved, turned
@@ -86,7 +86,7 @@ def accelerations(clip: Clip, rig: Rig) -> Floats:
     """(F, joints) [m/s^2] of the root and what hangs on it; nothing where the clip begins and ends."""
     found = np.zeros((len(clip), 0))
     if len(clip) > 2:
-        sharp = np.linalg.norm(np.diff(_figure(clip, rig), n=2, axis=0), axis=2) / clip.frame_time**2
+        sharp = np.linalg.norm(np.diff(figure(clip, rig), n=2, axis=0), axis=2) / clip.frame_time**2
         found = np.pad(sharp, ((1, 1), (0, 0)))
     return found
 
@@ -99,11 +99,15 @@ def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
         rig: its root.
         travel: of one round.
     """
-    one = _figure(clip, rig)[:-1]
+    return ratios_of(figure(clip, rig), travel, clip.frame_time)
+
+
+def ratios_of(seen: Floats, travel: Travel, frame_time: float) -> tuple[float, float]:
+    """The same of a figure (L + 1, joints, 3) [m] that is known, at so many seconds a frame."""
+    one = seen[:-1]
     length = len(one)
-    track = np.concatenate([travel.places_back(one), one, travel.places(one)])
-    sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / clip.frame_time**2  # about frames 1, 2, ...
-    sharp = sharp[length - 1 : 2 * length - 1]  # of the middle round, frame by frame
+    track = np.concatenate([travel.places_back(one[-1:]), one, travel.places(one[:1])])
+    sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / frame_time**2  # frame by frame
     frame = np.arange(length)
     near = max(min(BESIDE, (length - _INNER) // 2), 1)  # of a short one some frames are left
     beside = (frame <= near) | (frame >= length - near)

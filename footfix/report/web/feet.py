@@ -41,7 +41,7 @@ class SolePart:
     outline: Floats
 
     def packed(self) -> dict[str, Any]:
-        """As plain JSON values, in millimetres."""
+        """Give plain JSON values, in millimetres."""
         return {
             "lane": self.lane, "at": list(self.at), "to": list(self.to), "beside": list(self.beside),
             "outline": np.round(1000.0 * self.outline).astype(int).tolist(),

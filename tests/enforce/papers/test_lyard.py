@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from footplants import plants_of, strays
 from scipy.interpolate import CubicHermiteSpline
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.hand_over import catmull_rom, cubic_roots, hand_over, offset_at, share_gone
@@ -275,7 +276,7 @@ def test_turned_and_shifted_clips_give_the_turned_shift() -> None:
 
 
 def test_on_a_belt_planted_points_go_with_the_belt() -> None:
-    made = walk("treadmill")
+    made = walk("treadmill", duration=3.0)
     rig = rig_of(made)
     plants = plants_of(rig, made.contacts)
     ground = (np.arange(len(made.clip)) * made.clip.frame_time)[:, None] * np.array(made.belt)

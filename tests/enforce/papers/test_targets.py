@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from walks import rig_of, walk
+from walks import rig_of
+from walks import short_walk as walk
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.foot import Displacement, _closeness, foot_goal

@@ -6,7 +6,7 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from conftest import need, shared
+from conftest import need, one_of_each_origin
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -75,7 +75,7 @@ def test_long_rows_and_many() -> None:
 @pytest.mark.clips
 def test_real_clips() -> None:
     taken = 0
-    for path in need(shared("clips"), "clips"):
+    for path in need(one_of_each_origin(), "clips"):
         data = path.read_bytes()
         start = data.find(b"\n", data.find(b"Frame Time")) + 1
         found = read_plain(data, start)

@@ -9,7 +9,7 @@ import bvhio
 import numpy as np
 import pytest
 from bvhmaker import PLAIN, plain
-from conftest import SHARED, need, shared
+from conftest import SHARED, need, one_of_each_origin
 from odd_files import OWN_FILES
 
 from footfix.errors import InputError
@@ -35,7 +35,7 @@ def long_clip(frame_time: float = 0.02, frames: int = 40) -> list[str]:
 def test_a_sound_file_comes_back_as_it_is() -> None:
     for data in (plain(), plain().replace(b"\n", b"\r\n"), plain().rstrip()):
         assert repair(decode(data)) == (data, ())
-    for path in need(shared("clips"), "clips"):
+    for path in need(one_of_each_origin(), "clips"):
         data = path.read_bytes()
         document = decode(data)
         if {note.id for note in document.notes} <= HARMLESS:

@@ -47,7 +47,7 @@ def same_joints(clip: Clip) -> Floats:
 def bent(clip: Clip) -> tuple[Clip, int, int]:
     """The clip with one joint turned and another moved, in some frames; and which ones."""
     knee, hips = (clip.skeleton.names.index(name) for name in ("LeftLeg", "Hips"))
-    turn, place = np.array(clip.turn(knee)), np.array(clip.place(hips))
+    turn, place = np.array(clip.rotation(knee)), np.array(clip.position(hips))
     turn[5:9] = rotation.multiply(turn[5:9], rotation.from_rotation_vector(np.tile([0.2, 0.0, 0.0], (4, 1))))
     place[10:15] += [0.0, 0.03, 0.01]
     return clip.with_joints({hips: place}, {knee: turn}), knee, hips
@@ -113,8 +113,8 @@ def test_a_shared_sampler_is_split() -> None:
     changed, knee, _ = bent(document.clip)
     _, again = rewrite(document, changed)
     other = again.skeleton.names.index("RightLeg")
-    np.testing.assert_array_equal(again.turn(other), document.clip.turn(other))
-    np.testing.assert_allclose(again.turn(knee), changed.turn(knee), atol=1e-6)
+    np.testing.assert_array_equal(again.rotation(other), document.clip.rotation(other))
+    np.testing.assert_allclose(again.rotation(knee), changed.rotation(knee), atol=1e-6)
 
 
 def test_a_channel_that_was_not_there_is_added() -> None:
@@ -123,7 +123,7 @@ def test_a_channel_that_was_not_there_is_added() -> None:
     head = document.clip.skeleton.names.index("Head")
     turn = np.tile(rotation.from_rotation_vector(np.array([0.0, 0.3, 0.0])), (document.frames, 1))
     written, again = rewrite(document, document.clip.with_joints({}, {head: turn}))
-    np.testing.assert_allclose(again.turn(head), turn, atol=1e-6)
+    np.testing.assert_allclose(again.rotation(head), turn, atol=1e-6)
     moved = {channel["target"]["node"] for channel in tree_of(written)["animations"][0]["channels"]}
     assert not any("matrix" in tree_of(written)["nodes"][k] for k in moved)
 
@@ -307,9 +307,9 @@ def test_shared_characters_keep_their_bytes() -> None:
     document = open_document(data, name="horse.glb#Walk")
     assert document.frames == 29 and document.grid.start == pytest.approx(1.0 / 30.0)  # type: ignore[attr-defined]
     hips = document.clip.skeleton.names.index("hips")
-    place = document.clip.place(hips) + [0.0, 0.01, 0.0]
+    place = document.clip.position(hips) + [0.0, 0.01, 0.0]
     written, again = rewrite(document, document.clip.with_joints({hips: place}, {}))
-    np.testing.assert_allclose(again.place(hips), place, atol=1e-6)
+    np.testing.assert_allclose(again.position(hips), place, atol=1e-6)
     assert binary_of(written)[: len(binary_of(data))] == binary_of(data)
     for key in ("meshes", "materials", "images", "skins", "nodes"):
         assert tree_of(written)[key] == tree_of(data)[key]

@@ -90,7 +90,7 @@ def test_the_speed_is_what_was_asked_for() -> None:
     model = fitted().model
     for speed in (0.9, 1.6):
         made = make(model, plan_of([PlanRow(0.0, speed, 0.0)], model), seconds=4.0, fps=60.0)
-        root = made.clip.place(model.rig.root)
+        root = made.clip.position(model.rig.root)
         period = round(60.0 / float(model.frequency(plan_of([PlanRow(0.0, speed, 0.0)], model))[0]))
         assert np.linalg.norm(root[3 * period] - root[0]) / (3 * period / 60.0) == pytest.approx(speed, rel=0.02)
 
@@ -100,7 +100,7 @@ def test_along_a_path_the_root_stays_on_it() -> None:
     angle = np.linspace(0.0, np.pi, 60)
     line = make_path(np.stack([3.0 * (1.0 - np.cos(angle)), 3.0 * np.sin(angle)], axis=1))
     made = make(model, plan_of([PlanRow(0.0, 1.3, 0.0)], model), seconds=6.0, fps=60.0, line=line)
-    root = made.clip.place(model.rig.root)[:, [0, 2]]
+    root = made.clip.position(model.rig.root)[:, [0, 2]]
     off = np.linalg.norm(root - [3.0, 0.0], axis=1) - 3.0
     period = round(60.0 / float(model.frequency(plan_of([PlanRow(0.0, 1.3, 0.0)], model))[0]))
     mean = np.convolve(off, np.ones(period) / period, mode="valid")

@@ -42,7 +42,7 @@ def still(place: Floats) -> Clip:
     """The walker's first pose, its root at places (F, 3)."""
     made = walk()
     first = made.clip.frames(np.zeros(len(place), np.intp))
-    return first.with_joints({0: first.place(0) * [0.0, 1.0, 0.0] + place}, {})
+    return first.with_joints({0: first.position(0) * [0.0, 1.0, 0.0] + place}, {})
 
 
 def test_the_zero_moment_point_of_who_stands_is_below_the_centre_and_lags_who_speeds_up() -> None:

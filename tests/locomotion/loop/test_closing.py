@@ -9,8 +9,8 @@ from walks import rig_of, walk
 from footfix.errors import InputError
 from footfix.locomotion.loop.closing import Closed, close, decay
 from footfix.locomotion.loop.cuts import Cut
+from footfix.locomotion.loop.holding import lay
 from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.rounds import lay
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.motion.kinematics import places
@@ -92,7 +92,7 @@ def test_velocities_join_over_a_wide_gap_of_turns() -> None:
     swing = np.stack([0.4 * np.sin(3.0 * time), 0.5 * time, 0.8 * time**2], axis=1)
     turns = np.stack([np.tile([0.0, 0.0, 0.0, 1.0], (481, 1)), rotation.from_rotation_vector(swing)], axis=1)
     clip = Clip(skeleton, np.zeros((481, 2, 3)), turns, 1.0 / fps)
-    found = close(clip, Rig(0, 0, (), (), 1.0, 0.0), Cut(120, 360, -1, 1, 0, 0.0), LoopParams()).clip.turn(1)
+    found = close(clip, Rig(0, 0, (), (), 1.0, 0.0), Cut(120, 360, -1, 1, 0, 0.0), LoopParams()).clip.rotation(1)
     twice = np.concatenate([found, found[1:]])
     speed = fps * rotation.to_rotation_vector(rotation.multiply(twice[1:], rotation.inverse(twice[:-1])))
     sharp = fps * np.linalg.norm(np.diff(speed, axis=0), axis=1)

@@ -1,0 +1,40 @@
+"""What is made once in a run of the tests, by whichever of its processes wants it first."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+FOLDER = "FOOTFIX_TESTS_ONCE"  # environment variable: a folder of this run, set by conftest
+
+_Value = TypeVar("_Value")
+
+
+def once(name: str, make: Callable[[], _Value]) -> _Value:
+    """Make a value, or take the one that another process of the run has made.
+
+    Args:
+        name: of the value.
+        make: gives it; what it gives can be pickled.
+    """
+    folder = os.environ.get(FOLDER)
+    if folder is None:
+        return make()
+    made, begun = Path(folder) / f"{name}.pickle", Path(folder) / f"{name}.begun"
+    try:
+        begun.touch(exist_ok=False)
+    except FileExistsError:
+        until = time.monotonic() + 120.0
+        while not made.exists() and time.monotonic() < until:
+            time.sleep(0.05)
+        if made.exists():
+            return pickle.loads(made.read_bytes())  # type: ignore[no-any-return]
+    value = make()
+    part = made.with_suffix(f".{os.getpid()}")
+    part.write_bytes(pickle.dumps(value))
+    part.replace(made)
+    return value
