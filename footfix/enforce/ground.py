@@ -82,14 +82,14 @@ def belt(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: Gr
     return np.concatenate([np.zeros((1, 3)), np.cumsum(velocity[:-1] * frame_time, axis=0)])
 
 
-def _of_gait(drifts: Sequence[_Drift], gait: Gait) -> Floats:
+def _of_gait(drifts: Sequence[Drift], gait: Gait) -> Floats:
     """(3,) [m/s] the velocity of the ground under a gait in place: that of most planted feet which go with it."""
     speed = float(np.linalg.norm(gait.velocity))
     along = np.array([float(np.linalg.norm(each.velocity - gait.velocity)) < _NEAR_GAIT * speed for each in drifts])
-    return _usual_step(drifts, along) if along.any() else gait.velocity
+    return usual_step(drifts, along) if along.any() else gait.velocity
 
 
-def _velocity(drifts: Sequence[_Drift], rig: Rig, pose: Pose, frame_time: float, params: GroundParams) -> Floats:
+def _velocity(drifts: Sequence[Drift], rig: Rig, pose: Pose, frame_time: float, params: GroundParams) -> Floats:
     hips = np.mean([pose.position(leg.hip) for leg in rig.legs], axis=0)
     frames, legs = len(hips), len(rig.legs)
     velocity = np.zeros((frames, 3))

@@ -89,7 +89,7 @@ def timelines(every: Sequence[Sequence[Row]], some: Floats) -> Timelines:
 
 def held_rows(spans: Sequence[Span], values: Sequence[int], slopes: Sequence[int], holders: Sequence[int],
               sigma: float) -> list[Row]:  # fmt: skip
-    """A value that is held in spans, eased in before each and out after it, and led over where they are close.
+    """Hold a value in spans, eased in before each and out after it, and led over where they are close.
 
     Args:
         spans: [s] from when until when it is held, in order of time.
@@ -112,6 +112,6 @@ def held_rows(spans: Sequence[Span], values: Sequence[int], slopes: Sequence[int
 
 
 def through_rows(times: Sequence[float], first: int) -> list[Row]:
-    """A number that goes through some values in order of time, of which the first stands at an index."""
+    """Lead a number through some values in order of time, of which the first stands at an index."""
     last = first + len(times) - 1
     return [(at, first + k, min(first + k + 1, last), 0, 0, -1) for k, at in enumerate(times)]

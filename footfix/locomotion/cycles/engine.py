@@ -58,7 +58,7 @@ class Postures:
         return len(self.times)
 
     def clip(self, model: CycleModel, frame_time: float) -> Clip:
-        """The postures as frames of a clip."""
+        """Make a clip of them."""
         skeleton, root = model.skeleton, model.rig.root
         places = np.tile(skeleton.offsets, (len(self), 1, 1))
         places[:, root] = self.place
@@ -137,7 +137,7 @@ class Led:
 
 
 def free_postures(model: CycleModel, course: Course, times: Floats, first: int = 0) -> Free:
-    """The postures that the cycles have at times (T,) [s] (G eq. 5, 6): those from `first` on, and all legs."""
+    """Tell the postures that the cycles have at times (T,) [s] (G eq. 5, 6): those from `first` on, and all legs."""
     at, asked = course.at(times), course.plan.at(times)
     heading, root = rotation.about_vertical(at[:, 2]), model.rig.root
     if first:  # of most times nothing is asked for but the legs
@@ -158,7 +158,7 @@ def free_postures(model: CycleModel, course: Course, times: Floats, first: int =
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
-    """The legs as the cycles have them at times (T,) [s]."""
+    """Pose the legs as the cycles have them at times (T,) [s]."""
     return free_postures(model, course, times, len(times) - 1).legs
 
 
@@ -180,7 +180,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
-    """The course, with some of the past [s], and the time in which feet that stand in the end are lifted again."""
+    """Foresee the course, with some of the past [s], and the time in which feet that stand in the end are lifted again."""
     slow = 1.0 / float(model.frequency(plan.at(np.array([until])))[0])
     return make_course(plan, line, start, until + slow, start.time - past, model.frequency)
 
@@ -191,7 +191,7 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
 
 
 def changed_plan(model: CycleModel, plan: Plan, now: float, over: float, target: Plan) -> Plan:
-    """The plan that from now on goes to a target (one row) within `over` [s], or as soon as feet can follow."""
+    """Make the plan that from now on goes to a target (one row) within `over` [s], or as soon as feet can follow."""
     here = plan.at(np.array([now]))
     needed = (
         (target.turn - here.turn) / _TURNED,
@@ -239,7 +239,7 @@ def changed(
 def _coming(
     feet: Feet, expected: Sequence[Sequence[Stance]], now: float
 ) -> tuple[list[Stance], list[Stance], list[bool]]:
-    """The stances that are over but still lead a foot, those that are or come, and which of these stay as they were."""
+    """Tell the stances that are over but still lead a foot, those that are or come, and which of these stay as they were."""
     over, stances, stays = list[Stance](), list[Stance](), list[bool]()
     for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
@@ -289,7 +289,7 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
 
 
 def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
-    """What is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
+    """Keep what is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
     until = np.empty(gap.shape[:2])
     for leg, stances in enumerate(feet.stances):
         for q, k in enumerate((0, 1, 2, 3, 0, 0)):  # the last two as the heel
@@ -299,13 +299,13 @@ def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
 
 
 def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
-    """The postures at some times (T,) [s], feet held."""
+    """Make the postures at some times (T,) [s], feet held."""
     free = free_postures(model, foreseen.course, times)
     return held(model, foreseen.feet, Led(times, free, foreseen.led_off(times, free.legs)))
 
 
 def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
-    """The postures in which feet are where they are led."""
+    """Make the postures in which feet are where they are led."""
     pose, off, rig = led.free.legs, led.off, model.rig
     place, turns = np.array(led.free.place), np.array(led.free.turns)
     ankle, foot, toes = goals(pose, off)

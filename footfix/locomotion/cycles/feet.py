@@ -75,7 +75,7 @@ class Feet:
 
 
 def make_feet(stances: Sequence[Sequence[Stance]]) -> Feet:
-    """What feet are going to do, by the stances of each of them in order of time."""
+    """Tell what feet are going to do, by the stances of each of them in order of time."""
     every = [each for own in stances for each in own]
     n = len(every)
     rows: list[list[Row]] = []

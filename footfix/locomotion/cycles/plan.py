@@ -84,7 +84,7 @@ class Plan:
         return Plan(*(getattr(self, name)[which] for name in _ROWS))
 
     def since(self, time: float) -> Plan:
-        """The plan without what was asked for before a time [s] and holds no more then."""
+        """Forget what was asked for before a time [s] and holds no more then."""
         first = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
         return self if first == 0 else self.some(slice(first, None))
 
@@ -141,7 +141,7 @@ class Course:
     frequency: Callable[[Plan], Floats]
 
     def at(self, times: Floats) -> Floats:
-        """(T, 5) what `known` has, at times (T,) [s]; along a path place and heading are the path's."""
+        """Tell (T, 5) what `known` has, at times (T,) [s]; along a path place and heading are the path's."""
         k = np.minimum(np.maximum(self.grid.searchsorted(times, side="right") - 1, 0), len(self.grid) - 1)
         known = self.known[k]
         out = known + _headed(_steps(self.plan, self.frequency, self.grid[k], times), known[:, 2])
@@ -194,7 +194,7 @@ def make_course(
 
 
 def _steps(plan: Plan, frequency: Callable[[Plan], Floats], low: Floats, high: Floats) -> Floats:
-    """(T, 5) by how much phase, length, heading and place grow from times (T,) to times (T,), headed along z.
+    """Integrate (T, 5) by how much phase, length, heading and place grow from times (T,) to times (T,), headed along z.
 
     The plan has no knot in between, so that turns change evenly.
     """
