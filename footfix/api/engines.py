@@ -17,9 +17,10 @@ from footfix.formats.models import encode_model
 from footfix.formats.plans import PlanRow
 from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
 from footfix.jobs.make import plan_of
-from footfix.locomotion.cycles.engine import Led, Postures, changed, changed_plan, foresee, held, postures
+from footfix.locomotion.cycles.engine import changed, changed_plan, foresee, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Plan, Point
+from footfix.locomotion.cycles.postures import Led, Postures, held
 from footfix.locomotion.follow.path import make_path
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.rig.rig import Rig

@@ -12,8 +12,9 @@ import footfix
 from footfix.errors import ArgumentError
 from footfix.formats.plans import PlanRow
 from footfix.jobs.make import make, plan_of
-from footfix.locomotion.cycles.engine import changed_plan, foresee, free_postures, leg_poses, postures
+from footfix.locomotion.cycles.engine import changed_plan, foresee, postures
 from footfix.locomotion.cycles.plan import Plan, Point, make_course
+from footfix.locomotion.cycles.postures import free_postures, leg_poses
 from footfix.locomotion.follow.path import make_path
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
