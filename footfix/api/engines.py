@@ -115,6 +115,8 @@ class Engine:
     ) -> None:  # fmt: skip
         """Ask for something else, from now on; what is not named goes to where it was going.
 
+        To ask for the same again, and no sooner, changes nothing.
+
         Args:
             speed: [m/s].
             run: 0 to walk, 1 to run, or between.
@@ -129,8 +131,11 @@ class Engine:
         new = self._row(last.speed[0] if speed is None else speed, run, turn, style)
         names = ("speed", "run", "turn", "style")
         given = {n: getattr(new, n) for n, v in zip(names, (speed, run, turn, style), strict=True) if v is not None}
-        self._plan = changed_plan(self.model, self._plan, self.time, over, replace(last, **given))
-        self._asked = True
+        target = replace(last, **given)
+        plan = changed_plan(self.model, self._plan, self.time, over, target)
+        same = all(np.array_equal(getattr(target, n), getattr(last, n)) for n in given)
+        if not same or plan.times[-1] < self._plan.times[-1]:
+            self._plan, self._asked = plan, True
 
     def step(self, dt: float) -> Frame:
         """Go on by `dt` [s], and give the posture then."""

@@ -151,6 +151,15 @@ def test_a_change_is_taken_up_as_quickly_as_feet_can_follow() -> None:
     assert changed_plan(model, here, 1.0, 0.0, here).times[-1] == pytest.approx(1.25)
 
 
+def test_to_ask_for_the_same_again_changes_nothing() -> None:
+    once, often = (footfix.Engine(fitted().model, speed=1.0, run=0.0) for _ in range(2))
+    once.set(speed=1.4, turn=20.0, over=1.0)
+    for _ in range(80):
+        often.set(speed=1.4, turn=20.0, over=1.0)
+        one, other = once.step(1 / 60), often.step(1 / 60)
+        assert np.array_equal(one.rotations, other.rotations) and np.array_equal(one.positions, other.positions)
+
+
 def test_a_figure_goes_on_from_where_it_is_whatever_is_asked() -> None:
     engine = footfix.Engine(fitted().model, speed=1.2, run=0.0)
     for k in range(60):
