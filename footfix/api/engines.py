@@ -17,9 +17,10 @@ from footfix.formats.models import encode_model
 from footfix.formats.plans import PlanRow
 from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
 from footfix.jobs.make import plan_of
-from footfix.locomotion.cycles.engine import Led, Postures, changed, changed_plan, foresee, held, postures
+from footfix.locomotion.cycles.engine import changed, changed_plan, foresee, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Plan, Point
+from footfix.locomotion.cycles.postures import Led, Postures, held
 from footfix.locomotion.follow.path import make_path
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.rig.rig import Rig
@@ -114,6 +115,8 @@ class Engine:
     ) -> None:  # fmt: skip
         """Ask for something else, from now on; what is not named goes to where it was going.
 
+        To ask for the same again, and no sooner, changes nothing.
+
         Args:
             speed: [m/s].
             run: 0 to walk, 1 to run, or between.
@@ -128,8 +131,11 @@ class Engine:
         new = self._row(last.speed[0] if speed is None else speed, run, turn, style)
         names = ("speed", "run", "turn", "style")
         given = {n: getattr(new, n) for n, v in zip(names, (speed, run, turn, style), strict=True) if v is not None}
-        self._plan = changed_plan(self.model, self._plan, self.time, over, replace(last, **given))
-        self._asked = True
+        target = replace(last, **given)
+        plan = changed_plan(self.model, self._plan, self.time, over, target)
+        same = all(np.array_equal(getattr(target, n), getattr(last, n)) for n in given)
+        if not same or plan.times[-1] < self._plan.times[-1]:
+            self._plan, self._asked = plan, True
 
     def step(self, dt: float) -> Frame:
         """Go on by `dt` [s], and give the posture then."""

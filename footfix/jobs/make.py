@@ -19,9 +19,10 @@ from footfix.formats.document import open_document
 from footfix.formats.plans import PlanRow
 from footfix.jobs.contacts import contacts_json
 from footfix.jobs.outputs import Outputs
-from footfix.locomotion.cycles.engine import Foreseen, Postures, foresee, free_postures, postures
+from footfix.locomotion.cycles.engine import Foreseen, foresee, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point
+from footfix.locomotion.cycles.postures import Postures, free_postures
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled

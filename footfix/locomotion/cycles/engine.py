@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.papers.ease import replanned
-from footfix.locomotion.cycles.feet import SIGMA, Feet, goals, lowered, make_feet
+from footfix.locomotion.cycles.feet import SIGMA, Feet, make_feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course, Line, Plan, Point, make_course
+from footfix.locomotion.cycles.postures import Led, Postures, free_postures, held, leg_poses
 from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
-from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.clip import Floats
 
 _SOONEST = 0.25  # [s] within which parameters change at the soonest,
 _TURNED = np.radians(150.0)  # [rad/s^2] and turns,
@@ -26,43 +26,9 @@ _HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
 _RAN = 1.0  # [1/s] and the share of running: quicker than this no foot on the floor can follow
 _COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
-_AHEAD = 1.4  # [s] that are foreseen at least
 _PAST = 0.25  # [s] that are told of the past where what stands is known
 _RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
 _SOON = 0.01  # [s] in which it is gone at the soonest
-
-
-@dataclass(frozen=True, eq=False)
-class Postures:
-    """Postures of a figure at T times.
-
-    Args:
-        times: (T,) [s].
-        place: (T, 3) [m] the root.
-        turns: (T, J, 4) xyzw each joint's rotation in its parent's frame.
-        contacts: (T, E) whether each effector is planted.
-        names: of the effectors.
-        led: (T, L, Q, 3) how the feet are led off the cycle.
-        point: where the course is at the last of the times.
-    """
-
-    times: Floats
-    place: Floats
-    turns: Floats
-    contacts: Bools
-    names: tuple[str, ...]
-    led: Floats
-    point: Point
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    def clip(self, model: CycleModel, frame_time: float) -> Clip:
-        """Make a clip of them."""
-        skeleton, root = model.skeleton, model.rig.root
-        places = np.tile(skeleton.offsets, (len(self), 1, 1))
-        places[:, root] = self.place
-        return Clip(skeleton, places, self.turns, frame_time)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,64 +70,6 @@ class Foreseen:
         return off if self.residual is None else self.residual.faded(off, times)
 
 
-@dataclass(frozen=True, eq=False)
-class Free:
-    """Postures as the cycles have them, no foot held.
-
-    Args:
-        point: where the course is at the last of T times.
-        place: (T, 3) [m] the root.
-        turns: (T, J, 4) xyzw all rotations.
-        legs: the legs, at these times and maybe some before.
-    """
-
-    point: Point
-    place: Floats
-    turns: Floats
-    legs: LegPoses
-
-
-@dataclass(frozen=True, eq=False)
-class Led:
-    """Postures as the cycles have them, and how feet are led off them.
-
-    Args:
-        times: (T,) [s].
-        free: T postures.
-        off: (T, L, Q, 3).
-    """
-
-    times: Floats
-    free: Free
-    off: Floats
-
-
-def free_postures(model: CycleModel, course: Course, times: Floats, first: int = 0) -> Free:
-    """Tell the postures that the cycles have at times (T,) [s] (G eq. 5, 6): those from `first` on, and all legs."""
-    at, asked = course.at(times), course.plan.at(times)
-    heading, root = rotation.about_vertical(at[:, 2]), model.rig.root
-    if first:  # of most times nothing is asked for but the legs
-        rows, every = model.leg_rows(at[:, 0], asked, first)
-        own, turns = model.leg_turns(rows), model.turns(every)
-        own_root, own_legs = own[:, 0], own[:, 1:]
-    else:
-        rows = model.rows(at[:, 0], asked)
-        turns = model.turns(rows)
-        own_root, own_legs = turns[:, root], turns[:, model.legs.joints]
-    front = rotation.multiply(heading, own_root)
-    place = rotation.rotate(heading, model.rig.leg_length * rows[:, :3])
-    place[:, 0] += at[:, 3]
-    place[:, 2] += at[:, 4]
-    legs = model.legs.poses(place, front, own_legs)
-    turns[:, root] = front[first:]
-    return Free(Point(float(times[-1]), *at[-1].tolist()), place[first:], turns, legs)
-
-
-def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
-    """Pose the legs as the cycles have them at times (T,) [s]."""
-    return free_postures(model, course, times, len(times) - 1).legs
-
-
 def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
     """Foresee the course of a plan and where the feet are going to stand.
 
@@ -180,7 +88,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
-    """Foresee the course, with some of the past [s], and the time in which feet that stand in the end are lifted again."""
+    """Foresee the course, with some of the past [s], and until feet that stand in the end are lifted again."""
     slow = 1.0 / float(model.frequency(plan.at(np.array([until])))[0])
     return make_course(plan, line, start, until + slow, start.time - past, model.frequency)
 
@@ -239,7 +147,7 @@ def changed(
 def _coming(
     feet: Feet, expected: Sequence[Sequence[Stance]], now: float
 ) -> tuple[list[Stance], list[Stance], list[bool]]:
-    """Tell the stances that are over but still lead a foot, those that are or come, and which of these stay as they were."""
+    """Tell stances that are over but still lead a foot, those that are or come, and which of these were known."""
     over, stances, stays = list[Stance](), list[Stance](), list[bool]()
     for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
@@ -302,18 +210,3 @@ def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
     """Make the postures at some times (T,) [s], feet held."""
     free = free_postures(model, foreseen.course, times)
     return held(model, foreseen.feet, Led(times, free, foreseen.led_off(times, free.legs)))
-
-
-def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
-    """Make the postures in which feet are where they are led."""
-    pose, off, rig = led.free.legs, led.off, model.rig
-    place, turns = np.array(led.free.place), np.array(led.free.turns)
-    ankle, foot, toes = goals(pose, off)
-    down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
-    place[:, 1] -= down
-    ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
-    turns[:, model.legs.turned] = model.legs.bent(pose, model.knees, ankle, foot, toes)
-    contacts = np.empty((len(led.times), len(rig.soles)), dtype=np.bool_)
-    for e, sole in enumerate(rig.soles):
-        contacts[:, e] = feet.planted(sole.leg, sole.part, led.times)
-    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off, led.free.point)

@@ -160,7 +160,7 @@ def _places(
 
 
 def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats) -> Floats:
-    """Tell (n, 3) [m] by what places (n, 3) are drawn nearer over the floor, for legs to reach the heels all the time."""
+    """Draw places (n, 3) nearer over the floor, by (n, 3) [m], for legs to reach the heels all the time."""
     hip, ankle, heel = (each[rows, legs[:, None]] for each in (poses.hip, poses.ankle, poses.heel))
     limit = reach(poses)[rows, legs[:, None]]
     limit = np.where(norm(ankle - hip) > _STRETCHED * limit, limit, _STRETCHED * limit)  # straight legs may stay so

@@ -12,8 +12,9 @@ import footfix
 from footfix.errors import ArgumentError
 from footfix.formats.plans import PlanRow
 from footfix.jobs.make import make, plan_of
-from footfix.locomotion.cycles.engine import changed_plan, foresee, free_postures, leg_poses, postures
+from footfix.locomotion.cycles.engine import changed_plan, foresee, postures
 from footfix.locomotion.cycles.plan import Plan, Point, make_course
+from footfix.locomotion.cycles.postures import free_postures, leg_poses
 from footfix.locomotion.follow.path import make_path
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -148,6 +149,15 @@ def test_a_change_is_taken_up_as_quickly_as_feet_can_follow() -> None:
         faster = changed_plan(model, here, 1.0, over, steady(1.2 + 0.25 * model.froude))
         assert faster.times[-1] == pytest.approx(1.0 + max(over, 0.5))
     assert changed_plan(model, here, 1.0, 0.0, here).times[-1] == pytest.approx(1.25)
+
+
+def test_to_ask_for_the_same_again_changes_nothing() -> None:
+    once, often = (footfix.Engine(fitted().model, speed=1.0, run=0.0) for _ in range(2))
+    once.set(speed=1.4, turn=20.0, over=1.0)
+    for _ in range(80):
+        often.set(speed=1.4, turn=20.0, over=1.0)
+        one, other = once.step(1 / 60), often.step(1 / 60)
+        assert np.array_equal(one.rotations, other.rotations) and np.array_equal(one.positions, other.positions)
 
 
 def test_a_figure_goes_on_from_where_it_is_whatever_is_asked() -> None:
