@@ -66,7 +66,7 @@ def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
 
 
 def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
-    part, clip, pose, legs = figure("walk_skate")
+    part, _, pose, legs = figure("walk_skate")
     again = Legs.of(legs.apart())
     past = Past(legs.kinds, pose.joints, 5, 64)
     past.append(np.zeros((60, 5)), legs, pose)
