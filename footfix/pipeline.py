@@ -20,6 +20,7 @@ from footfix.enforce.footplant import Footplant
 from footfix.enforce.put_back import put_back, repeated
 from footfix.enforce.run import enforce
 from footfix.enforce.task import ground_of
+from footfix.errors import InputError
 from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
@@ -156,8 +157,8 @@ def loop(
     """
     settings = settings or Settings()
     frame_range = motion_range(clip)
-    rig = rig or find_rigs(clip, settings.rig, frame_range)[0]
-    prepared = prepare(clip, settings, (rig,), frame_range)
+    rigs = find_rigs(clip, settings.rig, frame_range) if rig is None else (rig,)
+    prepared = prepare(clip, settings, rigs, frame_range)
     return cut_loop(prepared, contacts or find_contacts(prepared, settings), settings)
 
 
@@ -168,9 +169,15 @@ def cut_loop(prepared: Prepared, contacts: Contacts, settings: Settings) -> Loop
         prepared: the clip and its figure.
         contacts: of that.
         settings: which cycle, how it is closed, and how contacts are enforced.
+
+    Raises:
+        InputError: the clip holds several figures, or no cycle, or not the one that is asked for.
     """
     from footfix.locomotion.loop.run import make_loop  # most commands cut no loop
 
+    if len(prepared.rigs) > 1:
+        text = f"the file holds {len(prepared.rigs)} figures, whose cycles differ; a loop is one figure's"
+        raise InputError(text, hint="export each figure to a file of its own")
     rig, motion, asked = prepared.rigs[0], prepared.crops[0], settings.loop
     start, end = (None if frame is None else frame - motion.start for frame in (asked.start, asked.end))
     found = make_loop(

@@ -10,11 +10,12 @@ from dataclasses import fields, replace
 
 import numpy as np
 from legmaker import figure
+from scipy.spatial.transform import Rotation
 
-from footfix.enforce import costs
+from footfix.enforce import costs, vertices
 from footfix.enforce.assembly import System
 from footfix.enforce.costs import CostParams
-from footfix.enforce.leg import LEG, ROOT, K, LegTracks
+from footfix.enforce.leg import ANKLE, LEG, ROOT, B, K, LegTracks, W
 from footfix.enforce.objective import systems
 from footfix.enforce.pins import Pins
 from footfix.enforce.posed import places_of
@@ -103,9 +104,23 @@ def residuals(
         flexion = leg.flexion + own[K]
         out.append(per_frame * np.maximum(0.0, leg.least - flexion) / (costs.KNEE * deg))
         out += _speeds(of, leg, own)
+        if k in of.skins:
+            low = np.maximum(0.0, of.skins[k].lowest - heights(of, x, k))
+            out.append(per_frame * low / (vertices._SIGMA * size))
     for turn, far, sigma in bounds(of):
         out.append(per_frame * np.maximum(0.0, np.linalg.norm(turn @ x, axis=0) - far) / sigma)
     return np.concatenate([each.ravel() for each in out])
+
+
+def heights(of: Problem, x: Floats, k: int) -> Floats:
+    """(N, F) [m] of the vertices of a leg's foot, by rotations of the house next door."""
+    leg, own, skin = of.legs[k], x[of.columns(k)], of.skins[k]
+    foot, bend = (Rotation.from_rotvec(turn.T) for turn in (own[W], own[B] * leg.toe_hinge))
+    ankle = places_of(leg, x[:ROOT], own)[ANKLE]
+    toes = np.zeros_like(skin.base) if skin.toes is None else skin.toes
+    return np.stack([
+        ankle[1] + foot.apply(base.T + bend.apply(tip.T))[:, 1] for base, tip in zip(skin.base, toes, strict=True)
+    ])  # fmt: skip
 
 
 def bounds(of: Problem) -> list[tuple[Floats, Floats, float]]:

@@ -42,14 +42,15 @@ def loop(
     Raises:
         ArgumentError: clip, rig, contacts or settings can't be what is meant.
         NoLegsError: no legs were found, and no rig was given.
-        InputError: the clip holds no cycle, or not the one that is asked for.
+        InputError: the clip holds several figures and no rig was given, or no cycle, or not the one that is asked for.
     """
     settings = check_settings(settings)
     check_clip(clip)
     if len(clip) < LEAST_FRAMES:
         raise ArgumentError(f"a clip of {len(clip)} frames is too short for a stride")
     if rig is None and (contacts is not None or settings.rig.skin is not None):
-        rig = find_rigs(clip, settings)[0]
+        rigs = find_rigs(clip, settings)
+        rig = rigs[0] if len(rigs) == 1 else None  # several are refused below
     if rig is not None:
         check_rig(rig, clip)
         if contacts is not None:

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.ending import ended
-from footfix.batch.files import STDIN, read_clip, read_whole, write_whole
+from footfix.batch.files import read_whole, write_whole
 from footfix.batch.inputs import Source
 from footfix.batch.making import fingerprint, write_outputs
 from footfix.batch.outputs import plan as plan_outputs
 from footfix.batch.task import FileResult, Task, beside
-from footfix.errors import InputError, UsageError
-from footfix.formats.suffixes import STDIN_NAME
+from footfix.errors import UsageError
 
 if TYPE_CHECKING:
     from footfix.formats.plans import PlanRow
@@ -30,54 +29,27 @@ _MOST = 1 << 30  # [bytes] of a model
 _MOST_PLAN = 1 << 24  # [bytes]
 
 
-def run_fit(
-    found: Sequence[Source], output: Path, settings_of: Callable[[Path], Settings], *, styles: Mapping[str, str],
-    components: int | None, force: bool, told: Callable[[str, str, bool], None],
-) -> tuple[Fitted, tuple[str, ...]]:  # fmt: skip
-    """Fit a model to the clips of some files, and write it.
+def fit_and_write(files: Sequence[FileCycles], output: Path, *, components: int | None) -> Fitted:
+    """Fit a model to the cycles of files, and write it.
 
     Args:
-        found: the files.
+        files: their cycles.
         output: where the model goes.
-        settings_of: the settings for a file.
-        styles: glob -> name of the style of files that match; others have that of the folder they lie in.
         components: the most of a gait.
-        force: whether a model that is there is overwritten.
-        told: hears of every file: its name, what was found or went wrong, and whether it went wrong.
-
-    Returns:
-        What was fitted, and the files that could not be used.
 
     Raises:
-        UsageError: nothing can be done as it was asked for.
         InputError: there is too little to learn from.
     """
     from footfix.formats.models import encode_model
-    from footfix.jobs.fit import cycles_of_file, fit_files
+    from footfix.jobs.fit import fit_files
 
-    check_output(output, (".npz",), [each.path for each in found], force=force)
-    files: list[FileCycles] = []
-    failed: list[str] = []
-    for each in found:
-        name = each.below.as_posix()
-        settings = settings_of(Path(each.path))
-        try:
-            called = STDIN_NAME if each.path == STDIN else each.path
-            data = read_clip(each.path, settings.limits, name=each.path, called=called)
-            cycles = cycles_of_file(data, each.path, settings, style=_style(each, styles))
-        except InputError as error:
-            failed.append(each.path)
-            told(name, str(error), True)
-            continue
-        files.append(cycles)
-        told(name, cycles.told, False)
     fitted = fit_files(files, components=components)
     output.parent.mkdir(parents=True, exist_ok=True)
     write_whole(output, encode_model(fitted.model))
-    return fitted, tuple(failed)
+    return fitted
 
 
-def _style(source: Source, styles: Mapping[str, str]) -> str:
+def style_of(source: Source, styles: Mapping[str, str]) -> str:
     """Find the style of a file: by the first glob that it matches, else the folder it lies in, below the one named."""
     for glob, name in styles.items():
         if any(fnmatchcase(each, glob) for each in (source.below.as_posix(), source.below.name)):

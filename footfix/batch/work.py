@@ -57,6 +57,11 @@ def check_one(task: Task) -> FileResult:
     return _guarded(task, _each(_check))
 
 
+def sample_one(task: Task) -> FileResult:
+    """Finds the straight cycles of each clip of a file, of the style `extra["style"]`, and hands them back."""
+    return _guarded(task, _each(_sample))
+
+
 def _guarded(task: Task, work: Work) -> FileResult:
     """Give the result of some work and the time it took."""
     begun = time.perf_counter()
@@ -205,6 +210,14 @@ def _inspect(task: Task, data: bytes) -> FileResult:
     skin = skin_for(task.settings, task.folder)
     found = inspect_file(data, task.job.source, task.settings, beside=beside_of(task), skin=skin)
     return FileResult(task.job.source, "done", report=found)
+
+
+def _sample(task: Task, data: bytes) -> FileResult:
+    from footfix.jobs.fit import cycles_of_file
+
+    name, style = task.job.source, task.extra["style"]
+    found = cycles_of_file(data, name, task.settings, style=style, beside=beside_of(task))
+    return FileResult(name, "done", report={"cycles": found})
 
 
 def _repair(task: Task, data: bytes) -> FileResult:

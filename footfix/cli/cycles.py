@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +13,7 @@ from footfix.cli.options import Common, Many, many, shared
 from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
+    from footfix.batch.task import FileResult
     from footfix.jobs.fit import Fitted
 
 
@@ -39,38 +42,39 @@ def fit(
     A gait needs 20 cycles, of two speeds at least; 100 of a range of speeds are better. Clips that are something else
     are left aside. The model names its files, and holds none of them.
     """
-    from footfix.batch.cycles import run_fit
-    from footfix.cli.progress import Progress
-    from footfix.cli.running import config_for, found_inputs, print_json
+    from footfix.batch.clips import spread
+    from footfix.batch.cycles import check_output, fit_and_write, style_of
+    from footfix.batch.journal import Journal
+    from footfix.batch.work import sample_one
+    from footfix.cli.running import code, config_for, found_inputs, print_json, reading, run_tasks, tasks_for
     from footfix.cli.say import say
     from footfix.jobs.fit import told_of
     from footfix.report.text import printable
 
-    config = config_for(src, many, common, {})
     found = found_inputs(src, many)
+    check_output(output, (".npz",), [each.path for each in found], force=force)
     globs = dict(_glob(each) for each in styles)
-    progress = Progress(len(found), shown=not common.quiet and not common.as_json)
+    tasks = tasks_for([reading(each) for each in found], found, config_for(src, many, common, {}))
+    tasks = [replace(task, extra={"style": style_of(each, globs)}) for task, each in zip(tasks, found, strict=True)]
 
-    def told(name: str, text: str, wrong: bool) -> None:
-        if wrong:
-            progress.say(f"footfix: {printable(text)}")
-        elif common.verbose:
-            progress.say(f"{printable(name)}: {printable(text)}")
-        progress.step(failed=wrong, skipped=False)
+    def told(result: FileResult, say: Callable[[str], None]) -> None:
+        for each in spread(result):
+            if common.verbose and each.report:
+                say(f"{printable(each.source)}: {printable(each.report['cycles'].told)}")
 
-    try:
-        fitted, failed = run_fit(
-            found, output, config.settings, styles=globs, components=components, force=force,
-            told=told,
-        )  # fmt: skip
-    finally:
-        progress.close()
+    outcome = run_tasks(sample_one, tasks, many, common, "text", Journal(), told)
+    if outcome.interrupted:
+        return ExitCode.INTERRUPTED
+    clips = [each for result in outcome.results for each in spread(result)]
+    failed = [each.source for each in clips if each.status == "failed"]
+    files = [each.report["cycles"] for each in clips if each.status != "failed"]
+    fitted = fit_and_write(files, output, components=components)
     if common.as_json:
         print_json({"format": "footfix-cycles-fit", "version": 1, "model": str(output), **told_of(fitted),
-                    "failed": list(failed)})  # fmt: skip
+                    "failed": failed})  # fmt: skip
     elif not common.quiet:
         say(_fitted(fitted, output, common.verbose))
-    return ExitCode.FAILED if failed else ExitCode.DONE
+    return code(outcome)
 
 
 def _glob(text: str) -> tuple[str, str]:

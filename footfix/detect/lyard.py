@@ -47,9 +47,7 @@ def lyard(tracks: Tracks, params: LyardParams) -> Finding:
     frames = np.arange(len(tracks))
     first = np.clip(frames - (hop - 1) // 2, 0, len(tracks) - 1 - hop)
     best, way = _best_next(points, tracks.pelvis, first, hop)
-    foot = (effectors // 2)[_follow(best, speeds)]  # (F,)
-    # L §3.1.2: on that foot, the point of least speed
-    static = np.argmin(np.where((effectors // 2)[:, None] == foot, speeds, np.inf), axis=0)
+    static = _follow(best, speeds, effectors // 2)  # (F,)
     columns = np.arange(2 * len(tracks.feet))
     mask = effectors[static][:, None] == columns
     still = way < params.still * tracks.froude_speed * hop * tracks.frame_time
@@ -102,12 +100,19 @@ def _best_next(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Int
     return np.concatenate(best), np.concatenate(ways)
 
 
-def _follow(best: Ints, speeds: Floats) -> Ints:
-    """(F,) the static point of each frame: the first by speed alone, each next by what the last one allows."""
+def _follow(best: Ints, speeds: Floats, feet: Ints) -> Ints:
+    """(F,) the static point of each frame: the first by speed alone, each next by what the last one allows.
+
+    The dot product says which foot that is on (L §3.1.1); of that foot it is the point of least speed (L §3.1.2), and
+    that one leads on.
+    """
+    own = [np.where((feet == k)[:, None], speeds, np.inf) for k in range(int(feet.max()) + 1)]
+    slowest = np.stack([np.argmin(each, axis=0) for each in own])  # (feet, F)
+    on = feet[best]  # (F, E)
     static = np.empty(len(best), dtype=np.intp)
     point = static[0] = int(np.argmin(speeds[:, 0]))
-    for t, following in enumerate(best[:-1].tolist(), start=1):
-        static[t] = point = following[point]
+    for t, foot in enumerate(on[:-1].tolist(), start=1):
+        static[t] = point = int(slowest[foot[point], t])
     return static
 
 

@@ -18,6 +18,7 @@ from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled, doubled
 from footfix.notes import Note
 from footfix.rig.crop import crop
+from footfix.rig.gait import carried, gait_in_place
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 
@@ -89,7 +90,11 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
     Returns:
         Contacts for each sole point of the rig, with notes on what is doubtful.
     """
-    finding = find(tracks_of(clip, rig, mesh=params.method == "lyard"), params)
+    pose = rig.pose(clip)
+    gait = gait_in_place(rig, pose, clip.frame_time)
+    if gait is not None:  # planted feet stand on a ground that passes: over that they are looked at
+        pose = rig.pose(carried(clip, rig, gait.passed))
+    finding = find(tracks_of(clip, rig, pose, mesh=params.method == "lyard"), params)
     # detectors answer heel, toe for each leg; the rig may list its sole points in another order
     order = [2 * sole.leg + (sole.part == "toe") for sole in rig.soles]
     confidence = None if finding.confidence is None else finding.confidence[:, order]

@@ -17,7 +17,7 @@ from footfix.rig.rig import Rig
 Outcome = Literal["pinned", "partly", "released", "kept"]
 
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
-FEWEST = 5  # frames of a plant: for fewer, a foot that lands or leaves would stamp; no measure counts them
+FEWEST = 3  # frames of a plant: fewer tell no stance from a foot that passes
 
 
 @dataclass(frozen=True)

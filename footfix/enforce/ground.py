@@ -17,10 +17,12 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm
 from footfix.notes import Note
+from footfix.rig.gait import Gait, gait_in_place
 from footfix.rig.rig import Rig
 
 _MOST = 0.7  # of their time plants must go with the belt,
 OUTLIERS = 2  # and no more than so many one after the other may not
+_NEAR_GAIT = 0.6  # of its speed, by which feet that are planted in a gait in place may differ from it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,14 +73,25 @@ def belt(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: Gr
     Returns:
         (F, 3) [m], zeros on a floor at rest.
     """
-    velocity = _velocity(rig, pose, contacts, frame_time, params)  # (F, 3) [m/s]
+    drifts = sorted(_drifts(rig, pose, contacts, frame_time), key=lambda drift: drift.start + drift.end)
+    gait = gait_in_place(rig, pose, frame_time)
+    if gait is None:
+        velocity = _velocity(drifts, rig, pose, frame_time, params)  # (F, 3) [m/s]
+    else:
+        velocity = np.tile(_of_gait(drifts, gait), (len(pose.positions), 1))
     return np.concatenate([np.zeros((1, 3)), np.cumsum(velocity[:-1] * frame_time, axis=0)])
 
 
-def _velocity(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: GroundParams) -> Floats:
-    drifts = sorted(_drifts(rig, pose, contacts, frame_time), key=lambda drift: drift.start + drift.end)
+def _of_gait(drifts: Sequence[Drift], gait: Gait) -> Floats:
+    """(3,) [m/s] the velocity of the ground under a gait in place: that of most planted feet which go with it."""
+    speed = float(np.linalg.norm(gait.velocity))
+    along = np.array([float(np.linalg.norm(each.velocity - gait.velocity)) < _NEAR_GAIT * speed for each in drifts])
+    return usual_step(drifts, along) if along.any() else gait.velocity
+
+
+def _velocity(drifts: Sequence[Drift], rig: Rig, pose: Pose, frame_time: float, params: GroundParams) -> Floats:
     hips = np.mean([pose.position(leg.hip) for leg in rig.legs], axis=0)
-    frames = len(hips)
+    frames, legs = len(hips), len(rig.legs)
     velocity = np.zeros((frames, 3))
     if len(drifts) < 4:
         return velocity
@@ -97,7 +110,7 @@ def _velocity(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, param
         start, end = min(drift.start for drift in some), max(drift.end for drift in some)
         travel = (hips[end - 1] - hips[start]) / ((end - start) * frame_time)
         along = go_along(some, travel, params.belt_walk * rig.leg_length, params)
-        if along is not None and len({drift.leg for drift in some}) > 1:
+        if along is not None and len({d.leg for d, goes in zip(some, along.tolist(), strict=True) if goes}) == legs:
             on_belt[k : k + params.belt_plants] |= along
     for first, last in runs(_without_gaps(on_belt, OUTLIERS)):
         some = drifts[first:last]

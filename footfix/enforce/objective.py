@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.assembly import System, add_points, product
-from footfix.enforce.leg import LEG, ROOT
+from footfix.enforce.leg import ANKLE, LEG, ROOT
 from footfix.enforce.posed import places_of, posed
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import joint_terms, near, point_terms, root_term
+from footfix.enforce.vertices import add_floor, floor_cost, floor_weight
 from footfix.motion.clip import Floats
 
 
@@ -62,6 +63,9 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
         pulls = (point_terms(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
         cost += sum(pull.cost for pull in pulls)
         cost += joint_terms(problem, k, own, 0, None)
+        if k in problem.skins:
+            weight = floor_weight(problem.frame_time, problem.leg_length)
+            cost += floor_cost(problem.skins[k], leg, places[ANKLE], own, weight)
     return cost
 
 
@@ -80,6 +84,9 @@ def _leg(problem: Problem, k: int, x: Floats, eps: float, static: float, root: b
     pulls = [point_terms(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True)]
     cost += sum(pull.cost for pull in pulls)
     add_points(at, pulls, out.gradient, out.main, out.next, root=root)
+    if k in problem.skins:
+        weight = floor_weight(problem.frame_time, problem.leg_length)
+        cost += add_floor(problem.skins[k], leg, at, x[own], weight, out.gradient, out.main)
     if root:
         return System(rows, out.gradient, out.main, out.next, out.near, cost)
     bands, stays = near(problem, x, rows)

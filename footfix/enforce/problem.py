@@ -5,13 +5,15 @@ What is minimised is in `terms`, how its parts are put together in `objective`, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from footfix.enforce.costs import GROWN, NOISY, CostParams
 from footfix.enforce.leg import LEG, ROOT, B, LegTracks
 from footfix.enforce.pins import Pins
+from footfix.enforce.vertices import Vertices
 from footfix.motion.clip import Bools, Floats
 
 
@@ -31,6 +33,7 @@ class Problem:
         fault: (F,) [m] how far what is to stand nearby slides, or is from its floor.
         cut: whether a T-pose was cut off before the first frame, and after the last.
         onward: whether the motion goes on after the last frame, in a stream.
+        skins: vertices of the foot of some legs, by the leg's index.
     """
 
     legs: tuple[LegTracks, ...]
@@ -44,6 +47,7 @@ class Problem:
     root_moves: bool = True
     cut: tuple[bool, bool] = (False, False)
     onward: bool = False
+    skins: Mapping[int, Vertices] = field(default_factory=dict)
 
     @property
     def frames(self) -> int:

@@ -76,7 +76,7 @@ def thinned(problem: Problem, which: Ints) -> Problem:
     return replace(
         problem, legs=tuple(leg.frames(which) for leg in problem.legs),
         pins=tuple(tuple(thin(pin) for pin in each) for each in problem.pins), frame_time=problem.frame_time * every,
-        fault=problem.fault[which],
+        fault=problem.fault[which], skins={k: own.frames(which) for k, own in problem.skins.items()},
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ Unknowns of frame t (see `leg`):  d of the root;  q, k, w, b of each leg;  x = (
 Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near the capture, and near its accelerations
            + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    what stands does not move: friction, c a metre
            + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   what stands is drawn to its floor
-           + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor
+           + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor (see `vertices`, too)
            + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
            + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
            + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay near; y = d, q, k, w - q, b

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.enforce import mesh as meshes
-from footfix.enforce.correction import Correction, apply
+from footfix.enforce.correction import Correction
 from footfix.enforce.costs import CostParams
 from footfix.enforce.floors import floor_steps
 from footfix.enforce.kept import faults
@@ -20,14 +20,14 @@ from footfix.enforce.pins import pins as pins_of
 from footfix.enforce.posed import local_rotations
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import solve
-from footfix.enforce.task import Task, pose_of
+from footfix.enforce.task import Task
+from footfix.enforce.vertices import Vertices
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
 _SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
-_ROUNDS = 5  # times at most that a clip is solved again because a mesh is in the floor
 _FEWEST = 4  # frames, of which accelerations can be told
 
 
@@ -50,32 +50,14 @@ def correct_whole_clip(
     columns = [problem.columns(k) for k in range(len(task.legs))]
     x = np.zeros((problem.unknowns, len(clip)))
     wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
+    wanted = wanted or meshes.too_deep(problem.skins, task.legs, rig.leg_length)
     if wanted and len(clip) >= _FEWEST:
         x = faded(solve(problem), problem)
-        if rig.meshes and params.heights == "floor":
-            x = _out_of_floor(clip, rig, task, params, problem, x)
     x = params.strength * x
     less = (params.strength - 1.0) * task.lift * np.array([[0.0], [1.0], [0.0]])  # the legs are raised by all of it
     after = [CorrectedLeg.of_state(leg, x[:3] + less, x[own]) for leg, own in zip(task.legs, columns, strict=True)]
     shift = x[:3].T + np.array([0.0, params.strength * task.lift, 0.0])
     return correction(clip, rig, task.pose, task.legs, x, columns, shift), after
-
-
-def _out_of_floor(
-    clip: Clip, rig: Rig, task: Task, params: EnforceParams, problem: Problem, x: Floats
-) -> Floats:
-    """Solve again while the mesh is in the floor, each foot held as much higher as it was too deep."""
-    columns = [problem.columns(k) for k in range(len(task.legs))]
-    steps = [_step(task, k, rig, params.pins) for k in range(len(task.legs))]
-    lift = np.array([0.0, task.lift, 0.0])
-    for _ in range(_ROUNDS):
-        done = apply(clip, correction(clip, rig, task.pose, task.legs, x, columns, x[:3].T + lift))
-        pins, deepest = meshes.raised(problem.pins, rig, pose_of(done, rig), steps)
-        if deepest <= 0.0:
-            break
-        problem = replace(problem, pins=pins)
-        x = faded(solve(problem), problem)
-    return x
 
 
 def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:
@@ -88,16 +70,21 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         )
         for k, leg in enumerate(task.legs)
     )  # fmt: skip
+    skins: dict[int, Vertices] = {}
     if rig.meshes and heights:
-        steps = [_step(task, k, rig, params.pins) for k in range(len(pins))]
+        steps = meshes.steps_of(rig, [_step(task, k, rig, params.pins) for k in range(len(pins))])
         pins = meshes.over_floor(pins, rig, task.pose, steps)
+        skins = meshes.skins_of(rig, task.legs, task.pose, task.lift, steps, clip.skeleton)
     noise, white = noises(task, rig)
     moves = bool(clip.skeleton.translates[rig.root])
     fault = faults(
         task.plants, task.legs, task.ground, task.floors, task.keep, clip.frame_time, heights=heights,
         edge=params.pins.edge,
     )  # fmt: skip
-    return Problem(task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut)
+    fault = meshes.deeper(fault, skins, task.legs, clip.frame_time)
+    return Problem(
+        task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut, skins=skins
+    )
 
 
 def _step(task: Task, number: int, rig: Rig, params: PinParams) -> Floats:

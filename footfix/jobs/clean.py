@@ -12,6 +12,7 @@ from footfix import version
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite
 from footfix.jobs.contacts import contacts_json, find_contacts
+from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import LEAST_FRAMES, about, opened, source_entry, suited
 from footfix.motion.clip import Clip
@@ -48,6 +49,7 @@ def clean_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
+    settings = with_shared_legs(data, name, settings, beside)
     document, frame_range = opened(data, name, settings, beside)
     settings = suited(settings, document)
     clip = document.clip

@@ -12,10 +12,11 @@ import numpy as np
 
 from footfix.enforce.task import ground_of
 from footfix.errors import InputError
+from footfix.formats.document import Beside
 from footfix.jobs.contacts import find_contacts
 from footfix.jobs.source import about, read
-from footfix.locomotion.cycles.eigencycles import SpaceParams
 from footfix.locomotion.cycles.fit import make_model
+from footfix.locomotion.cycles.fit_space import SpaceParams
 from footfix.locomotion.cycles.leave_out import LeftOut
 from footfix.locomotion.cycles.model import CycleModel, Origin
 from footfix.locomotion.cycles.samples import Sample, SampleParams, sample_cycles
@@ -81,7 +82,9 @@ class Fitted:
     skipped: Mapping[str, str]
 
 
-def cycles_of_file(data: bytes, name: str, settings: Settings, *, style: str = "") -> FileCycles:
+def cycles_of_file(
+    data: bytes, name: str, settings: Settings, *, style: str = "", beside: Beside | None = None
+) -> FileCycles:
     """Find the straight cycles of a clip.
 
     Args:
@@ -89,11 +92,12 @@ def cycles_of_file(data: bytes, name: str, settings: Settings, *, style: str = "
         name: its name.
         settings: how figures and contacts are found.
         style: which style its cycles have.
+        beside: reads files that it names.
 
     Raises:
         InputError: the clip can't be used; says why.
     """
-    document = read(data, name, settings)
+    document = read(data, name, settings, beside=beside)
     if len(document.clip) < 8:
         raise InputError(f"{len(document.clip)} frames are too few for a stride", file=name)
     with about(name):

@@ -8,6 +8,7 @@ from typing import Any
 from footfix.errors import InputError
 from footfix.formats.document import Beside, legible, open_document, repair
 from footfix.formats.suffixes import bare
+from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.source import placed
 from footfix.notes import Note
 from footfix.report import document as report_format
@@ -38,6 +39,7 @@ def inspect_file(
         InputError: it can't be read.
     """
     document = open_document(data, name=name, limits=settings.limits, beside=beside)
+    settings = with_shared_legs(data, name, settings, beside)
     found: tuple[Note, ...] = document.notes
     rigs: list[dict[str, Any]] = []
     if not document.unusable and document.frames:

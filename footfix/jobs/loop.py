@@ -16,6 +16,7 @@ from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite, select
 from footfix.formats.suffixes import in_file
 from footfix.jobs.contacts import contacts_json, find_contacts
+from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import about, read, source_entry
 from footfix.locomotion.loop.run import Loop, as_round
@@ -56,6 +57,7 @@ def loop_file(
     Raises:
         InputError: the clip can't be used, or holds no cycle; says why.
     """
+    settings = with_shared_legs(data, name, settings, beside)
     document = read(data, name, settings, beside=beside)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
@@ -63,8 +65,6 @@ def loop_file(
     with about(name):
         frame_range = motion_range(clip)
         rigs = find_rigs(clip, settings.rig, frame_range, skin)
-        if len(rigs) > 1:
-            raise InputError(f"the file holds {len(rigs)} figures; a loop is cut out of the motion of one")
         prepared = prepare(clip, settings, rigs, frame_range)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)

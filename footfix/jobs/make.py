@@ -19,9 +19,10 @@ from footfix.formats.document import open_document
 from footfix.formats.plans import PlanRow
 from footfix.jobs.contacts import contacts_json
 from footfix.jobs.outputs import Outputs
-from footfix.locomotion.cycles.engine import Foreseen, Postures, foresee, free_postures, postures
+from footfix.locomotion.cycles.engine import Foreseen, foresee, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point
+from footfix.locomotion.cycles.postures import Postures, free_postures
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
@@ -96,10 +97,10 @@ def make(model: CycleModel, plan: Plan, *, seconds: float, fps: float, line: Lin
     times = np.arange(round(seconds * fps) + 1) / fps
     foreseen = foresee(model, plan, line, Point(), float(times[-1]))
     found = postures(model, foreseen, times)
-    place, turns = free_postures(model, foreseen.course, times)
+    as_cycles = free_postures(model, foreseen.course, times)
     clip = found.clip(model, 1.0 / fps)
     contacts = model.rig.no_contacts(clip).with_mask(found.contacts)
-    free = replace(found, place=place, turns=turns).clip(model, 1.0 / fps)
+    free = replace(found, place=as_cycles.place, turns=as_cycles.turns).clip(model, 1.0 / fps)
     return Made(clip, free, replace(contacts, method="cycles"), foreseen, found)
 
 
@@ -157,7 +158,8 @@ def make_file(
 
 def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
     """Every contact, where it stands."""
-    poses = model.legs.poses(made.postures.place, made.postures.turns[:, model.rig.root], made.postures.turns)
+    place, turns, legs = made.postures.place, made.postures.turns, model.legs
+    poses = legs.poses(place, turns[:, model.rig.root], turns[:, legs.joints])
     found = list[Footplant]()
     for e, (sole, effector) in enumerate(zip(model.rig.soles, made.contacts.effectors, strict=True)):
         track = (poses.heel if sole.part == "heel" else poses.toe)[:, sole.leg]
@@ -192,4 +194,3 @@ def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -
         "gaits": list(model.gaits),
         "styles": list(model.styles),
     }  # fmt: skip
-

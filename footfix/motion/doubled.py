@@ -48,24 +48,24 @@ class Doubled:
         return np.asarray(np.searchsorted(self.kept, np.arange(self.frames), side="right") - 1)
 
     def among(self, start: int, frames: int) -> Doubled:
-        """The same of a longer clip of so many frames, in which this one's begin at `start`."""
+        """Say the same of a longer clip of so many frames, in which this one's begin at `start`."""
         if not self:
             return Doubled(np.arange(frames), frames)
         kept = np.concatenate([np.arange(start), start + self.kept, np.arange(start + self.frames, frames)])
         return Doubled(kept, frames)
 
     def track(self, whole: Floats) -> Floats:
-        """A track of the clip (F, ...) on the frames that are kept (n, ...)."""
+        """Take a track of the clip (F, ...) on the frames that are kept (n, ...)."""
         return whole[self.kept] if self else whole
 
     def clip(self, whole: Clip) -> Clip:
-        """The clip without what is repeated, at the rate it was made at; the very clip where nothing is."""
+        """Take the clip without what is repeated, at the rate it was made at; the very clip where nothing is."""
         if not self:
             return whole
         return _at_rate(whole.frames(self.kept), whole.frame_time * self.frames / len(self.kept))
 
     def contacts(self, whole: Contacts) -> Contacts:
-        """The contacts of the clip on the frames that are kept."""
+        """Take the contacts of the clip on the frames that are kept."""
         if not self:
             return whole
         effectors = tuple(
@@ -104,7 +104,7 @@ class Doubled:
         return track[self.owner] if self else track
 
     def first(self, kept: int) -> int:
-        """The first of the frames that a kept one stands for; of one after the last, the clip's length."""
+        """Find the first of the frames that a kept one stands for; of one after the last, the clip's length."""
         return int(self.kept[kept]) if kept < len(self.kept) else self.frames
 
     def notes(self, clip: Clip) -> tuple[Note, ...]:

@@ -39,7 +39,7 @@ class Cubic:
             out = c1 + u * (2.0 * c2 + u * (3.0 * c3))
         else:
             out = 2.0 * c2 + 6.0 * u * c3
-        return np.asarray(out.reshape(*wanted.shape, -1))
+        return np.asarray(out.reshape(*wanted.shape, self.values.shape[1]))
 
     @cached_property
     def _coefficients(self) -> tuple[Floats, Floats, Floats, Floats]:

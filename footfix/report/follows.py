@@ -6,7 +6,8 @@ from typing import Any
 
 from footfix.report.verdict import Report, entries, number, section
 
-_SAID = ("kinks-rounded", "path-ends", "blend-cut")  # notes that are about what was asked for
+# notes that are about what was asked for
+_SAID = ("kinks-rounded", "path-ends", "blend-cut", "too-fast", "feet-let-go")
 
 
 def follow_lines(report: Report) -> list[str]:

@@ -106,7 +106,9 @@ def _near(pose: Pose, rig: Rig, yaw: float) -> bool:
     """Tell whether the root ends where it begins, by and large."""
     way = (pose.position(rig.root)[-1] - pose.position(rig.root)[0]) / rig.leg_length
     level = float(np.hypot(way[0], way[2]))
-    return level < _IN_PLACE and abs(float(way[1])) < _NEAR_HEIGHT and abs(yaw) < np.radians(_IN_PLACE_YAW)
+    rises = np.abs(np.diff(pose.position(rig.root)[:, 1])) / rig.leg_length  # of a figure that bounds
+    high = max(_NEAR_HEIGHT, _NEAR * float(np.quantile(rises, 0.9)))
+    return level < _IN_PLACE and abs(float(way[1])) < high and abs(yaw) < np.radians(_IN_PLACE_YAW)
 
 
 def said_to_be_one(pose: Pose, rig: Rig) -> Cycle:

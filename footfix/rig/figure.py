@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -22,6 +23,8 @@ _ALIKE = (0.75, 1.35)  # front legs against hind legs in length; a man's arms ha
 _BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
 _HIGH = 0.45  # [leg lengths] of hips and shoulders over the lowest joint, at least, when it stands up
 _GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
+_FRONT = re.compile(r"front|fore(?!arm)", re.IGNORECASE)
+_REAR = re.compile(r"back|hind|(?<!fo)rear", re.IGNORECASE)
 _MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; a gallop leaves half
 
 
@@ -100,6 +103,8 @@ def _bodies(seen: Sample, root: int, candidates: list[Pair]) -> list[int]:
 def _figure(seen: Sample, root: int, candidates: list[Pair], y_up: bool) -> Figure:
     hind = candidates[0]
     front = _front_legs(seen, hind, candidates[1:]) if y_up and len(seen) > 1 else None
+    if front is not None and _named_front(seen.skeleton, hind) > _named_front(seen.skeleton, front):
+        hind, front = front, hind
     legs: list[Limb] = []
     toes: list[int | None] = []
     ends: list[str] = []
@@ -130,6 +135,12 @@ def _front_legs(seen: Sample, hind: Pair, others: list[Pair]) -> Pair | None:
         ):
             return pair
     return None
+
+
+def _named_front(skeleton: Skeleton, pair: Pair) -> int:
+    """Count the joints of a pair of legs that are named after the front, less those named after the back."""
+    names = [skeleton.names[joint] for limb in pair.limbs for joint in limb.chain]
+    return sum(bool(_FRONT.search(name)) - bool(_REAR.search(name)) for name in names)
 
 
 def _mirrored(skeleton: Skeleton, pair: Pair) -> float:

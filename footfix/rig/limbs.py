@@ -11,6 +11,8 @@ import numpy as np
 from footfix.rig.names import read
 from footfix.rig.sample import Sample
 
+_SURE = 2.9  # what names are worth from which on a limb surely is a leg, however far its hip is from its pelvis:
+_HIP_BONE = 1.0  # animals are drawn with bones for hips and shoulders that are as long as a thigh
 _BEST_OF = 4  # candidates that each branch puts forward
 
 
@@ -157,9 +159,11 @@ def _split(sample: Sample, branch: int, path: tuple[int, ...], way: tuple[float,
     for h in range(len(path) - 2):
         length = way[-1] - way[h]
         upper = float(sample.bones[branch]) + way[h]
-        if length <= 0.0 or upper > 0.9 * length or foot > 1.2 * length:
+        if length <= 0.0 or foot > 1.2 * length:
             continue
         for k in range(h + 1, len(path) - 1):
+            if upper > 0.9 * length and _named(sample, path, h, k) < _SURE:
+                continue
             if 0.35 * (way[-1] - way[k]) < way[k] - way[h] < 2.8 * (way[-1] - way[k]):
                 found.append(_cut(sample, branch, path, way, h, k, upper))
     return found
@@ -177,7 +181,7 @@ def _cut(
     score = (
         length / max(total, length)
         - (math.log(max(thigh, 1e-12) / max(shin, 1e-12)) / 0.45) ** 2
-        - 3.0 * max(0.0, upper / length - 0.35)
+        - (3.0 if named < _SURE else _HIP_BONE) * max(0.0, upper / length - 0.35)
         - 3.0 * max(0.0, foot / length - 0.5)
         + (0.3 + 0.05 * foot / length if foot > 0.06 * length else 0.0)
         - 15.0 * (_slack(sample, path, way, h, k) + _slack(sample, path, way, k, last))

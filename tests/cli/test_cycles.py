@@ -32,7 +32,7 @@ def test_a_bad_file_does_not_stop_the_fit(tmp_path: Path, monkeypatch: pytest.Mo
     for speed in (1.5, 1.8):
         (tmp_path / "gaits" / f"walk_{speed}.bvh").write_bytes(walker("walk", speed, 3.2, 1))
     (tmp_path / "gaits" / "bad.bvh").write_bytes(b"\0nothing")
-    code, out, err = run("cycles", "fit", tmp_path / "gaits", "-o", tmp_path / "m.npz", "--json")
+    code, out, err = run("cycles", "fit", tmp_path / "gaits", "-o", tmp_path / "m.npz", "--json", "-j2")
     assert code == 3
     assert "bad.bvh" in err
     document = json.loads(out)
@@ -40,6 +40,8 @@ def test_a_bad_file_does_not_stop_the_fit(tmp_path: Path, monkeypatch: pytest.Mo
     assert [each["gait"] for each in document["gaits"]] == ["walk"]
     assert document["file_left_out"]["error_mm"] > 0.0
     assert footfix.load_model(tmp_path / "m.npz").gaits == ("walk",)
+    assert run("cycles", "fit", tmp_path / "gaits", "-o", tmp_path / "one.npz", "-j1")[0] == 3
+    assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "m.npz").read_bytes()
     code, _, err = run("cycles", "fit", tmp_path / "gaits", "-o", tmp_path / "m.npz")
     assert code == 2 and "--force" in err
 

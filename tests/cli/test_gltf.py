@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -19,9 +20,13 @@ from walks import walk
 
 import footfix
 from footfix import cli
+from footfix.jobs.legs import with_shared_legs
+from footfix.rig.find import find_rig
+from footfix.settings import Settings
 
 Run = Callable[..., tuple[int, str, str]]
 QUICK = ("--report", "json", "-j1")
+SETTINGS = Settings()
 
 
 @cache
@@ -209,3 +214,53 @@ def test_animals_of_games_stand_where_they_are_planted(run: Run, tmp_path: Path)
     assert {note["id"] for note in report["notes"]} >= {"cycle", "in-place"}
     assert max(plant["slide_before_mm"] for plant in report["plants"]) > 21.0
     assert max(plant["slide_after_mm"] for plant in report["plants"]) < 21.0
+
+
+@pytest.mark.parametrize("name", ["walk", "run"])
+def test_an_uneven_gait_in_place_stands_on_a_ground_that_passes_evenly(run: Run, tmp_path: Path, name: str) -> None:
+    """Of the written file alone, read the plain way: toe joints less one even speed stay where they are."""
+    settings = replace(SETTINGS, loop=replace(SETTINGS.loop, in_place=True))
+    looped = footfix.loop(walk(name, 60.0, 3.0).clip, settings).clip
+    phase = np.linspace(0.0, 2.0 * np.pi, len(looped))[:, None]
+    uneven = looped.with_joints({0: looped.position(0) + 0.035 * np.sin(phase) * [0.3, 0.0, 1.0]}, {})
+    path, out = tmp_path / "figure.glb", tmp_path / "out"
+    path.write_bytes(character({"Go": uneven}, scale=0.01, z_up=True, mid_step=True, skins=2).glb())
+    assert run("clean", path, "-o", out, *QUICK)[0] == 0
+    effectors = json.loads((out / "figure.contacts.json").read_text(encoding="utf-8"))["effectors"]
+    times = looped.frame_time * np.arange(len(looped))
+
+    def slides(data: bytes) -> list[float]:
+        places = world(data, 0, times)
+        feet = [
+            places[own["joint"]][c["start"] : c["end"]][:, [0, 2]]
+            for own in effectors if own["part"] == "toe" for c in own["contacts"] if c["end"] - c["start"] > 4
+        ]  # fmt: skip
+        speed = np.median(np.concatenate([np.diff(foot, axis=0) for foot in feet]), axis=0)
+        over = [foot - speed * np.arange(len(foot))[:, None] for foot in feet]
+        return [1000.0 * float(np.linalg.norm(each - np.median(each, axis=0), axis=1).max()) for each in over]
+
+    before, after = slides(path.read_bytes()), slides((out / "figure.glb").read_bytes())
+    assert len(after) > 1 and max(before) > 15.0 and max(after) < 1.0
+    ends = world((out / "figure.glb").read_bytes(), 0, times[[0, -1]])
+    assert max(np.abs(track[1] - track[0]).max() for track in ends.values()) < 1e-5  # the seam stays closed
+
+
+@pytest.mark.parametrize("animal", ["fox", "horse"])
+def test_all_animations_of_an_animal_have_its_four_legs(animal: str) -> None:
+    path = SHARED / "glb" / f"{animal}-animations.glb"
+    if not path.exists():
+        pytest.skip(f"no character: {path} is absent")
+    data, found = path.read_bytes(), []
+    for name in footfix.animations(str(path))[::3]:
+        settings = with_shared_legs(data, f"{path.name}#{name}", SETTINGS)
+        clip = footfix.load(str(path), animation=name).clip
+        found.append([(leg.name, *leg.chain, leg.toe) for leg in find_rig(clip, settings.rig).legs])
+    assert [leg[0] for leg in found[0]] == ["front_left", "front_right", "hind_left", "hind_right"]
+    assert all(each == found[0] for each in found)
+
+
+def test_a_file_of_one_animation_or_of_legs_that_agree_is_left_to_itself(figure: Path) -> None:
+    data = glb()
+    assert with_shared_legs(data, "figure.glb#Walk", SETTINGS) is SETTINGS
+    assert with_shared_legs(data, "figure.glb", SETTINGS) is SETTINGS
+    assert with_shared_legs(b"no glb", "figure.glb#Walk", SETTINGS) is SETTINGS

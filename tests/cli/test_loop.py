@@ -13,14 +13,18 @@ import exports
 import jsonschema
 import numpy as np
 import pytest
+from bvhmaker import side_by_side
 from conftest import Run
 from exports import Spelling
 from walker import make
 from walker_gaits import Gait
 
+import footfix
+from footfix.errors import InputError
 from footfix.formats.bvh import decode
 from footfix.jobs.loop import loop_file
 from footfix.jobs.outputs import Outputs
+from footfix.jobs.source import read as decoded
 from footfix.locomotion.loop.params import LoopParams
 from footfix.settings import ReportParams, Settings
 
@@ -75,6 +79,13 @@ def test_a_loop_looped_again_is_the_same_file(asked: dict[str, bool]) -> None:
     once = looped("curve", **asked)
     settings = Settings(loop=LoopParams(**asked), report=QUIET)  # type: ignore[arg-type]
     again = loop_file(once.motion, "walk.loop.bvh", settings)
+    assert (again.status, again.motion == once.motion) == ("unchanged", True)
+
+
+@pytest.mark.parametrize("name", ["walk", "run", "backwards"])
+def test_of_few_frames_a_second_an_open_loop_is_known_again(name: str) -> None:
+    once = looped(name, open=True)
+    again = loop_file(once.motion, "walk.loop.bvh", Settings(loop=LoopParams(open=True), report=QUIET))
     assert (again.status, again.motion == once.motion) == ("unchanged", True)
 
 
@@ -140,6 +151,19 @@ def test_a_file_without_legs_and_one_of_a_few_frames_get_a_clear_word(tmp_path: 
     (tmp_path / "short.bvh").write_bytes(b"\n".join(short[: at + 5]) + b"\n")
     code, _, said = run("loop", tmp_path / "short.bvh")
     assert (code, "4 frames are too few for a stride" in said) == (3, True)
+
+
+def test_a_file_of_two_figures_is_refused_with_what_to_do(tmp_path: Path, run: Run) -> None:
+    one = make(Gait(duration=4.0, fps=30)).clip
+    both = side_by_side(exports.bvh(one), exports.bvh(artefacts.turned(one, 0.4, (2.0, 1.0))))
+    (tmp_path / "two.bvh").write_bytes(both)
+    code, _, said = run("loop", tmp_path / "two.bvh")
+    assert code == 3
+    assert "the file holds 2 figures" in said
+    assert "each figure to a file of its own" in said
+    assert not (tmp_path / "two.loop.bvh").exists()
+    with pytest.raises(InputError, match="2 figures"):
+        footfix.loop(decoded(both, "two.bvh", Settings()).clip)
 
 
 def test_frames_by_hand_are_taken_and_wrong_ones_are_refused(tmp_path: Path, run: Run) -> None:

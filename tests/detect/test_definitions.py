@@ -198,7 +198,13 @@ def test_agreement_is_equation_one_by_hand() -> None:
 def test_the_static_point_is_the_slowest_at_first_and_then_the_one_that_agrees() -> None:
     best = np.array([[0, 2, 0], [0, 0, 0], [1, 0, 0], [0, 0, 0]])  # (F, E) the next point, by the last
     speeds = np.array([[2.0] * 4, [1.0] * 4, [3.0] * 4])
-    assert _follow(best, speeds).tolist() == [1, 2, 0, 1]
+    assert _follow(best, speeds, np.arange(3)).tolist() == [1, 2, 0, 1]
+
+
+def test_of_the_foot_that_agrees_the_slowest_point_is_static_and_leads_on() -> None:
+    best = np.array([[0, 2, 0, 0], [0, 0, 0, 1], [0, 0, 0, 0]])  # the other foot by its point 2; then by 1 from point 3
+    speeds = np.array([[2.0] * 3, [1.0] * 3, [9.0, 9.0, 9.0], [9.0, 3.0, 3.0]])
+    assert _follow(best, speeds, np.array([0, 0, 1, 1])).tolist() == [1, 3, 1]
 
 
 @pytest.mark.parametrize(("height", "fall", "flies"), [

@@ -58,6 +58,13 @@ def test_who_falls_slower_than_gravity_was_made_at_another_rate(size: float) -> 
     assert frame_rate(sized(leap(2.0, 30.0, 9.81 / 16.0, lift=0.05)), DoubtParams()) == ()  # the feet hardly leave
 
 
+@pytest.mark.parametrize("fps", [24.0, 30.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0])
+def test_the_rate_that_is_named_is_the_nearest_of_those_in_use(fps: float) -> None:
+    """A leap of half a second declared as one of 2 s: at a quarter of the rate it was made at."""
+    (note,) = frame_rate(leap(2.0, fps / 4.0, 9.81 / 16.0), DoubtParams())
+    assert f"about {fps:.0f} fps" in note.text
+
+
 @pytest.mark.parametrize(("hertz", "told"), [(0.25, True), (0.35, True), (0.6, False), (1.5, False)])
 def test_feet_that_speed_up_and_slow_down_as_nobodys_do_move_in_slow_motion(hertz: float, told: bool) -> None:
     t = np.arange(300) / 24.0

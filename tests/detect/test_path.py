@@ -169,3 +169,10 @@ def test_a_plant_that_the_clip_cuts_begins_and_ends_beyond_it() -> None:
     assert 19.0 <= cut[0].end <= 20.0 and 39.0 <= cut[-1].start <= 40.0
     whole = path.stretches(np.concatenate([[swing] * 20, [stand] * 20, [swing] * 20]), 1.0, 1.0)
     assert (19.0 <= whole[0].start <= 20.0) and (39.0 <= whole[-1].end <= 40.0)
+
+
+def test_a_score_crosses_zero_on_the_line_between_two_steps_or_halfway() -> None:
+    assert path.crossing(np.array([-3.0, 1.0, 2.0]), 1) == pytest.approx(0.75)
+    assert path.crossing(np.array([-3.0, 0.0, 2.0]), 1) == pytest.approx(1.0)
+    for flat in ([1.0, 2.0, 3.0], [-1.0, -1.0, -2.0], [1.0, -1.0, -2.0]):
+        assert path.crossing(np.array(flat), 1) == 0.5

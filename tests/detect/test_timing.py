@@ -113,3 +113,4 @@ def test_what_the_clip_cuts_stays_cut() -> None:
 
 def test_a_curve_is_seen_between_its_steps() -> None:
     assert seen(np.arange(10.0) ** 2, np.array([4.5]), (-1, 0, 1)).tolist() == [[12.5, 20.5, 30.5]]
+    assert seen(np.arange(10.0) ** 2, np.array([8.0]), (-8, 0, 1)).tolist() == [[0.0, 64.0, 81.0]]  # both its ends

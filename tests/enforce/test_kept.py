@@ -142,7 +142,7 @@ def test_what_was_put_to_rest_in_many_of_its_frames_stays_if_that_is_wanted(
 
 def test_a_plant_too_short_to_be_held_stays_unless_it_is_forced() -> None:
     made = shifted(slid(0.1, 40, 45))
-    for plant, stays in ((toe(40, 44), True), (toe(40, 45), False), (toe(40, 44, force=True), False)):
+    for plant, stays in ((toe(40, 42), True), (toe(40, 43), False), (toe(40, 42, force=True), False)):
         (found,) = kept(
             [plant], made.legs, np.zeros((FRAMES, 3)), level(), DT, made.rig.leg_length, heights=True, params=PARAMS
         )

@@ -136,6 +136,17 @@ def test_a_leg_that_would_be_too_short_says_by_how_much() -> None:
     assert lacks > 0.2 and f"the leg would be {1000.0 * lacks:.0f} mm too short" in told(shift).reason
 
 
+def test_a_leg_in_reach_of_what_it_lacks_is_not_too_short() -> None:
+    """An ankle too far away from its hip in the middle of a plant, which holding it would bring back."""
+    shift = np.zeros((FRAMES, 3))
+    shift[40:45, 2] = 1.0  # out of reach, five frames of sixty
+    found = told(shift)
+    assert found.outcome == "partly" and "too short" not in found.reason
+    leg = still().legs[0]
+    reach = sum(float(np.linalg.norm(each[:, 0])) for each in (leg.thigh, leg.shank))
+    assert float(np.linalg.norm((leg.ankle - leg.hip)[:, 0] + shift[40])) > reach + 0.2
+
+
 def test_a_leg_that_cannot_turn_says_so() -> None:
     found = told(slid(0.04, 30, 40), turns=False)
     assert found.outcome == "released" and "rotation channels" in found.reason

@@ -361,7 +361,7 @@ def test_contacts_of_a_few_frames_are_left_as_they_are_unless_forced() -> None:
     shift = np.zeros((FRAMES, 3))
     shift[:, 0] = 0.02 * np.arange(FRAMES)
     made = moved(still(), shift)
-    spans = [Contact(5, 8, 0.9), Contact(20, 23, 0.9, wish="force"), Contact(40, 60, 0.9)]
+    spans = [Contact(5, 7, 0.9), Contact(20, 22, 0.9, wish="force"), Contact(40, 60, 0.9)]
     assert kept_of(made, contacts_of(made, left_toe=spans)) == [True, False, False]
 
 

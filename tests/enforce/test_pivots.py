@@ -26,9 +26,9 @@ def turned(about: str, angle: Floats, drift: float = 0.0) -> tuple[Clip, Rig]:
     clip, rig = made.clip.frames(np.zeros(FRAMES, dtype=int)), rig_of(made)
     centre = rig.tracks(rig.pose(clip))[[sole.name for sole in rig.soles].index(f"left_{about}")][0] * [1.0, 0.0, 1.0]
     yaw = rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), angle)
-    place = centre + rotation.rotate(yaw, clip.place(rig.root) - centre)
+    place = centre + rotation.rotate(yaw, clip.position(rig.root) - centre)
     place = place + np.outer(drift * np.linspace(0.0, 1.0, FRAMES), [0.6, 0.0, 0.8])
-    return clip.with_joints({rig.root: place}, {rig.root: rotation.multiply(yaw, clip.turn(rig.root))}), rig
+    return clip.with_joints({rig.root: place}, {rig.root: rotation.multiply(yaw, clip.rotation(rig.root))}), rig
 
 
 def contacts_of(contacts: Contacts, heel: float, toe: float) -> Contacts:

@@ -15,6 +15,7 @@ from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, Q, W
 from footfix.enforce.objective import objective, systems
 from footfix.enforce.problem import Problem
+from footfix.enforce.vertices import Vertices
 from footfix.motion.clip import Floats
 
 EPS = 1e-3  # [m]
@@ -63,6 +64,8 @@ PROBLEMS = {
     "toes far": lambda: problem(costs=replace(FREE, toes_farthest=2.0)),
     "little is wrong": lambda: problem(costs=replace(FREE, noticed=0.02, unnoticed_turn=2.0), fault=SOME),
     "place": lambda: problem(placed()),
+    "vertices": lambda: problem(skins={0: some_vertices(problem())}),
+    "vertices of a stiff foot": lambda: problem(skins={0: replace(some_vertices(problem()), toes=None)}),
     "cut": lambda: replace(near(), cut=(True, True)),
     "cut after": lambda: replace(near(), cut=(False, True)),
     "all of it": lambda: replace(
@@ -72,6 +75,13 @@ PROBLEMS = {
             legs=2, costs=CostParams(speed=40.0, line_farthest=3.0, ankle_farthest=5.0),
         )), cut=(True, False)),
 }  # fmt: skip
+
+
+def some_vertices(of: Problem) -> Vertices:
+    """Vertices here and there around the first foot, of which about half are below what is their floor."""
+    rng = np.random.default_rng(8)
+    base, toes = (size * rng.normal(size=(5, 3, of.frames)) for size in (0.1, 0.04))
+    return Vertices(base, toes, (of.legs[0].ankle[1] + base[:, 1]) + 0.05 * rng.normal(size=(5, of.frames)))
 
 
 def both(one: dict, other: dict, point: int) -> object:  # type: ignore[type-arg]
@@ -156,7 +166,7 @@ def test_while_the_root_stays_each_leg_has_its_part_of_the_whole(name: str) -> N
         own += each.cost
     root = x.copy()
     root[ROOT:] = 0.0  # what only the root's own terms cost
-    idle_legs = replace(of, pins=tuple(tuple(idle(of.frames) for _ in each) for each in of.pins), legs=tuple(
+    idle_legs = replace(of, skins={}, pins=tuple(tuple(idle(of.frames) for _ in each) for each in of.pins), legs=tuple(
         replace(leg, least=np.full(of.frames, -9.0)) for leg in of.legs
     ))  # fmt: skip
     assert own + objective(idle_legs, root, EPS) == pytest.approx(whole.cost, rel=1e-9)

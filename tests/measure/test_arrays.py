@@ -55,3 +55,9 @@ def test_what_is_no_track_is_refused(what: str) -> None:
     call, words = WRONG[what]
     with pytest.raises(ArgumentError, match=words):
         call()
+
+
+def test_physdiffs_tolerance_is_half_a_centimetre() -> None:
+    for height, floating, penetrating in ((0.004, 0.0, 0.0), (0.006, 6.0, 0.0), (-0.004, 0.0, 0.0), (-0.006, 0.0, 6.0)):
+        found = arrays.physdiff(np.full((5, 1, 3), [0.0, height, 0.0]))
+        assert (found.float_mm, found.penetrate_mm) == (pytest.approx(floating), pytest.approx(penetrating))

@@ -293,6 +293,7 @@ def test_on_a_belt_plants_are_measured_against_it_and_the_literature_is_silent()
     assert max(plant.slide_mm for plant in plants) == pytest.approx(0.0, abs=1e-9)
     assert max(plant.speed_cm_s for plant in plants) == pytest.approx(0.0, abs=1e-9)
     assert max(plant.tip_slide_mm or 0.0 for plant in plants) == pytest.approx(0.0, abs=1e-9)
+    assert max(plant.sole_slide_mm for plant in plants) == pytest.approx(0.0, abs=1e-9)
     assert all(getattr(carried, name) is None for name in WORLD)
     at_rest = measured(clip, rig, **spans, belt=np.zeros((41, 3)))
     assert at_rest == measured(clip, rig, **spans)
@@ -314,6 +315,12 @@ def test_what_is_just_as_far_from_the_floor_as_the_tolerance_is_on_it() -> None:
     track = np.zeros((3, 3))
     track[:, 0], track[:, 1] = [0.0, 1.0, 2.0], [0.5, -0.5, 0.5]
     assert physdiff([track], 0.0, tolerance=0.5) == (0.0, 0.0, 1000.0)
+
+
+def test_a_figure_without_sole_points_is_never_in_contact() -> None:
+    clip, rig = figure(20)
+    rig = replace(rig, soles=())
+    assert measure(clip, rig, rig.no_contacts(clip))[0].coverage == 0.0
 
 
 def test_a_clip_too_short_to_move_has_no_peaks() -> None:

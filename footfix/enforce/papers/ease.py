@@ -71,29 +71,25 @@ def eased(spans: Sequence[Span], values: Floats, sigma: int) -> Floats:
     return out
 
 
-def replanned(
-    free: Floats, share: Floats, *, reached: Floats, free_then: Floats, target: Floats, free_there: Floats
-) -> Floats:
-    """Lead an effector to a new contact when the motion changes in the middle of an ease-in (G eq. 11).
+def replanned(new: Floats, share: Floats, left_over: Floats) -> Floats:
+    """Lead an effector over to a new motion when the plan changes in the middle of an ease (G eq. 11).
 
-    At the time t' of the change the effector is at E(t'), on its way to a contact that is no more. From then on the
-    motion without enforcement is E_0', and the next contact is C' at t_1'. As printed, eq. 11 jumps: at t = t' it is
-    C'. Here what the effector was off the new motion fades out while what the new contact needs fades in:
+    At the time t' of the change the effector is at E(t'), on its way to a contact that may be no more. From then on it
+    is to follow N(t), the new motion with its own enforcement, such as E_0'(t) + (1 - Gamma(u)) (C' - E_0'(t_1')) up
+    to a contact C' at t_1'. As printed, eq. 11 jumps: at t = t' it is C'. Here what the effector was off the new
+    motion fades out:
 
-        E(t) = E_0'(t) + Gamma(u) (E(t') - E_0'(t')) + (1 - Gamma(u)) (C' - E_0'(t_1')),  u = (t - t') / (t_1' - t')
+        E(t) = N(t) + Gamma(u) (E(t') - N(t')),  u = (t - t') / (t_1' - t')
 
-    which is E(t') at t = t' and C' at t = t_1'. The velocity at t' is that of the new motion.
+    which is E(t') at t = t' and C' at t = t_1'. The velocity at t' is that of the new motion. Displacements from a free
+    motion that goes on are led over alike, and so are angles.
 
     Args:
-        free: (F, 3) [m] E_0'(t), the effector in the new motion at the times asked for.
-        share: (F,) u, from 0 at t' to 1 at t_1'.
-        reached: (3,) [m] E(t'), where the effector is when the motion changes.
-        free_then: (3,) [m] E_0'(t').
-        target: (3,) [m] C', where it is to stand.
-        free_there: (3,) [m] E_0'(t_1').
+        new: (..., K) [m] N(t), at the times asked for.
+        share: (...) u, from 0 at t' to 1 when it is over.
+        left_over: (..., K) [m] E(t') - N(t').
 
     Returns:
-        (F, 3) [m] E(t).
+        (..., K) [m] E(t).
     """
-    fall = gamma(share)[:, None]
-    return np.asarray(free + fall * (reached - free_then) + (1.0 - fall) * (target - free_there))
+    return np.asarray(new + gamma(share)[..., None] * left_over)

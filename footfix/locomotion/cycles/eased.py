@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from footfix.motion.clip import Floats, Ints, frozen
+from footfix.motion.clip import Floats, Ints
+from footfix.motion.vectors import norm
 
 _LEAST = 1e-6  # [s] of a stretch
 _BEND = 0.1  # [s] within which a value that is let go, or taken up, changes its slope,
 _ASIDE = 0.02  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
-_ZERO = (0.0, 0.0, 0.0)
 
-Row = tuple[float, Sequence[float], Sequence[float], Sequence[float], Sequence[float], int]
+Span = tuple[float, float]  # [s]
+Row = tuple[float, int, int, int, int, int]  # start, the four values at its ends among some, and what holds it
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,91 +26,92 @@ class Timelines:
     Over a stretch a value goes from one to another, or something else holds it.
 
     Args:
-        begins: (Q + 1,) where the stretches of each value begin, among all S.
+        begins: (Q,) where the stretches of each value begin, among all S.
         starts: (S,) [s], ascending for each value; its first stretch reaches back for ever.
         lengths: (S,) [s].
-        first, last: (S, 3) values at its ends.
-        leaving, coming: (S, 3) slopes there, beside that of the step, of [1/s].
+        values: (S, 2, 3) values at its ends.
+        slopes: (S, 2, 3) slopes there, beside that of the step, of [1/s]; the last one towards the stretch.
         holder: (S,) what holds it, -1 where nothing does.
     """
 
-    begins: tuple[int, ...]
+    begins: Ints
     starts: Floats
     lengths: Floats
-    first: Floats
-    last: Floats
-    leaving: Floats
-    coming: Floats
+    values: Floats
+    slopes: Floats
     holder: Ints
+
+    @cached_property
+    def _keys(self) -> tuple[Floats, Floats, float, float]:
+        """(S,) starts, ascending over all values, what is added for each (Q,), and the times that they cover."""
+        low, high = float(self.starts.min()) - 1.0, float(self.starts.max()) + 1.0
+        added = np.asarray((high - low + 1.0) * np.arange(len(self.begins)), dtype=np.float64)
+        counts = np.diff(np.append(self.begins, len(self.starts)))
+        keys: Floats = self.starts + np.repeat(added, counts)
+        return keys, added, low, high
+
+    @cached_property
+    def _spans(self) -> Floats:
+        """(S, 2) [s] over which the slopes at the ends come back to nothing."""
+        steep = np.maximum(norm(self.slopes), 1e-9)
+        span: Floats = np.minimum(np.maximum(_ASIDE / steep, 0.02), _BEND)
+        return np.minimum(span, 0.5 * self.lengths[:, None])
 
     def at(self, times: Floats) -> tuple[Floats, Ints]:
         """(T, Q, 3) values at times (T,) [s], and (T, Q) what holds them instead."""
-        k = np.empty((len(times), len(self.begins) - 1), dtype=np.intp)
-        for q in range(k.shape[1]):
-            a, b = self.begins[q], self.begins[q + 1]
-            k[:, q] = a + np.maximum(self.starts[a:b].searchsorted(times, side="right") - 1, 0)
-        length = self.lengths[k]
-        since = times[:, None] - self.starts[k]
-        u = np.minimum(np.maximum(since / length, 0.0), 1.0)
+        keys, added, low, high = self._keys
+        within = np.minimum(np.maximum(times, low), high)[:, None] + added
+        k = np.maximum(keys.searchsorted(within.ravel(), side="right").reshape(within.shape) - 1, self.begins)
+        length, since = self.lengths[k], np.empty((*k.shape, 2))
+        since[..., 0] = times[:, None] - self.starts[k]
+        since[..., 1] = length - since[..., 0]
+        value = self.values[k]
+        u = np.minimum(np.maximum(since[..., 0] / length, 0.0), 1.0)
         fall = ((2.0 * u - 3.0) * u * u + 1.0)[..., None]
-        last = self.last[k]
-        value = last + fall * (self.first[k] - last)
-        value += _bent(self.leaving[k], since, length) - _bent(self.coming[k], length - since, length)
-        return value, self.holder[k]
+        span = self._spans[k]
+        u = np.minimum(np.maximum(since / span, 0.0), 1.0)
+        bent = (span * u * (1.0 - u) ** 2)[..., None] * self.slopes[k]  # a cubic that comes back to nothing
+        first, last = value[:, :, 0], value[:, :, 1]
+        return last + fall * (first - last) + bent[:, :, 0] - bent[:, :, 1], self.holder[k]
 
 
-def _bent(slope: Floats, since: Floats, length: Floats) -> Floats:
-    """(..., 3) what a slope (..., 3) adds, some time after it held (...) [s]: a cubic that comes back to nothing."""
-    steep = np.sqrt(np.einsum("...k,...k->...", slope, slope))
-    span = np.minimum(np.minimum(np.maximum(_ASIDE / np.maximum(steep, 1e-9), 0.02), _BEND), 0.5 * length)
-    u = np.minimum(np.maximum(since / span, 0.0), 1.0)
-    return np.asarray((span * u * (1.0 - u) ** 2)[..., None] * slope)
-
-
-def timelines(every: Sequence[Sequence[Row]]) -> Timelines:
-    """Join the rows of several values, from `held_rows` and `through_rows`."""
-    begins = np.concatenate([[0], np.cumsum([len(rows) for rows in every])])
-    rows = [row for own in every for row in own]
-    starts = np.array([row[0] for row in rows])
+def timelines(every: Sequence[Sequence[Row]], some: Floats) -> Timelines:
+    """Join the rows of several values, from `held_rows` and `through_rows`, whose values are among (N, 3)."""
+    counts = np.array([len(rows) for rows in every])
+    table = np.array([row for own in every for row in own])  # numbers of rows are small, so floats hold them
+    starts, index = table[:, 0], table[:, 1:].astype(np.intp)
+    begins = np.cumsum(counts) - counts
     lengths = np.empty(len(starts))
     lengths[:-1] = np.maximum(starts[1:] - starts[:-1], _LEAST)
-    lengths[begins[1:] - 1] = 1.0
-    values = np.array([row[1:5] for row in rows])
-    first, last, leaving, coming = (frozen(values[:, c]) for c in range(4))
-    holder = np.array([row[5] for row in rows])
-    return Timelines(
-        tuple(begins.tolist()), frozen(starts), frozen(lengths), first, last, leaving, coming, holder
-    )  # fmt: skip
+    lengths[begins + counts - 1] = 1.0
+    return Timelines(begins, starts, lengths, some[index[:, :2]], some[index[:, 2:4]], index[:, 4])
 
 
-def held_rows(
-    spans: Sequence[tuple[float, float]], ends: Sequence[Floats], slopes: Sequence[Floats], holders: Sequence[int],
-    sigma: float,
-) -> list[Row]:  # fmt: skip
-    """A value that is held in spans, eased in before each and out after it, and led over where they are close.
+def held_rows(spans: Sequence[Span], values: Sequence[int], slopes: Sequence[int], holders: Sequence[int],
+              sigma: float) -> list[Row]:  # fmt: skip
+    """Hold a value in spans, eased in before each and out after it, and led over where they are close.
 
     Args:
         spans: [s] from when until when it is held, in order of time.
-        ends: for each (2, 3) the value at its start and at its end.
-        slopes: for each (2, 3) how it changes there, of [1/s].
+        values: for each where among all values that at its start stands, followed by that at its end; 0 is zero.
+        slopes: likewise, how it changes there.
         holders: what holds it then.
         sigma: [s] of an ease.
     """
-    before = min((start for start, _ in spans), default=0.0) - sigma - 1.0
-    rows: list[Row] = [(before, _ZERO, _ZERO, _ZERO, _ZERO, -1)]
-    for k, ((start, end), (first, last), (rises, falls)) in enumerate(zip(spans, ends, slopes, strict=True)):
+    before = (spans[0][0] if spans else 0.0) - sigma - 1.0
+    rows: list[Row] = [(before, 0, 0, 0, 0, -1)]
+    for k, ((start, end), v, w, holder) in enumerate(zip(spans, values, slopes, holders, strict=True)):
         if k == 0 or start - spans[k - 1][1] >= 2.0 * sigma:
-            rows.append((start - sigma, _ZERO, first, _ZERO, rises, -1))
-        rows.append((start, first, last, _ZERO, _ZERO, holders[k]))
+            rows.append((start - sigma, 0, v, 0, w, -1))
+        rows.append((start, v, v + 1, 0, 0, holder))
         if k + 1 == len(spans) or spans[k + 1][0] - end >= 2.0 * sigma:
-            rows += [(end, last, _ZERO, falls, _ZERO, -1), (end + sigma, _ZERO, _ZERO, _ZERO, _ZERO, -1)]
+            rows += [(end, v + 1, 0, w + 1, 0, -1), (end + sigma, 0, 0, 0, 0, -1)]
         else:
-            rows.append((end, last, ends[k + 1][0], falls, slopes[k + 1][0], -1))
+            rows.append((end, v + 1, values[k + 1], w + 1, slopes[k + 1], -1))
     return rows
 
 
-def through_rows(knots: Sequence[tuple[float, float]]) -> list[Row]:
-    """A number that goes through some (time, value) in order of time; it stands first of the three."""
-    knots = knots or [(0.0, 0.0)]
-    after = [value for _, value in knots[1:]] + [knots[-1][1]]
-    return [(at, (v, 0.0, 0.0), (w, 0.0, 0.0), _ZERO, _ZERO, -1) for (at, v), w in zip(knots, after, strict=True)]
+def through_rows(times: Sequence[float], first: int) -> list[Row]:
+    """Lead a number through some values in order of time, of which the first stands at an index."""
+    last = first + len(times) - 1
+    return [(at, first + k, min(first + k + 1, last), 0, 0, -1) for k, at in enumerate(times)]

@@ -11,50 +11,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.ease import gamma
-from footfix.locomotion.cycles.feet import SIGMA, Feet, goals, lowered, make_feet
+from footfix.enforce.papers.ease import replanned
+from footfix.locomotion.cycles.feet import SIGMA, Feet, make_feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
-from footfix.locomotion.cycles.model import CycleModel, place_of_root
+from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course, Line, Plan, Point, make_course
-from footfix.locomotion.cycles.stance import HELD, Span, Stance, sample_times, settled
-from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats
+from footfix.locomotion.cycles.postures import Led, Postures, free_postures, held, leg_poses
+from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
+from footfix.motion.clip import Floats
 
-SOONEST = 0.25  # [s] within which parameters change at the soonest
-_COMMITTED = 0.12  # [s] before a foot is set down, from when on its place does not change any more
+_SOONEST = 0.25  # [s] within which parameters change at the soonest,
+_TURNED = np.radians(150.0)  # [rad/s^2] and turns,
+_HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
+_RAN = 1.0  # [1/s] and the share of running: quicker than this no foot on the floor can follow
+_COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
-_AHEAD = 1.4  # [s] that are foreseen at least
+_PAST = 0.25  # [s] that are told of the past where what stands is known
 _RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
 _SOON = 0.01  # [s] in which it is gone at the soonest
-
-
-@dataclass(frozen=True, eq=False)
-class Postures:
-    """Postures of a figure at T times.
-
-    Args:
-        times: (T,) [s].
-        place: (T, 3) [m] the root.
-        turns: (T, J, 4) xyzw each joint's rotation in its parent's frame.
-        contacts: (T, E) whether each effector is planted.
-        names: of the effectors.
-    """
-
-    times: Floats
-    place: Floats
-    turns: Floats
-    contacts: Bools
-    names: tuple[str, ...]
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    def clip(self, model: CycleModel, frame_time: float) -> Clip:
-        """The postures as frames of a clip."""
-        skeleton, root = model.skeleton, model.rig.root
-        places = np.tile(skeleton.offsets, (len(self), 1, 1))
-        places[:, root] = self.place
-        return Clip(skeleton, places, self.turns, frame_time)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +45,9 @@ class Residual:
     until: Floats
     value: Floats
 
-    def at(self, times: Floats) -> Floats:
-        """(T, L, Q, 3) what is left of it."""
-        u = (times[:, None, None] - self.since) / (self.until - self.since)
-        return np.asarray(gamma(u)[..., None] * self.value)
+    def faded(self, off: Floats, times: Floats) -> Floats:
+        """(T, L, Q, 3) how feet are led off at times (T,), that are to be led off by others (T, L, Q, 3)."""
+        return replanned(off, (times[:, None, None] - self.since) / (self.until - self.since), self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +67,7 @@ class Foreseen:
     def led_off(self, times: Floats, pose: LegPoses) -> Floats:
         """(T, L, Q, 3) how the feet are led off the cycle, whose legs are posed so at times (T,) [s]."""
         off = self.feet.led_off(times, pose)
-        return off if self.residual is None else off + self.residual.at(times)
+        return off if self.residual is None else self.residual.faded(off, times)
 
 
 def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
@@ -107,17 +80,17 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
         start: where the course is known.
         until: [s].
     """
-    course = _course(model, plan, line, start, until)
+    slow = 1.3 / float(model.frequency(plan.at(np.array([start.time])))[0])
+    course = _course(model, plan, line, start, until, slow)
     stances = [each for own in timetable(model, course, until) for each in own]
-    place, turns = free_postures(model, course, sample_times(stances).ravel())
-    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
+    poses = leg_poses(model, course, sample_times(stances).ravel())
     return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
 
 
-def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Course:
-    """The course, with the past in which feet that stand were set down, and the time in which they are lifted again."""
-    slow = 1.0 / model.frequency(plan.at(np.array([start.time, until])))
-    return make_course(plan, line, start, until + float(slow[1]), start.time - 1.3 * float(slow[0]), model.frequency)
+def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
+    """Foresee the course, with some of the past [s], and until feet that stand in the end are lifted again."""
+    slow = 1.0 / float(model.frequency(plan.at(np.array([until])))[0])
+    return make_course(plan, line, start, until + slow, start.time - past, model.frequency)
 
 
 def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
@@ -125,26 +98,64 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
     return make_feet([sorted((s for s in stances if s.leg == k), key=lambda s: s.count) for k in legs])
 
 
-def changed(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Foreseen:
+def changed_plan(model: CycleModel, plan: Plan, now: float, over: float, target: Plan) -> Plan:
+    """Make the plan that from now on goes to a target (one row) within `over` [s], or as soon as feet can follow."""
+    here = plan.at(np.array([now]))
+    needed = (
+        (target.turn - here.turn) / _TURNED,
+        (target.speed - here.speed) / (_HASTENED * model.froude),
+        (target.run - here.run) / _RAN,
+    )
+    return plan.changed(now, max(over, _SOONEST, *(abs(float(each[0])) for each in needed)), target)
+
+
+def changed(
+    model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float, times: Floats, led: Floats | None = None
+) -> tuple[Foreseen, Led]:
     """Foresee anew from a time on, at which another plan holds, or more of it is wanted.
 
     What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
     them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+
+    Args:
+        model: the figure and its cycles.
+        old: what was going to happen.
+        plan: what is asked for; up to now it is what it was.
+        now: where the course is.
+        until: [s].
+        times: (T,) [s] at which feet are led right away, from now on.
+        led: (L, Q, 3) how the feet are led off the cycle now, if that is known.
+
+    Returns:
+        What is going to happen, and the feet led at the times.
     """
-    course = _course(model, plan, old.course.line, old.course.point(now), until)
+    course = _course(model, plan, old.course.line, now, until, _PAST)
+    over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
+    samples = sample_times(stances).ravel() if stances else times[:0]
+    n = len(samples)
+    soon = np.concatenate([[now.time], times])
+    free = free_postures(model, course, np.concatenate([samples, soon]), n + 1 if len(times) else n)
+    found = settled(stances, stays, free.legs, model) if stances else []
+    feet, legs = _feet(model, [*over, *found]), free.legs.some(slice(n, None))
+    off = feet.led_off(soon, legs)
+    was = old.led_off(soon[:1], legs.some(slice(0, 1)))[0] if led is None else led
+    residual = _residual(was - off[0], feet, now.time)
+    free = replace(free, legs=legs.some(slice(1, None)))
+    return Foreseen(course, feet, residual), Led(times, free, residual.faded(off[1:], times))
+
+
+def _coming(
+    feet: Feet, expected: Sequence[Sequence[Stance]], now: float
+) -> tuple[list[Stance], list[Stance], list[bool]]:
+    """Tell stances that are over but still lead a foot, those that are or come, and which of these were known."""
     over, stances, stays = list[Stance](), list[Stance](), list[bool]()
-    for known, coming in zip(old.feet.stances, timetable(model, course, until), strict=True):
+    for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
         before = {each.count: each for each in known if each.start <= now + _COMMITTED}
         coming = [s for s in coming if before.get(s.count, s).end > now]
         stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
         stays += [each.count in before for each in coming]
-    times = sample_times(stances).ravel() if stances else np.zeros(0)
-    place, turns = free_postures(model, course, np.append(times, now))
-    poses = model.legs.poses(place, turns[:, model.rig.root], turns)
-    found = settled(stances, stays, poses.some(slice(0, -1)), model) if stances else []
-    new = Foreseen(course, _feet(model, [*over, *found]))
-    return replace(new, residual=_residual(old, new, poses.some(slice(-1, None)), now))
+    return over, stances, stays
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
@@ -167,18 +178,15 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
     """
     asked = course.plan.at(course.grid)
     spans = model.contact_phases(asked)
-    set_down = course.phase[:, None] - spans[:, :, 0]
+    set_down = course.known[:, :1] - spans[:, :, 0]
     lifted = set_down - spans[:, :, 1]
     low, high = int(np.floor(set_down[0].min())), int(np.ceil(set_down[-1].max()))
     counts = np.arange(low, high + 1)
     times: dict[tuple[int, str], list[Span | None]] = {}
     for e, sole in enumerate(model.rig.soles):
-        begin, end = (np.interp(counts, c[:, e], course.grid, left=np.nan, right=np.nan) for c in (set_down, lifted))
-        end = np.where(np.isnan(end), course.grid[-1], end)
-        times[sole.leg, sole.part] = [
-            (float(a), float(b)) if np.isfinite(a) and b - a >= _BRIEFEST else None
-            for a, b in zip(begin, end, strict=True)
-        ]
+        begin = np.interp(counts, set_down[:, e], course.grid, right=np.inf).tolist()
+        end = np.interp(counts, lifted[:, e], course.grid, left=-np.inf).tolist()
+        times[sole.leg, sole.part] = [(a, b) if b - a >= _BRIEFEST else None for a, b in zip(begin, end, strict=True)]
     found = []
     for leg in range(len(model.rig.legs)):
         pairs = zip(counts, times[leg, "heel"], times[leg, "toe"], strict=True)
@@ -188,37 +196,17 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
     return found
 
 
-def free_postures(model: CycleModel, course: Course, times: Floats) -> tuple[Floats, Floats]:
-    """(T, 3) [m] the root and (T, J, 4) all rotations as the cycles have them, no foot held (G eq. 5, 6)."""
-    rows = model.rows(course.phases(times), course.plan.at(times))
-    place, heading = course.where(times)
-    turns = model.turns(rows)
-    turns[:, model.rig.root] = rotation.multiply(rotation.about_vertical(heading), turns[:, model.rig.root])
-    return place_of_root(rows, place, heading, model.rig.leg_length), turns
-
-
-def _residual(old: Foreseen, new: Foreseen, pose: LegPoses, now: float) -> Residual:
-    """What led the feet off the cycle at a time, at which its legs are posed so, and does not any more."""
-    at = np.array([now])
-    gap = (old.led_off(at, pose) - new.led_off(at, pose))[0]
-    until = np.full(gap.shape[:2], now + _RESIDUAL)
-    for leg in range(len(gap)):
-        for q, name in enumerate((*HELD, "heel", "heel")):
-            coming = min((start for start, _ in new.feet.spans(leg, name) if start > now), default=np.inf)
+def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
+    """Keep what is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
+    until = np.empty(gap.shape[:2])
+    for leg, stances in enumerate(feet.stances):
+        for q, k in enumerate((0, 1, 2, 3, 0, 0)):  # the last two as the heel
+            coming = min((s[0] for each in stances if (s := each.spans[k]) is not None and s[0] > now), default=np.inf)
             until[leg, q] = now + min(max(coming - now, _SOON), _RESIDUAL)
     return Residual(now, until, gap)
 
 
 def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
-    """The postures at some times (T,) [s], feet held."""
-    place, turns = free_postures(model, foreseen.course, times)
-    rig, legs = model.rig, model.legs
-    pose = legs.poses(place, turns[:, rig.root], turns)
-    off = foreseen.led_off(times, pose)
-    ankle, foot, toes = goals(pose, off)
-    down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
-    place[:, 1] -= down
-    ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
-    turns[:, legs.turned] = legs.bent(pose, model.knees, ankle, foot, toes)
-    contacts = [foreseen.feet.planted(sole.leg, sole.part, times) for sole in rig.soles]
-    return Postures(times, place, turns, np.stack(contacts, axis=1), tuple(sole.name for sole in rig.soles))
+    """Make the postures at some times (T,) [s], feet held."""
+    free = free_postures(model, foreseen.course, times)
+    return held(model, foreseen.feet, Led(times, free, foreseen.led_off(times, free.legs)))

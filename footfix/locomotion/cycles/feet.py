@@ -13,16 +13,17 @@ from functools import cached_property
 import numpy as np
 
 from footfix.locomotion.cycles.eased import Row, Timelines, held_rows, through_rows, timelines
-from footfix.locomotion.cycles.leg_pose import LegPoses, reach, turned_by
-from footfix.locomotion.cycles.stance import HELD, Span, Stance, off_cycle
+from footfix.locomotion.cycles.leg_pose import LegPoses, reach, turned_by, turns_between
+from footfix.locomotion.cycles.stance import HELD, UP, Span, Stance
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.vectors import cross, norm, unit
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _PEEL = 0.08  # [s] after the heel has left the floor, and before the foot is set down, in which it becomes free to turn
-_SOFT = 0.002  # [leg lengths] that a leg may lack, from which on it is noticed
+_SOFT = 0.01  # [leg lengths] that a leg may lack, from which on it is noticed
 _LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
 _LED = (*HELD, "share", "free")
+_TWO = np.arange(2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,23 +40,19 @@ class Feet:
     stances: tuple[tuple[Stance, ...], ...]
     lines: Timelines
 
-    def spans(self, leg: int, quantity: str) -> list[Span]:
-        """[s] when one of `HELD` is held."""
-        return [span for each in self.stances[leg] if (span := each.span(quantity)) is not None]
-
     def planted(self, leg: int, part: str, times: Floats) -> Bools:
         """(T,) whether heel or toe is."""
-        spans = self.spans(leg, part)
-        if not spans:
-            return np.zeros(len(times), dtype=np.bool_)
-        low, high = np.array(spans).T
-        return np.asarray(((times[:, None] >= low) & (times[:, None] <= high)).any(axis=1))
+        down = np.zeros(len(times), dtype=np.bool_)
+        for each in self.stances[leg]:
+            span = each.heel if part == "heel" else each.toe
+            if span is not None:
+                down |= (times >= span[0]) & (times <= span[1])
+        return down
 
     @cached_property
-    def _held(self) -> tuple[Floats, ...]:
+    def _held(self) -> tuple[Floats, Floats]:
         every = [each for own in self.stances for each in own]
-        names = ("heel_place", "toe_place", "foot", "toes")
-        return tuple(np.array([getattr(each, name) for each in every]) for name in names)
+        return np.array([each.points for each in every]), np.array([each.frames for each in every])
 
     def led_off(self, times: Floats, pose: LegPoses) -> Floats:
         """(T, L, 6, 3) how the feet are led off the cycle (G eq. 9); the last two are numbers, the first of three.
@@ -66,29 +63,41 @@ class Feet:
         """
         value, holder = self.lines.at(times)
         shape = (len(times), len(self.stances), len(_LED))
-        value, holder = value.reshape(*shape, 3), holder.reshape(shape)
-        for q, name in enumerate(HELD):
-            t, leg = np.nonzero(holder[..., q] >= 0)
-            if len(t):
-                value[t, leg, q] = off_cycle(name, self._held[q][holder[t, leg, q]], getattr(pose, name)[t, leg])
+        value, holder = value.reshape(*shape, 3), holder.reshape(shape)[:, :, :4]
+        if any(self.stances):
+            points, frames = self._held
+            off = np.empty((*shape[:2], 4, 3))
+            off[:, :, :2] = points[holder[:, :, :2], _TWO] - pose.soles
+            off[:, :, 2:] = turns_between(pose.ends, frames[holder[:, :, 2:], _TWO])
+            off[:, :, 3] *= UP
+            np.copyto(value[:, :, :4], off, where=(holder >= 0)[..., None])
         return value
 
 
 def make_feet(stances: Sequence[Sequence[Stance]]) -> Feet:
-    """What feet are going to do, by the stances of each of them in order of time."""
+    """Tell what feet are going to do, by the stances of each of them in order of time."""
+    every = [each for own in stances for each in own]
+    n = len(every)
     rows: list[list[Row]] = []
+    numbers = list[float]()
     at = 0
     for own in stances:
-        for q, name in enumerate(HELD):
-            some = [(k, span) for k, each in enumerate(own) if (span := each.span(name)) is not None]
-            rows.append(held_rows(
-                [span for _, span in some], [own[k].ends[q] for k, _ in some], [own[k].slopes[q] for k, _ in some],
-                [at + k for k, _ in some], SIGMA,
-            ))  # fmt: skip
-        share, free = _knots(own)
-        rows += [through_rows(share), through_rows(free)]
+        for q in range(len(HELD)):
+            which = [k for k, each in enumerate(own, at) if each.spans[q] is not None]
+            spans = [span for each in own if (span := each.spans[q]) is not None]
+            values = [1 + 2 * (4 * k + q) for k in which]
+            rows.append(held_rows(spans, values, [8 * n + v for v in values], which, SIGMA))
+        for knots in _knots(own):
+            times, through = zip(*(knots or [(0.0, 0.0)]), strict=True)
+            rows.append(through_rows(times, 1 + 16 * n + len(numbers)))
+            numbers += through
         at += len(own)
-    return Feet(tuple(map(tuple, stances)), timelines(rows))
+    some = np.zeros((1 + 16 * n + len(numbers), 3))
+    if n:
+        some[1 : 1 + 8 * n] = np.array([each.ends for each in every]).reshape(-1, 3)
+        some[1 + 8 * n : 1 + 16 * n] = np.array([each.slopes for each in every]).reshape(-1, 3)
+    some[1 + 16 * n :, 0] = numbers
+    return Feet(tuple(map(tuple, stances)), timelines(rows, some))
 
 
 def _knots(stances: Sequence[Stance]) -> tuple[list[Span], list[Span]]:

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.locomotion.cycles.eigencycles import GaitSpace, SpaceParams, aligned, fit_space, make_code
+from footfix.locomotion.cycles.eigencycles import GaitSpace
+from footfix.locomotion.cycles.fit_space import SpaceParams, aligned, fit_space, make_code
 from footfix.locomotion.cycles.leave_out import LeftOut, degree_for, leave_out
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel, Origin
@@ -91,11 +92,11 @@ def _share(space: GaitSpace) -> float:
 def _cycle_legs(model: CycleModel, speed: float, run: float, phases: Floats) -> LegPoses:
     """The legs of a cycle that travels along z at an even speed, at phases (T,)."""
     plan = _asked(model, speed, run, len(phases))
-    rows = model.rows(phases, plan)
-    turns = model.turns(rows)
+    rows = model.leg_rows(phases, plan, len(phases))[0]
+    turns = model.leg_turns(rows)
     place = model.rig.leg_length * rows[:, :3]
     place[:, 2] += plan.speed * phases / model.frequency(plan)
-    return model.legs.poses(place, turns[:, model.rig.root], turns)
+    return model.legs.poses(place, turns[:, 0], turns[:, 1:])
 
 
 def _levels(model: CycleModel) -> Floats:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.locomotion.cycles.eigencycles import Code, GaitSpace, SpaceParams, fit_space, style_weights
+from footfix.locomotion.cycles.eigencycles import Code, GaitSpace
+from footfix.locomotion.cycles.fit_space import SpaceParams, fit_space, style_weights
 from footfix.locomotion.cycles.samples import Sample
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.kinematics import places

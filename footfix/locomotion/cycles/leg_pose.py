@@ -12,10 +12,11 @@ from functools import cached_property
 import numpy as np
 
 from footfix.motion import rotation
-from footfix.motion.clip import Floats, Skeleton
+from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
+_STILL = np.eye(3)
 _LONGEST = 0.9998  # share of a leg's length to which it is stretched at most
 
 
@@ -24,25 +25,45 @@ class LegPoses:
     """The legs at T times, in the world.
 
     Args:
-        hip, knee, ankle, heel, toe: (T, L, 3) [m] joints, the sole point of the heel, and the toe joint (or the ball of
-            the sole where there is none).
-        above_hip, thigh, above_knee, shank, above_ankle, foot, above_toe, toes: (T, L, 3, 3) frames of the hip joint,
-            the knee, the ankle and the toe joint, and of what each hangs from.
+        hip, knee, ankle: (T, L, 3) [m] joints.
+        soles: (T, L, 2, 3) [m] the sole point of the heel, and the toe joint (or the ball of the sole where there is
+            none).
+        ends: (T, L, 2, 3, 3) frames of the ankle and of the toe joint.
+        above_hip, thigh, above_knee, shank, above_ankle, above_toe: (T, L, 3, 3) frames of the hip joint and the knee,
+            and of what hip joint, knee, ankle and toe joint hang from.
     """
 
     hip: Floats
     knee: Floats
     ankle: Floats
-    heel: Floats
-    toe: Floats
+    soles: Floats
+    ends: Floats
     above_hip: Floats
     thigh: Floats
     above_knee: Floats
     shank: Floats
     above_ankle: Floats
-    foot: Floats
     above_toe: Floats
-    toes: Floats
+
+    @property
+    def heel(self) -> Floats:
+        """(T, L, 3) [m] the sole point of the heel."""
+        return self.soles[:, :, 0]
+
+    @property
+    def toe(self) -> Floats:
+        """(T, L, 3) [m] the toe joint, or the ball of the sole."""
+        return self.soles[:, :, 1]
+
+    @property
+    def foot(self) -> Floats:
+        """(T, L, 3, 3) frames of the ankles."""
+        return self.ends[:, :, 0]
+
+    @property
+    def toes(self) -> Floats:
+        """(T, L, 3, 3) frames of the toe joints."""
+        return self.ends[:, :, 1]
 
     def some(self, which: slice) -> LegPoses:
         """The poses at some of the times."""
@@ -62,18 +83,16 @@ class Legs:
     rig: Rig
 
     @cached_property
-    def needed(self) -> tuple[int, ...]:
-        """The joints below the root that legs hang from, and those of the legs, parents first."""
-        ends = [leg.ankle if leg.toe is None else leg.toe for leg in self.rig.legs]
-        root = self.rig.root
-        return tuple(j for j in self.skeleton.with_ancestors(ends) if root in self.skeleton.ancestors(j)[1:])
-
-    @cached_property
     def turned(self) -> tuple[int, ...]:
         """The joints that `bent` turns: hips, knees, ankles, toe joints."""
         legs = self.rig.legs
         toes = [leg.toe for leg in legs if leg.toe is not None]
         return tuple([leg.hip for leg in legs] + [leg.knee for leg in legs] + [leg.ankle for leg in legs] + toes)
+
+    @cached_property
+    def has_toes(self) -> bool:
+        """Whether all legs have toe joints."""
+        return all(leg.toe is not None for leg in self.rig.legs)
 
     def _sole(self, part: str) -> Floats:
         """(L, 3) [m] a sole point of each leg in the frame of its ankle."""
@@ -83,8 +102,52 @@ class Legs:
         return np.array(found)
 
     @cached_property
+    def _chains(self) -> tuple[Ints, Floats, Bools, tuple[int, ...]]:
+        """The joints of all legs side by side, from below the root to the toe joints.
+
+        Where one leg has fewer joints between two of the four than another, joints that do not turn stand in.
+
+        Returns:
+            (D, L) the joints, (D, L, 3) [m] their offsets, (D, L) whether they stand in, and where among the D hip,
+            knee, ankle and toe joint are.
+        """
+        joints, offsets, still = list[list[int]](), list[Floats](), list[list[bool]]()
+        places, legs = [], self.rig.legs
+        above = [self.rig.root] * len(legs)
+        for name in ("hip", "knee", "ankle", "toe"):
+            to = [getattr(leg, name) if getattr(leg, name) is not None else leg.ankle for leg in legs]
+            ways = [self._way(a, b) for a, b in zip(above, to, strict=True)]
+            for k in range(max(map(len, ways)), 0, -1):
+                own = [way[-k] if len(way) >= k else None for way in ways]
+                joints.append([0 if j is None else j for j in own])
+                offsets.append(np.array([np.zeros(3) if j is None else self.skeleton.offsets[j] for j in own]))
+                still.append([j is None for j in own])
+            places.append(len(joints) - 1)
+            above = to
+        return np.array(joints), np.array(offsets), np.array(still), tuple(places)
+
+    def _way(self, above: int, joint: int) -> list[int]:
+        """The joints below one on the way down to another."""
+        way = [joint]
+        while way[0] != above:
+            way.insert(0, int(self.skeleton.parents[way[0]]))
+        return way[1:]
+
+    @cached_property
     def _soles(self) -> tuple[Floats, Floats]:
         return self._sole("heel"), self._sole("toe")
+
+    @cached_property
+    def joints(self) -> tuple[int, ...]:
+        """The joints of all legs, down from below the root."""
+        joints, _, still, _ = self._chains
+        return tuple(dict.fromkeys(joints[~still].tolist()))
+
+    @cached_property
+    def _among(self) -> Ints:
+        """(D, L) where those of the chains are among `joints`."""
+        found = {joint: k for k, joint in enumerate(self.joints)}
+        return np.array([[found.get(joint, 0) for joint in row] for row in self._chains[0].tolist()])
 
     def poses(self, place: Floats, turn: Floats, turns: Floats) -> LegPoses:
         """Forward kinematics.
@@ -92,34 +155,35 @@ class Legs:
         Args:
             place: (T, 3) [m] the root.
             turn: (T, 4) its frame in the world.
-            turns: (T, J, 4) all joints in their parents' frames; the root's is not looked at.
+            turns: (T, N, 4) `joints` in their parents' frames.
         """
-        needed, root, parents = self.needed, self.rig.root, self.skeleton.parents
-        local = rotation.to_matrix(turns[:, needed])
-        places, frames = {root: place}, {root: rotation.to_matrix(turn)}
-        for k, joint in enumerate(needed):
-            parent = int(parents[joint])
-            places[joint] = places[parent] + frames[parent] @ self.skeleton.offsets[joint]
-            frames[joint] = frames[parent] @ local[:, k]
-        legs = self.rig.legs
-
-        def stacked(values: dict[int, Floats], joints: list[int]) -> Floats:
-            return np.stack([values[joint] for joint in joints], axis=1)
-
-        ends = [leg.ankle if leg.toe is None else leg.toe for leg in legs]
-        hips, knees, ankles = ([getattr(leg, name) for leg in legs] for name in ("hip", "knee", "ankle"))
-        ankle, foot = stacked(places, ankles), stacked(frames, ankles)
+        _, offsets, still, (hip, knee, ankle, toe) = self._chains
+        joints = self._among
+        count, legs = len(place), joints.shape[1]
+        local = rotation.to_matrix(turns[:, joints])  # (T, D, L, 3, 3)
+        if still.any():
+            local[:, still] = np.eye(3)
+        frame = rotation.to_matrix(turn)[:, None]
+        at = place[:, None]
+        frames, places = [np.broadcast_to(frame, (count, legs, 3, 3))], [np.broadcast_to(at, (count, legs, 3))]
+        for d in range(len(joints)):
+            at = at + (frame @ offsets[d][..., None])[..., 0]
+            frame = frame @ local[:, d]
+            places.append(at)
+            frames.append(frame)
         heel_at, toe_at = self._soles
-        heel = ankle + (foot @ heel_at[..., None])[..., 0]
-        if all(leg.toe is not None for leg in legs):
-            toe = stacked(places, ends)
+        foot = frames[ankle + 1]
+        soles, ends = np.empty((count, legs, 2, 3)), np.empty((count, legs, 2, 3, 3))
+        soles[:, :, 0] = places[ankle + 1] + (foot @ heel_at[..., None])[..., 0]
+        if self.has_toes:
+            soles[:, :, 1] = at
         else:
-            toe = ankle + (foot @ toe_at[..., None])[..., 0]
-        above = [stacked(frames, [int(parents[j]) for j in joints]) for joints in (hips, knees, ankles)]
-        above_toe = stacked(frames, [leg.ankle if leg.toe is None else int(parents[leg.toe]) for leg in legs])
+            soles[:, :, 1] = places[ankle + 1] + (foot @ toe_at[..., None])[..., 0]
+        ends[:, :, 0], ends[:, :, 1] = foot, frame
+        above_toe = frames[toe] if toe > ankle else foot
         return LegPoses(
-            stacked(places, hips), stacked(places, knees), ankle, heel, toe, above[0], stacked(frames, hips), above[1],
-            stacked(frames, knees), above[2], foot, above_toe, stacked(frames, ends),
+            places[hip + 1], places[knee + 1], places[ankle + 1], soles, ends, frames[hip], frames[hip + 1],
+            frames[knee], frames[knee + 1], frames[ankle], above_toe,
         )  # fmt: skip
 
     def bent(self, pose: LegPoses, knees: Floats, ankle: Floats, foot: Floats, toes: Floats) -> Floats:
@@ -153,7 +217,7 @@ class Legs:
         swing = between(thigh + (bend @ shank[..., None])[..., 0], line)
         parts = [_back(pose.above_hip) @ (swing @ pose.thigh), _back(pose.above_knee) @ (bend @ pose.shank),
                  _back(swing @ (bend @ pose.above_ankle)) @ foot]  # fmt: skip
-        if all(leg.toe is not None for leg in self.rig.legs):
+        if self.has_toes:
             above_toe = foot @ (_back(pose.foot) @ pose.above_toe)
             parts.append(_back(above_toe) @ toes)
         return rotation.from_matrix(np.concatenate(parts, axis=1))
@@ -182,7 +246,7 @@ def turned_by(vector: Floats) -> Floats:
     s = np.where(angle < 1e-6, 1.0, np.sin(safe) / safe)[..., None, None]
     c = np.where(angle < 1e-6, 0.5, (1.0 - np.cos(safe)) / (safe * safe))[..., None, None]
     k = _crosswise(vector)
-    return np.asarray(np.eye(3) + s * k + c * (k @ k))
+    return np.asarray(_STILL + s * k + c * (k @ k))
 
 
 def _crosswise(v: Floats) -> Floats:
@@ -197,14 +261,17 @@ def between(a: Floats, b: Floats) -> Floats:
     """(..., 3, 3) the smallest turns that take directions (..., 3) to others."""
     a, b = unit(a), unit(b)
     k = _crosswise(cross(a, b))
-    return np.asarray(np.eye(3) + k + (k @ k) / np.maximum(1.0 + dot(a, b), 1e-9)[..., None, None])
+    return np.asarray(_STILL + k + (k @ k) / np.maximum(1.0 + dot(a, b), 1e-9)[..., None, None])
 
 
-def vector_between(a: Floats, b: Floats) -> Floats:
+def turns_between(a: Floats, b: Floats) -> Floats:
     """(..., 3) [rad] rotation vectors of the turns from frames (..., 3, 3) to others, small ones above all."""
     m = b @ _back(a)
-    odd = m - _back(m)
-    axis = 0.5 * np.stack([odd[..., 2, 1], odd[..., 0, 2], odd[..., 1, 0]], axis=-1)
-    sine = np.linalg.norm(axis, axis=-1)
-    angle = np.arctan2(sine, 0.5 * (np.trace(m, axis1=-2, axis2=-1) - 1.0))
-    return np.asarray(axis * np.where(sine < 1e-9, 1.0, angle / np.maximum(sine, 1e-12))[..., None])
+    axis = np.empty(m.shape[:-1])
+    np.subtract(m[..., 2, 1], m[..., 1, 2], out=axis[..., 0])
+    np.subtract(m[..., 0, 2], m[..., 2, 0], out=axis[..., 1])
+    np.subtract(m[..., 1, 0], m[..., 0, 1], out=axis[..., 2])
+    twice = norm(axis)  # the sine of the angle, twice
+    angle = np.arctan2(twice, m[..., 0, 0] + m[..., 1, 1] + m[..., 2, 2] - 1.0)
+    axis *= np.where(twice < 2e-9, 0.5, angle / np.maximum(twice, 2e-12))[..., None]
+    return axis

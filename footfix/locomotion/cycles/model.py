@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.eigencycles import Code, GaitSpace, kernel
+from footfix.locomotion.cycles.eigencycles import SLOWEST, Code, GaitSpace, kernel
 from footfix.locomotion.cycles.leg_pose import Legs
 from footfix.locomotion.cycles.plan import Plan
 from footfix.locomotion.cycles.samples import GRAVITY
-from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints, Skeleton, frozen
 from footfix.rig.rig import Rig
 
@@ -85,6 +85,14 @@ class CycleModel:
         return Legs(self.skeleton, self.rig)
 
     @cached_property
+    def sole_levels(self) -> Floats:
+        """(L, 2) [m] the levels of each leg's heel and toe."""
+        level = np.zeros((len(self.rig.legs), 2))
+        for each, sole in zip(self.levels, self.rig.soles, strict=True):
+            level[sole.leg, int(sole.part == "toe")] = each * self.rig.leg_length
+        return level
+
+    @cached_property
     def leg_columns(self) -> tuple[Ints, ...]:
         """For each leg the columns of a row that its joints fill."""
         found = []
@@ -97,15 +105,22 @@ class CycleModel:
         """(T, G) how much of each gait there is; a model of one gait has nothing else."""
         if len(self.spaces) == 1:
             return np.ones((len(run), 1))
-        run = np.clip(run, 0.0, 1.0)
-        return np.stack([1.0 - run, run], axis=1)
+        share = np.empty((len(run), 2))
+        share[:, 1] = np.minimum(np.maximum(run, 0.0), 1.0)
+        share[:, 0] = 1.0 - share[:, 1]
+        return share
 
     def frequency(self, asked: Plan) -> Floats:
         """(T,) [Hz] of the cycle; between gaits the logarithms are blended."""
-        speed = asked.speed / self.froude
-        logs = np.stack([np.log(space.frequencies(speed, asked.style)) for space in self.spaces], axis=1)
+        log = np.log(np.maximum(asked.speed / self.froude, SLOWEST))
+        lines = self._frequency_lines
+        logs = lines[:, 0] + log[:, None] * lines[:, 1] + asked.style @ lines[:, 2:].T
         rate = np.sqrt(GRAVITY / self.rig.leg_length)
         return np.asarray(np.exp(np.sum(self.shares(asked.run) * logs, axis=1)) * rate)
+
+    @cached_property
+    def _frequency_lines(self) -> Floats:
+        return np.stack([space.frequency for space in self.spaces])
 
     def contact_phases(self, asked: Plan) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
@@ -135,31 +150,66 @@ class CycleModel:
         Walk and run are blended at equal phase; each leg's phase is first led to where its foot would be as far in its
         stance, or swing, in that gait.
         """
+        return self._rows(phases, asked, ((0, 0),))[0]
+
+    def leg_rows(self, phases: Floats, asked: Plan, first: int) -> tuple[Floats, Floats]:
+        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`; and rows from `first` on."""
+        legs, every = self._rows(phases, asked, ((1, 0), (0, first)))
+        return legs, every
+
+    def _rows(self, phases: Floats, asked: Plan, parts: Sequence[tuple[int, int]]) -> list[Floats]:
+        """Some columns of the rows, each from some time on."""
         share = self.shares(asked.run)
         speed = asked.speed / self.froude
         used = np.flatnonzero(share.max(axis=0) > 0.0)
         if len(used) == 1:
-            return self._of_gait(int(used[0]), phases, speed, asked.style, None)
+            return self._of_gait(int(used[0]), phases, speed, asked.style, None, parts)
         spans = self._contacts_of_gaits(asked)
         own = self._stances(spans)  # (T, G, L, 2)
         mixed = self._stances(np.einsum("tg,tgek->tek", share, spans)[:, None])
         led = warped(phases[:, None, None], mixed, own)
-        parts = [self._of_gait(int(g), phases, speed, asked.style, led[:, g]) for g in used]
-        return np.asarray(sum(share[:, g, None] * part for g, part in zip(used, parts, strict=True)))
+        of_gaits = [self._of_gait(int(g), phases, speed, asked.style, led[:, g], parts) for g in used]
+        return [
+            np.asarray(sum(share[first:, g, None] * rows[k] for g, rows in zip(used, of_gaits, strict=True)))
+            for k, (_, first) in enumerate(parts)
+        ]
 
-    def _of_gait(self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None) -> Floats:
-        """(T, D) poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
+    def _of_gait(
+        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None,
+        parts: Sequence[tuple[int, int]],
+    ) -> list[Floats]:  # fmt: skip
+        """Poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
         space = self.spaces[gait]
         features, samples = space.features(speed, style), space.mean.shape[0]
-        row = _at(space.directions, kernel(phases, samples), features)
-        for number, columns in enumerate(self.leg_columns if led is not None else ()):
-            assert led is not None
-            row[:, columns] = _at(self._leg_directions[gait][number], kernel(led[:, number], samples), features)
-        return row
+        whole = kernel(phases, samples)
+        legs = () if led is None else tuple(kernel(each, samples) for each in led.T)
+        found = []
+        for part, first in parts:
+            directions = self._directions[part][gait]
+            rows = _at(directions[-1], whole[first:], features[first:])
+            for number, weights in enumerate(legs):
+                rows[:, self._columns[part][1][number]] = _at(directions[number], weights[first:], features[first:])
+            found.append(rows)
+        return found
 
     @cached_property
-    def _leg_directions(self) -> list[list[Floats]]:
-        return [[np.ascontiguousarray(s.directions[:, :, own]) for own in self.leg_columns] for s in self.spaces]
+    def _columns(self) -> tuple[tuple[Ints, tuple[Ints, ...]], ...]:
+        """For all joints, and for the legs alone: the columns of a row, and where among them those of each leg are."""
+        every = np.arange(3 + 3 * len(self.skeleton))
+        joints = np.array([self.rig.root, *self.legs.joints])
+        some = np.concatenate([np.arange(3), (3 + 3 * joints[:, None] + np.arange(3)).ravel()])
+        return tuple(
+            (own, tuple(np.flatnonzero(np.isin(own, leg)) for leg in self.leg_columns)) for own in (every, some)
+        )
+
+    @cached_property
+    def _directions(self) -> tuple[list[list[Floats]], ...]:
+        """For all joints, and for the legs alone, of each gait: the directions of each leg, and of all."""
+        found = []
+        for columns, legs in self._columns:
+            every = [np.ascontiguousarray(space.directions[:, :, columns]) for space in self.spaces]
+            found.append([[*(np.ascontiguousarray(d[:, :, own]) for own in legs), d] for d in every])
+        return tuple(found)
 
     def _stances(self, spans: Floats) -> Floats:
         """(..., L, 2) when feet are set down and for how long they stand, of contacts (..., E, 2) of heels and toes."""
@@ -172,7 +222,16 @@ class CycleModel:
 
     def turns(self, rows: Floats) -> Floats:
         """(T, J, 4) rotations of rows (T, D)."""
-        return np.asarray(self.code.turns(rows))
+        return self.code.turns(rows)
+
+    def leg_turns(self, rows: Floats) -> Floats:
+        """(T, 1 + N, 4) rotations of the root and of `legs.joints`, of rows (T, 6 + 3 N) of these."""
+        return self._leg_code.turns(rows)
+
+    @cached_property
+    def _leg_code(self) -> Code:
+        joints = [self.rig.root, *self.legs.joints]
+        return Code(self.code.middle[joints], self.code.reach[joints])
 
 
 def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:
@@ -200,9 +259,3 @@ def warped(phases: Floats, here: Floats, there: Floats) -> Floats:
     low, high = np.where(stance, 0.0, e), np.where(stance, e, 1.0)
     led = low + (high - low) * s * s * (3.0 - 2.0 * s) + slope * size * s * (1.0 - s) * (1.0 - 2.0 * s)
     return np.asarray(there[..., 0] + led)
-
-
-def place_of_root(rows: Floats, place: Floats, heading: Floats, leg_length: float) -> Floats:
-    """(T, 3) [m] the root in the world: the course's place, and what the cycle adds to it in its frame (G eq. 5, 6)."""
-    swing = rotation.rotate(rotation.about_vertical(heading), leg_length * rows[:, :3])
-    return np.asarray(swing + np.stack([place[:, 0], np.zeros(len(place)), place[:, 1]], axis=1))

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from footfix.motion.clip import Floats, Ints, frozen
+from footfix.motion.clip import Floats, frozen
 
-_STEP = 1.0 / 60.0  # [s] of the grid on which the course is known; between its times it is integrated exactly
-_GAUSS = np.polynomial.legendre.leggauss(4)
+_STEP = 1.0 / 30.0  # [s] of the grid on which the course is known; between its times it is integrated exactly
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+_AT = np.concatenate([[0.0], 1.0 + _NODES])
 
 
 class Line(Protocol):
@@ -47,18 +49,44 @@ class Plan:
     style: Floats
 
     def __post_init__(self) -> None:
-        for name in ("times", "speed", "run", "turn", "style"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for name in _ROWS:
+            value = getattr(self, name)
+            if value.flags.writeable:  # of a part of what is read-only nothing need be done
+                object.__setattr__(self, name, frozen(value))
+
+    @cached_property
+    def _table(self) -> Floats:
+        """(K, 3 + S) all of it."""
+        table = np.empty((len(self.times), 3 + self.style.shape[1]))
+        table[:, 0], table[:, 1], table[:, 2], table[:, 3:] = self.speed, self.run, self.turn, self.style
+        return table
 
     def at(self, times: Floats) -> Plan:
         """The parameters at other times (T,)."""
-        speed, run, turn = (np.interp(times, self.times, each) for each in (self.speed, self.run, self.turn))
-        style = [np.interp(times, self.times, each) for each in self.style.T]
-        return Plan(times, speed, run, turn, np.stack(style, axis=1) if style else np.zeros((len(times), 0)))
+        known, table = self.times, self._table
+        if len(known) == 1:
+            rows = np.empty((len(times), table.shape[1]))
+            rows[:] = table[0]
+        else:
+            k = np.minimum(np.maximum(known.searchsorted(times, side="right") - 1, 0), len(known) - 2)
+            low = known[k]
+            share = np.minimum(np.maximum((times - low) / (known[k + 1] - low), 0.0), 1.0)[:, None]
+            rows = (1.0 - share) * table[k] + share * table[k + 1]
+        rows.flags.writeable = False
+        return Plan(times, rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3:])
 
     def of_speeds(self, speed: Floats) -> Plan:
         """The same with other speeds (K,) [m/s]."""
         return replace(self, speed=speed)
+
+    def some(self, which: slice) -> Plan:
+        """The parameters at some of the times."""
+        return Plan(*(getattr(self, name)[which] for name in _ROWS))
+
+    def since(self, time: float) -> Plan:
+        """Forget what was asked for before a time [s] and holds no more then."""
+        first = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
+        return self if first == 0 else self.some(slice(first, None))
 
     def changed(self, now: float, over: float, target: Plan) -> Plan:
         """The plan as it was up to a time, from which on its parameters go to others within `over` [s].
@@ -68,10 +96,11 @@ class Plan:
             over: [s] how long it takes.
             target: one row, what they are to become.
         """
-        kept = self.times < now - 1e-9
-        parts = [replace(self, **{n: getattr(self, n)[kept] for n in _ROWS}), self.at(np.array([now])),
-                 replace(target, times=np.array([now + over]))]  # fmt: skip
-        return Plan(*(np.concatenate([getattr(part, name) for part in parts]) for name in _ROWS))
+        kept = int(self.times.searchsorted(now - 1e-9))
+        here = self.at(np.array([now]))
+        parts = [[getattr(each, name)[:k] for each, k in ((self, kept), (here, 1), (target, 1))] for name in _ROWS[1:]]
+        times = np.concatenate([self.times[:kept], [now, now + over]])
+        return Plan(times, *(np.concatenate(each) for each in parts))
 
 
 _ROWS = ("times", "speed", "run", "turn", "style")
@@ -101,52 +130,41 @@ class Course:
         plan: what is asked for.
         line: the path that it goes along; None where `plan.turn` says where it goes.
         grid: (G,) [s].
-        phase, length, heading: (G,) [cycles], [m], [rad].
-        place: (G, 2) [m] x and z.
+        known: (G, 5) there: phase [cycles], arc length [m], heading [rad], and place, x and z [m].
         frequency: [Hz] of parameters.
     """
 
     plan: Plan
     line: Line | None
     grid: Floats
-    phase: Floats
-    length: Floats
-    heading: Floats
-    place: Floats
+    known: Floats
     frequency: Callable[[Plan], Floats]
+
+    def at(self, times: Floats) -> Floats:
+        """Tell (T, 5) what `known` has, at times (T,) [s]; along a path place and heading are the path's."""
+        k = np.minimum(np.maximum(self.grid.searchsorted(times, side="right") - 1, 0), len(self.grid) - 1)
+        known = self.known[k]
+        out = known + _headed(_steps(self.plan, self.frequency, self.grid[k], times), known[:, 2])
+        if self.line is not None:
+            out[:, 2], out[:, 3:] = self.line.heading(out[:, 1]), self.line.place(out[:, 1])
+        return np.asarray(out)
 
     def phases(self, times: Floats) -> Floats:
         """(T,) [cycles] since the course began, at times (T,) [s]."""
-        k, low = self._before(times)
-        return np.asarray(self.phase[k] + self._integral(low, times, self.frequency))
+        return self.at(times)[:, 0]
 
     def lengths(self, times: Floats) -> Floats:
         """(T,) [m] gone."""
-        k, low = self._before(times)
-        return np.asarray(self.length[k] + self._integral(low, times, lambda plan: plan.speed))
+        return self.at(times)[:, 1]
 
     def where(self, times: Floats) -> tuple[Floats, Floats]:
         """(T, 2) [m] x and z, and (T,) [rad] the heading."""
-        if self.line is not None:
-            s = self.lengths(times)
-            return np.asarray(self.line.place(s)), np.asarray(self.line.heading(s))
-        k, low = self._before(times)
-        place = self.place[k] + _arc(self.plan, self.heading[k], low, times)
-        return place, self.heading[k] + self._integral(low, times, lambda plan: plan.turn)
+        found = self.at(times)
+        return found[:, 3:], found[:, 2]
 
     def point(self, time: float) -> Point:
         """All of it at one time."""
-        at = np.array([time])
-        place, heading = self.where(at)
-        x, z = place[0]
-        return Point(time, float(self.phases(at)[0]), float(self.lengths(at)[0]), float(heading[0]), float(x), float(z))
-
-    def _before(self, times: Floats) -> tuple[Ints, Floats]:
-        k = np.clip(np.searchsorted(self.grid, times, side="right") - 1, 0, len(self.grid) - 1)
-        return k, self.grid[k]
-
-    def _integral(self, low: Floats, high: Floats, value: Callable[[Plan], Floats]) -> Floats:
-        return _quadrature(self.plan, low, high, value)
+        return Point(time, *self.at(np.array([time]))[0].tolist())
 
 
 def make_course(
@@ -164,44 +182,40 @@ def make_course(
     count = max(1, int(np.ceil((until - since) / _STEP)))
     knots = plan.times[(plan.times > since) & (plan.times < until)]
     grid = np.unique(np.concatenate([np.linspace(since, until, count + 1), knots, [start.time]]))
-    low, high = grid[:-1], grid[1:]
     at = int(np.searchsorted(grid, start.time))
+    steps = _steps(plan, frequency, grid[:-1], grid[1:])
+    known = np.zeros((len(grid), 5))
+    value = (start.phase, start.length, start.heading, start.x, start.z)
+    np.cumsum(steps[:, :3], axis=0, out=known[1:, :3])
+    known[:, :3] += np.asarray(value[:3]) - known[at, :3]
+    np.cumsum(_headed(steps, known[:-1, 2])[:, 3:], axis=0, out=known[1:, 3:])
+    known[:, 3:] += np.asarray(value[3:]) - known[at, 3:]
+    return Course(plan, line, grid, known, frequency)
 
-    def summed(steps: Floats, value: object) -> Floats:
-        total = np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])
-        return np.asarray(total - total[at] + value)
 
-    nodes, weights = _GAUSS
+def _steps(plan: Plan, frequency: Callable[[Plan], Floats], low: Floats, high: Floats) -> Floats:
+    """Integrate (T, 5) by how much phase, length, heading and place grow from times (T,) to times (T,), headed along z.
+
+    The plan has no knot in between, so that turns change evenly.
+    """
     half = 0.5 * (high - low)
-    times = (low + half)[:, None] + half[:, None] * nodes
+    times = low[:, None] + half[:, None] * _AT  # (T, 5), the first of them the beginning
     asked = plan.at(times.ravel())
-    speed, turn = asked.speed.reshape(times.shape), asked.turn.reshape(times.shape)
-    phase = summed(frequency(asked).reshape(times.shape) @ weights * half, start.phase)
-    length = summed(speed @ weights * half, start.length)
-    heading = summed(turn @ weights * half, start.heading)
-    first = plan.at(low).turn[:, None]
-    angle = heading[:-1, None] + 0.5 * (first + turn) * (times - low[:, None])  # turns change evenly in between
-    steps = np.stack([(speed * part(angle)) @ weights * half for part in (np.sin, np.cos)], axis=1)
-    place = summed(steps, np.array([start.x, start.z]))
-    return Course(plan, line, grid, phase, length, heading, place, frequency)
+    speed, turn = asked.speed.reshape(times.shape)[:, 1:], asked.turn.reshape(times.shape)
+    angle = 0.5 * (turn[:, :1] + turn[:, 1:]) * (times[:, 1:] - low[:, None])
+    out = np.empty((len(low), 5))
+    out[:, 0] = frequency(asked).reshape(times.shape)[:, 1:] @ _WEIGHTS
+    out[:, 1] = speed @ _WEIGHTS
+    out[:, 2] = turn[:, 1:] @ _WEIGHTS
+    out[:, 3] = (speed * np.sin(angle)) @ _WEIGHTS
+    out[:, 4] = (speed * np.cos(angle)) @ _WEIGHTS
+    out *= half[:, None]
+    return out
 
 
-def _quadrature(plan: Plan, low: Floats, high: Floats, value: Callable[[Plan], Floats]) -> Floats:
-    """(T,) integrals of a parameter from times (T,) to times (T,), between which the plan has no knot."""
-    nodes, weights = _GAUSS
-    half = 0.5 * (high - low)
-    times = (low + half)[:, None] + half[:, None] * nodes
-    values = value(plan.at(times.ravel())).reshape(times.shape)
-    return np.asarray((values @ weights) * half)
-
-
-def _arc(plan: Plan, heading: Floats, low: Floats, high: Floats) -> Floats:
-    """(T, 2) [m] x and z of the way from times to times, begun at headings (T,)."""
-    nodes, weights = _GAUSS
-    half = 0.5 * (high - low)
-    times = (low + half)[:, None] + half[:, None] * nodes
-    asked = plan.at(times.ravel())
-    first = plan.at(low).turn[:, None]
-    angle = heading[:, None] + 0.5 * (first + asked.turn.reshape(times.shape)) * (times - low[:, None])
-    speed = asked.speed.reshape(times.shape)
-    return np.stack([(speed * part(angle)) @ weights * half for part in (np.sin, np.cos)], axis=1)
+def _headed(steps: Floats, heading: Floats) -> Floats:
+    """Turn the places of steps (T, 5) to headings (T,)."""
+    sine, cosine = np.sin(heading), np.cos(heading)
+    x, z = steps[:, 3].copy(), steps[:, 4].copy()
+    steps[:, 3], steps[:, 4] = x * cosine + z * sine, z * cosine - x * sine
+    return steps

@@ -7,14 +7,15 @@ locomotion, The Visual Computer 22 (2006), sections 4 and 5.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.leg_pose import LegPoses, between, reach, vector_between
+from footfix.locomotion.cycles.leg_pose import LegPoses, between, reach, turns_between
 from footfix.locomotion.cycles.model import CycleModel
-from footfix.motion.clip import Floats, Ints
-from footfix.motion.vectors import norm, unit
+from footfix.motion.clip import Floats, Ints, frozen
+from footfix.motion.vectors import dot, norm, unit
 
 HELD = ("heel", "toe", "foot", "toes")  # what a stance holds: two places, a turn, a heading
 _INSIDE = 7  # samples of a contact, of which it is told where the foot is to stand
@@ -25,7 +26,14 @@ _STRETCHED = 0.9985  # of a leg's reach, at which a heel is placed at the farthe
 _FARTHEST = 0.025  # of a leg's reach, by which a place is drawn nearer at most
 _DELTA = 0.004  # [s] over which slopes are told
 _FLAT = np.array([1.0, 0.0, 1.0])
-_UP = np.array([0.0, 1.0, 0.0])
+UP = np.array([0.0, 1.0, 0.0])
+_EVENLY, _ON_HEEL = np.linspace(0.0, 1.0, _INSIDE), np.linspace(0.0, 1.0, _REACHED)
+_BESIDE = np.array([_DELTA, -_DELTA])
+_WAY = np.array([[1.0], [-1.0]]) / _DELTA
+_WHERE = _INSIDE + 2 * np.arange(4)[:, None] + np.array([0, 1, _ENDS, _ENDS + 1])  # (4, 4) the samples of `HELD`
+
+_NOWHERE, _NO_ENDS = frozen(np.zeros((2, 3))), frozen(np.zeros((4, 2, 3)))
+_AS_IT_IS = frozen(np.tile(np.eye(3), (2, 1, 1)))
 
 Span = tuple[float, float]  # [s]
 
@@ -38,8 +46,8 @@ class Stance:
         leg: index among the rig's legs.
         count: of the cycles since the engine began.
         heel, toe: [s] when they are planted; None where they never are.
-        heel_place, toe_place: (3,) [m] where.
-        foot, toes: (3, 3) the frames of ankle and toe joint while both are planted.
+        points: (2, 3) [m] where heel and toe stand.
+        frames: (2, 3, 3) those of ankle and toe joint while both are planted.
         ends, slopes: (4, 2, 3) how far off the cycle each of `HELD` is when it begins to be held and when it ends, [m]
             or [rad], and how that changes then [1/s].
     """
@@ -48,14 +56,12 @@ class Stance:
     count: int
     heel: Span | None
     toe: Span | None
-    heel_place: Floats = field(default_factory=lambda: np.zeros(3))
-    toe_place: Floats = field(default_factory=lambda: np.zeros(3))
-    foot: Floats = field(default_factory=lambda: np.eye(3))
-    toes: Floats = field(default_factory=lambda: np.eye(3))
-    ends: Floats = field(default_factory=lambda: np.zeros((4, 2, 3)))
-    slopes: Floats = field(default_factory=lambda: np.zeros((4, 2, 3)))
+    points: Floats = field(default_factory=lambda: _NOWHERE)
+    frames: Floats = field(default_factory=lambda: _AS_IT_IS)
+    ends: Floats = field(default_factory=lambda: _NO_ENDS)
+    slopes: Floats = field(default_factory=lambda: _NO_ENDS)
 
-    @property
+    @cached_property
     def flat(self) -> Span | None:
         """[s] while heel and toe are planted."""
         if self.heel is None or self.toe is None:
@@ -66,32 +72,40 @@ class Stance:
     @property
     def start(self) -> float:
         """[s] when the foot is set down."""
-        return min(span[0] for span in (self.heel, self.toe) if span is not None)
+        if self.heel is None or self.toe is None:
+            return (self.heel or self.toe or (np.inf, np.inf))[0]
+        return min(self.heel[0], self.toe[0])
 
     @property
     def end(self) -> float:
         """[s] when it is lifted."""
-        return max(span[1] for span in (self.heel, self.toe) if span is not None)
+        if self.heel is None or self.toe is None:
+            return (self.heel or self.toe or (-np.inf, -np.inf))[1]
+        return max(self.heel[1], self.toe[1])
 
-    def span(self, quantity: str) -> Span | None:
-        """[s] while one of `HELD` is held."""
-        return {"heel": self.heel, "toe": self.toe, "foot": self.flat, "toes": self.toe}[quantity]
+    @cached_property
+    def spans(self) -> tuple[Span | None, ...]:
+        """[s] while each of `HELD` is held."""
+        return self.heel, self.toe, self.flat, self.toe
 
 
 def sample_times(stances: Sequence[Stance]) -> Floats:
     """(n, M) [s] the times at which the cycle is looked at for each stance."""
-    inside = np.array([each.flat or each.toe or each.heel for each in stances])  # (n, 2)
-    spans = [[each.span(name) for name in HELD] for each in stances]
-    ends = np.array([[span or tuple(own) for span in of] for of, own in zip(spans, inside, strict=True)])  # (n, 4, 2)
-    heel = np.array([each.heel or tuple(own) for each, own in zip(stances, inside, strict=True)])
-    beside = ends + np.array([_DELTA, -_DELTA])
-    parts = [_spread(inside, _INSIDE), ends.reshape(-1, _ENDS), beside.reshape(-1, _ENDS), _spread(heel, _REACHED)]
+    rows = []
+    for each in stances:
+        own = each.flat or each.toe or each.heel
+        rows.append((own, *(span or own for span in each.spans), each.heel or own))
+    spans = np.array(rows)  # (n, 6, 2)
+    ends = spans[:, 1:5]
+    beside = ends + _BESIDE
+    parts = [_spread(spans[:, 0], _EVENLY), ends.reshape(-1, _ENDS), beside.reshape(-1, _ENDS),
+             _spread(spans[:, 5], _ON_HEEL)]  # fmt: skip
     return np.concatenate(parts, axis=1)
 
 
-def _spread(spans: Floats, count: int) -> Floats:
-    """(n, count) even times of spans (n, 2)."""
-    return np.asarray(spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * np.linspace(0.0, 1.0, count))
+def _spread(spans: Floats, shares: Floats) -> Floats:
+    """(n, M) times of spans (n, 2)."""
+    return np.asarray(spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * shares)
 
 
 def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, model: CycleModel) -> list[Stance]:
@@ -108,61 +122,46 @@ def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, m
     """
     rows = np.arange(len(stances) * _SAMPLES).reshape(-1, _SAMPLES)
     legs = np.array([each.leg for each in stances])
-    heel, toe, foot, toes = (getattr(poses, name)[rows, legs[:, None]] for name in HELD)
-    held = _places(stances, legs, heel, toe, foot, toes, model)
-    held[0], held[1] = _within_reach(stances, poses, rows[:, -_REACHED:], legs, held[0], held[1])
-    if any(stays):
-        kept = np.array(stays)
-        for q, name in enumerate(("heel_place", "toe_place", "foot", "toes")):
-            held[q][kept] = [getattr(each, name) for each, stay in zip(stances, stays, strict=True) if stay]
-    off = np.empty((len(stances), _SAMPLES, 3))
-    two = [slice(_INSIDE + 2 * q, _INSIDE + 2 * q + 2) for q in range(4)]
-    beside = [slice(each.start + _ENDS, each.stop + _ENDS) for each in two]
-    for a, b in zip(two, beside, strict=True):
-        for q, at in ((two.index(a), a), (two.index(a), b)):
-            off[:, at] = off_cycle(HELD[q], held[q][:, None], (heel, toe, foot, toes)[q][:, at])
-    ends = off[:, _INSIDE : _INSIDE + _ENDS].reshape(-1, 4, 2, 3)
-    way = np.array([[1.0], [-1.0]]) / _DELTA
-    slopes = way * (off[:, _INSIDE + _ENDS : _INSIDE + 2 * _ENDS].reshape(-1, 4, 2, 3) - ends)
+    soles, frames = poses.soles[rows, legs[:, None]], poses.ends[rows, legs[:, None]]  # (n, M, 2, 3), and 3 x 3
+    points, turned = _places(stances, legs, soles, frames, model)
+    points += _nearer(stances, poses, rows[:, -_REACHED:], legs, points[:, 0])[:, None]
+    for k in np.flatnonzero(stays).tolist():
+        points[k], turned[k] = stances[k].points, stances[k].frames
+    off = np.empty((len(stances), 4, 4, 3))  # of each of `HELD` at its start, its end, and beside them
+    two = np.arange(2)
+    off[:, :2] = points[:, :, None] - soles[:, _WHERE[:2], two[:, None]]
+    off[:, 2:] = turns_between(frames[:, _WHERE[2:], two[:, None]], turned[:, :, None])
+    off[:, 3] *= UP
+    ends = off[:, :, :2]
+    slopes = (off[:, :, 2:] - ends) * _WAY
     return [
-        replace(each, heel_place=held[0][k], toe_place=held[1][k], foot=held[2][k], toes=held[3][k], ends=ends[k],
-                slopes=slopes[k])
+        Stance(each.leg, each.count, each.heel, each.toe, points[k], turned[k], ends[k], slopes[k])
         for k, each in enumerate(stances)
-    ]  # fmt: skip
-
-
-def off_cycle(quantity: str, held: Floats, free: Floats) -> Floats:
-    """(..., 3) [m] or [rad] from what the cycle has to what is held: places (..., 3) or frames (..., 3, 3)."""
-    if quantity in ("heel", "toe"):
-        return np.asarray(held - free)
-    turn = vector_between(free, np.broadcast_to(held, free.shape))
-    return turn if quantity == "foot" else turn * _UP
+    ]
 
 
 def _places(
-    stances: Sequence[Stance], legs: Ints, heel: Floats, toe: Floats, foot: Floats, toes: Floats, model: CycleModel
-) -> list[Floats]:
-    """Heels' and toes' places (n, 3) [m], and frames (n, 3, 3) of feet and toes, where the cycle has them."""
-    rig, middle = model.rig, _INSIDE // 2
-    level = np.zeros((len(rig.legs), 2))
-    for e, sole in enumerate(rig.soles):
-        level[sole.leg, int(sole.part == "toe")] = model.levels[e] * rig.leg_length
-    heel_at, toe_at = heel[:, :_INSIDE].mean(axis=1), toe[:, :_INSIDE].mean(axis=1)
-    heel_at[:, 1], toe_at[:, 1] = level[legs, 0], level[legs, 1]
-    flat = np.array([each.flat is not None for each in stances])
-    along = toe[:, middle] - heel[:, middle]
-    rise = level[legs, 1] - level[legs, 0]
-    size = np.sqrt(np.maximum(np.sum(along * along, axis=1) - rise * rise, 0.0))
-    lying = size[:, None] * unit(along * _FLAT) + rise[:, None] * _UP
-    turned = np.where(flat[:, None, None], between(along, lying) @ foot[:, middle], foot[:, middle])
-    return [np.where(flat[:, None], toe_at - lying, heel_at), toe_at, turned, toes[:, middle]]
-
-
-def _within_reach(
-    stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats, toe_at: Floats
+    stances: Sequence[Stance], legs: Ints, soles: Floats, frames: Floats, model: CycleModel
 ) -> tuple[Floats, Floats]:
-    """Places (n, 3) [m] drawn nearer over the floor, where a leg would not reach its heel throughout the contact."""
-    hip, ankle, heel = (getattr(poses, name)[rows, legs[:, None]] for name in ("hip", "ankle", "heel"))
+    """Heels' and toes' places (n, 2, 3) [m], and frames (n, 2, 3, 3) of feet and toes, where the cycle has them."""
+    middle = _INSIDE // 2
+    level = model.sole_levels[legs]  # (n, 2)
+    points = soles[:, :_INSIDE].mean(axis=1)
+    points[..., 1] = level
+    turned = frames[:, middle]
+    flat = np.array([each.flat is not None for each in stances])
+    along = soles[:, middle, 1] - soles[:, middle, 0]
+    rise = level[:, 1] - level[:, 0]
+    size = np.sqrt(np.maximum(dot(along, along) - rise * rise, 0.0))
+    lying = size[:, None] * unit(along * _FLAT) + rise[:, None] * UP
+    points[flat, 0] = (points[:, 1] - lying)[flat]
+    turned[flat, 0] = (between(along, lying) @ turned[:, 0])[flat]
+    return points, turned
+
+
+def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats) -> Floats:
+    """Draw places (n, 3) nearer over the floor, by (n, 3) [m], for legs to reach the heels all the time."""
+    hip, ankle, heel = (each[rows, legs[:, None]] for each in (poses.hip, poses.ankle, poses.heel))
     limit = reach(poses)[rows, legs[:, None]]
     limit = np.where(norm(ankle - hip) > _STRETCHED * limit, limit, _STRETCHED * limit)  # straight legs may stay so
     line = ankle - heel + heel_at[:, None] - hip
@@ -171,5 +170,4 @@ def _within_reach(
     each = np.arange(len(stances))
     stands = np.array([stance.heel is not None for stance in stances])
     by = np.minimum(np.maximum(short[each, worst], 0.0), _FARTHEST * limit[each, worst]) * stands
-    nearer = -by[:, None] * unit(line[each, worst] * _FLAT)
-    return heel_at + nearer, toe_at + nearer
+    return np.asarray(-by[:, None] * unit(line[each, worst] * _FLAT))

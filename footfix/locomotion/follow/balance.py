@@ -63,7 +63,7 @@ def head_of(skeleton: Skeleton, rig: Rig) -> int | None:
 
 
 def arms_of(skeleton: Skeleton, rig: Rig) -> tuple[tuple[int, int, int], ...]:
-    """Shoulder, elbow and wrist of each arm that names tell."""
+    """Find shoulder, elbow and wrist of each arm that names tell."""
     found: dict[str, tuple[int, int, int]] = {}
     legs = {joint for leg in rig.legs for joint in leg.chain}
     for joint in range(len(skeleton)):
@@ -84,7 +84,7 @@ def arms_of(skeleton: Skeleton, rig: Rig) -> tuple[tuple[int, int, int], ...]:
 
 
 def end_effectors(skeleton: Skeleton, rig: Rig) -> tuple[int, ...]:
-    """Head, hands and feet, as far as they are known (K 6.2)."""
+    """Find head, hands and feet, as far as they are known (K 6.2)."""
     head = head_of(skeleton, rig)
     feet = [leg.ankle for leg in rig.legs]
     return (*([] if head is None else [head]), *(arm[2] for arm in arms_of(skeleton, rig)), *feet)
@@ -115,7 +115,7 @@ def segments(skeleton: Skeleton, rig: Rig) -> tuple[Segment, ...]:
 
 
 def centres(clip: Clip, body: tuple[Segment, ...]) -> Floats:
-    """(S, F, 3) [m] where the masses of a body's segments are in the world."""
+    """Find (S, F, 3) [m] where the masses of a body's segments are in the world."""
     joints = sorted({joint for each in body for end in each.ends for joint in end})
     pose = forward(clip, joints)
     return np.stack([_between(pose, each) for each in body])
@@ -127,7 +127,7 @@ def _between(pose: Pose, part: Segment) -> Floats:
 
 
 def acceleration(track: Floats, frame_time: float) -> Floats:
-    """(..., F, 3) [m/s^2] of tracks (..., F, 3) [m], by K 7.2's 4th-order difference over half a second.
+    """Differentiate tracks (..., F, 3) [m] twice, to [m/s^2], by K 7.2's 4th-order difference over half a second.
 
     a = (-f(t - 2h) + 16 f(t - h) - 30 f(t) + 16 f(t + h) - f(t + 2h)) / 12 h^2; beyond its ends a track goes straight.
     """
@@ -144,7 +144,7 @@ def acceleration(track: Floats, frame_time: float) -> Floats:
 
 
 def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> tuple[Floats, Floats]:
-    """(F, 2) [m] x and z of the zero-moment point on the floor, and (F,) [m/s^2] how hard the body presses on it.
+    """Find (F, 2) [m] x and z of the zero-moment point on the floor, and (F,) [m/s^2] how hard the body presses on it.
 
     x = sum m ((y'' + g) x - y x'') / sum m (y'' + g), with heights y over the floor; z alike.
     """
@@ -159,7 +159,7 @@ def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> tuple[
 
 
 def lean_for(speed: Floats, curvature: Floats, stride: float) -> Floats:
-    """(F,) [rad] how far a figure leans to the left: atan(v^2 kappa / g), both in the mean over a stride.
+    """Tell (F,) [rad] how far a figure leans to the left: atan(v^2 kappa / g), both in the mean over a stride.
 
     Args:
         speed: (F,) [m/s] along the path.
@@ -173,7 +173,7 @@ def lean_for(speed: Floats, curvature: Floats, stride: float) -> Floats:
 
 
 def corrected_lean(lean: Floats, off: Floats, height: float, stride: float) -> Floats:
-    """(F,) [rad] the lean after one Newton step on the zero-moment point (Shin, Kovar & Gleicher 2003).
+    """Correct a lean (F,) [rad] by one Newton step on the zero-moment point (Shin, Kovar & Gleicher 2003).
 
     Args:
         lean: (F,) [rad] to the left.

@@ -13,8 +13,8 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import places
 
-_STEEP = 0.04  # of a clip's 99th percentile of acceleration, that a blend may add
-_BEND = 5.8  # of a quintic step in unit time: the most that it accelerates
+_STEEP = 0.02  # of a clip's 99th percentile of acceleration, that a blend may add
+_BEND = 6.0  # of `handed` in unit time: the most that it accelerates
 _PHASES = 32  # at which two walks are compared
 
 
@@ -22,6 +22,15 @@ def ease(u: Floats) -> Floats:
     """A step from 0 to 1 over u from 0 to 1, at rest at both ends: 6 u^5 - 15 u^4 + 10 u^3."""
     u = np.clip(u, 0.0, 1.0)
     return np.asarray(u * u * u * (u * (6.0 * u - 15.0) + 10.0))
+
+
+def handed(u: Floats) -> Floats:
+    """How much of the next walk is there over u from 0 to 1: 3 u^2 - 2 u^3, the least steep step from rest to rest.
+
+    A steeper one hands a foot over in a single swing.
+    """
+    u = np.clip(u, 0.0, 1.0)
+    return np.asarray(u * u * (3.0 - 2.0 * u))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,8 @@ from footfix.motion.spline import Cubic, monotone
 class Keys:
     """The key-times of a walk (K 6.1): its frame at each moment of a generic stride, and back.
 
-    K leads linearly from key to key; here a monotone cubic does, so that no foot changes its speed at a key.
+    K leads linearly from key to key, F(t) = F_i + (F_i+1 - F_i) (t - K_i) / (K_i+1 - K_i); here a monotone cubic does,
+    so that no foot changes its speed at a key.
 
     Args:
         times: (n,) generic times [strides] of the keys of a round, from 0.
@@ -57,8 +58,37 @@ class Keys:
         return monotone(times, np.concatenate([self.frames + f for _, f in more])[:, None])
 
 
+def stance_of(walk: Walk, keys: Keys, leg: int) -> tuple[float, float] | None:
+    """When a leg comes down and for how long it stands, generic times [strides] in the mean; None where unclear."""
+    down, up = walk.strikes(leg)
+    if not len(down) or len(down) != walk.strides:
+        return None
+    strike, lift = keys.time(down.astype(np.float64)), keys.time(up.astype(np.float64))
+    first = float(strike[0])
+    return first + float(np.mean((strike - first + 0.5) % 1.0 - 0.5)), float(np.mean(lift - strike))
+
+
+def in_step(time: Floats, strike: float, stands: Floats, own: float) -> Floats:
+    """Find (F,) generic times [strides] at which a leg that stands for `own` is where one is that stands for `stands`.
+
+    Middle of stance to middle of stance, strike to strike, lift to lift, by tan(pi u') = k tan(pi u): the smoothest map
+    of a circle that does.
+
+    Args:
+        time: (F,) generic times [strides].
+        strike: at which both come down.
+        stands: (F,) how long the one stands [strides],
+        own: and the other.
+    """
+    u = time - strike - 0.5 * stands
+    whole = np.round(u)
+    steep = np.tan(0.5 * np.pi * own) / np.tan(0.5 * np.pi * stands)
+    angle = np.pi * (u - whole)
+    return np.asarray(strike + 0.5 * own + whole + np.arctan2(steep * np.sin(angle), np.cos(angle)) / np.pi)
+
+
 def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
-    """Key-times of walks: strikes of every leg, and lifts where all walks have them in one order.
+    """Find key-times of walks (K 6.1): strikes of every leg, and lifts where all walks have them in one order.
 
     Walks of unlike numbers of strides are aligned stride by stride, which is what K's shorter clip as go-between does.
     """

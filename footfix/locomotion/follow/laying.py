@@ -20,7 +20,8 @@ from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.placing import Goal, Lean, bend_legs, goal_of, hips_of, lay_body, reaches
 from footfix.locomotion.follow.posing import Posed, pose
-from footfix.locomotion.follow.steps import envelope, firmness, ground_at, lower_swing, reach_lack, unslid, unturned
+from footfix.locomotion.follow.standing import firmness, unslid, unturned
+from footfix.locomotion.follow.steps import envelope, ground_at, lower_swing, reach_lack
 from footfix.locomotion.follow.stride import Way, averaged, smoothed
 from footfix.locomotion.follow.timeline import Timeline
 from footfix.locomotion.follow.walk import Walk
@@ -28,6 +29,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.rig import Rig
 
+_CURVES = 0.5  # of what a leg is kept from being straight where walks are mixed, on curves
 _LINE = Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)  # along z
 
 
@@ -135,14 +137,14 @@ def _figure(
     for number, foot in enumerate(posed.feet):
         moment = foot.steps.moment
         toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
-        heel = rotation.rotate(foot.turn, foot.heel)
+        ankle, heel = (rotation.rotate(foot.turn, each) for each in (foot.ankle, foot.heel))
         there = ground_at(path, np.interp(moment, count, arc), np.interp(moment, count, aside))
         share, down = np.interp(moment, count, firm), posed.planted[:, toes]
-        yaw, shift = unturned(foot.turn, heel, down, foot.steps, share, dt)
+        yaw, shift = unturned(foot.turn, ankle, heel, down, foot.steps, share, dt)
         shift += unslid(foot.toe, down, share, dt)
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
-    far = reaches(laid, rig)
+    far = reaches(laid, rig, np.maximum(posed.mixed, _CURVES * firm))
     lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], far)
     lowered = envelope(lack, _window(posed))
     if np.any(lowered):

@@ -26,6 +26,7 @@ from footfix.motion.kinematics import forward
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
+_BENT = 0.992  # of a leg's bones, to which it is stretched where it is kept from being straight
 _MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
 
 
@@ -115,10 +116,24 @@ def hips_of(clip: Clip, rig: Rig) -> list[Floats]:
     return [seen.position(leg.hip) for leg in rig.legs]
 
 
-def reaches(clip: Clip, rig: Rig) -> list[Floats]:
-    """For each leg (F,) [m] from hip to ankle, as captured."""
-    seen = forward(clip, [joint for leg in rig.legs for joint in (leg.hip, leg.ankle)])
-    return [norm(seen.position(leg.ankle) - seen.position(leg.hip)) for leg in rig.legs]
+def reaches(clip: Clip, rig: Rig, bent: Floats) -> list[Floats]:
+    """Tell for each leg (F,) [m] how far from hip to ankle it may be stretched.
+
+    That is as far as it ever was captured. Where its foot steps elsewhere it is kept from being that straight: near
+    the straight line a knee shoots forwards and back by what an ankle hardly moves.
+
+    Args:
+        clip: F frames.
+        rig: its legs.
+        bent: (F,) how much of that is wanted, 0 to 1.
+    """
+    seen = forward(clip, [joint for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])
+    most = list[Floats]()
+    for leg in rig.legs:
+        hip, knee, ankle = (seen.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
+        far, bones = float(norm(ankle - hip).max()), norm(knee - hip) + norm(ankle - knee)
+        most.append(far - bent * np.maximum(far - _BENT * bones, 0.0))
+    return most
 
 
 def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[float]) -> Clip:

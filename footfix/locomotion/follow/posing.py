@@ -8,14 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.papers.leg import effector_tracks
+from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.keys import Keys, in_step, stance_of
+from footfix.locomotion.follow.mixing import joined, mixed, mixed_clip
 from footfix.locomotion.follow.steps import Steps, find_steps
 from footfix.locomotion.follow.timeline import Timeline, Zone
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
-from footfix.motion.contacts import Contacts
+from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
+
+_BRIEF = 0.06  # [s] a gap in a contact that is shorter is none
+_LEADS = 0.12  # [s] after the middle of a stance, at which its weight is told
+_ROUNDS = 3  # in which lengths of stances and weights are told by each other
+_ALIKE = 0.01  # [strides] by which stances of two walks may differ and still be of one length
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +57,7 @@ class Posed:
         feet: one a leg.
         planted: (F, E) which sole points are planted.
         sure: (F, E) confidence of that.
+        mixed: (F,) 0 where one walk is shown, 1 where two count.
     """
 
     clip: Clip
@@ -58,41 +67,69 @@ class Posed:
     feet: tuple[Foot, ...]
     planted: Bools
     sure: Floats
+    mixed: Floats
 
 
 def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
     """Take the poses of a timeline from its walks.
 
-    A foot is blended by the weight of the moment that carries it, the middle of its stance: so it stands still in a
-    blend, too.
+    A foot is blended by one weight throughout its stance: so it stands still in a blend, too.
 
     Args:
         walks: with one skeleton, on one floor.
         timeline: which moment of which walk each frame shows.
     """
     rig = walks[0].rig
-    down = np.concatenate([_planted(walks, zone, zone.weight) for zone in timeline.zones])
-    own = [[e for e, sole in enumerate(rig.soles) if sole.leg == k] for k in range(len(rig.legs))]
-    steps = [find_steps(np.asarray(down[:, soles].any(axis=1)), timeline.frame_time) for soles in own]
-    moments = [each.moment for each in steps]
-    parts = [_zone(walks, zone, moments, timeline.frame_time) for zone in timeline.zones]
+    steps = _steps(walks, timeline)
+    parts = [_zone(walks, timeline, zone, [each.moment for each in steps]) for zone in timeline.zones]
     feet = tuple(
         Foot(each, *(np.concatenate([part.feet[k][n] for part in parts]) for n in range(4)))
         for k, each in enumerate(steps)
     )
-    weights = [_weight(zone, moments) for zone in timeline.zones]
-    planted, sure = np.zeros_like(down), np.zeros(down.shape)
-    for zone, weight in zip(timeline.zones, weights, strict=True):
-        for k, soles in enumerate(own):
-            planted[zone.frames, soles[0] : soles[-1] + 1] = _planted(walks, zone, weight[k])[:, soles]
-        sure[zone.frames] = _sure(walks, zone)
-    return Posed(_joined([part.clip for part in parts]), walks[0].root, walks[0].body, rig, feet, planted, sure)
+    weight = timeline.weight()
+    planted = _closed(np.concatenate([part.planted for part in parts]), (weight > 0.0) & (weight < 1.0), timeline)
+    sure = np.concatenate([_sure(walks, zone) for zone in timeline.zones])
+    clip, both = joined([part.clip for part in parts]), ease(30.0 * weight * (1.0 - weight))
+    return Posed(clip, walks[0].root, walks[0].body, rig, feet, planted, sure, both)
 
 
-def _planted(walks: Sequence[Walk], zone: Zone, weight: Floats) -> Bools:
+def _closed(planted: Bools, mixed: Bools, timeline: Timeline) -> Bools:
+    """(F, E) contacts without brief gaps where one walk has ended its contact and the other leads before its end."""
+    brief, out = round(_BRIEF / timeline.frame_time), planted.copy()
+    for own in out.T:
+        for start, end in runs(~own):
+            if end - start <= brief and start > 0 and end < len(own) and bool(mixed[start:end].all()):
+                own[start:end] = True
+    return out
+
+
+def _steps(walks: Sequence[Walk], timeline: Timeline) -> list[Steps]:
+    """The stances of each leg; in a blend their lengths follow from their weights, and these from their middles."""
+    found = []
+    for leg in range(len(walks[0].rig.legs)):
+        own = [e for e, sole in enumerate(walks[0].rig.soles) if sole.leg == leg]
+        weights = [zone.weight for zone in timeline.zones]
+        for _ in range(_ROUNDS if bool(timeline.blended().any()) else 1):
+            down = [_in_zone(walks, timeline.keys, zone, leg, weight)[1][:, own]
+                    for zone, weight in zip(timeline.zones, weights, strict=True)]  # fmt: skip
+            steps = find_steps(np.asarray(np.concatenate(down).any(axis=1)), timeline.frame_time)
+            weights = [_weight(zone, steps.moment, timeline.frame_time) for zone in timeline.zones]
+        found.append(steps)
+    return found
+
+
+def _in_zone(
+    walks: Sequence[Walk], keys: Sequence[Keys], zone: Zone, leg: int, weight: Floats
+) -> tuple[tuple[Floats, Floats], Bools]:  # fmt: skip
+    """Which moments (F,) of either walk a leg shows, and (n, E) what is planted then."""
+    pair, own = [walks[k] for k in zone.walks], [keys[k] for k in zone.walks]
+    at = zone.at if zone.at[0] is zone.at[1] else _in_step(pair, own, leg, zone.at, weight)
+    return at, _planted(pair, at, zone.frames, weight)
+
+
+def _planted(pair: Sequence[Walk], at: Sequence[Floats], some: slice, weight: Floats) -> Bools:
     """(n, E) what is planted in a zone: as in the walk that weighs more."""
-    some = zone.frames
-    one, two = (walks[k].planted(at[some]) for k, at in zip(zone.walks, zone.at, strict=True))
+    one, two = (walk.planted(each[some]) for walk, each in zip(pair, at, strict=True))
     return np.where(weight[some][:, None] >= 0.5, two, one)
 
 
@@ -101,106 +138,91 @@ def _sure(walks: Sequence[Walk], zone: Zone) -> Floats:
     return np.where(zone.weight[zone.frames][:, None] >= 0.5, two, one)
 
 
-def _weight(zone: Zone, moments: Sequence[Floats]) -> list[Floats]:
-    """For each leg (F,) the weight of the moment that carries it."""
-    count = np.arange(len(zone.weight))
-    return [np.interp(moment, count, zone.weight) for moment in moments]
+def _weight(zone: Zone, moment: Floats, frame_time: float) -> Floats:
+    """(F,) the weight of a little after the moment that carries a leg, when it lifts.
+
+    A leg that lags behind the body is still down where that takes off already, and its knee is torn along.
+    """
+    return np.interp(moment + _LEADS / frame_time, np.arange(len(zone.weight)), zone.weight)
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
     clip: Clip
     feet: list[tuple[Floats, ...]]
+    planted: Bools
 
 
-def _zone(walks: Sequence[Walk], zone: Zone, moments: Sequence[Floats], frame_time: float) -> _Part:
-    """The poses and the feet of a zone."""
-    some = zone.frames
-    weights = [each[some] for each in _weight(zone, moments)]
-    weight = zone.weight[some]
-    every = np.stack([weight, *weights])
-    a, b = (walks[k] for k in zone.walks)
-    alone = a is b and zone.at[0] is zone.at[1]
+def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequence[Floats]) -> _Part:
+    """The poses, the feet and what is planted in a zone."""
+    some, own = zone.frames, [_weight(zone, moment, timeline.frame_time) for moment in moments]
+    every = np.stack([zone.weight, *own])[:, some]
+    pair = tuple(walks[k] for k in zone.walks)
+    alone = pair[0] is pair[1] and zone.at[0] is zone.at[1]
     seen: list[Bools] = [
         np.asarray(alone | (every < 1.0).any(axis=0)), np.asarray((every > 0.0).any(axis=0) & (not alone))
     ]  # fmt: skip
-    clips = [walk.at(at[some][use]) for walk, at, use in zip((a, b), zone.at, seen, strict=True)]
-    feet = [_feet(walk, clip, at, moments, some, use)
-            for walk, clip, at, use in zip((a, b), clips, zone.at, seen, strict=True)]  # fmt: skip
-    legs = []
-    for k, own in enumerate(weights):
-        legs.append(_blended_foot(feet[0][k], feet[1][k], seen, own))
-    below = {}
-    for k, leg in enumerate(a.rig.legs):
-        for joint in range(len(a.clip.skeleton)):
-            if joint != leg.ankle and leg.ankle in a.clip.skeleton.ancestors(joint):
-                below[joint] = weights[k]
-    return _Part(_blended(clips, seen, weight, below, frame_time), legs)
+    clips = pair[0].at(zone.at[0][some][seen[0]]), pair[1].at(zone.at[1][some][seen[1]])
+    rig, skeleton = pair[0].rig, pair[0].clip.skeleton
+    feet, below = list[tuple[Floats, ...]](), dict[int, tuple[Clip, Clip, Floats]]()
+    planted = np.zeros((some.stop - some.start, len(rig.soles)), dtype=np.bool_)
+    for k, (leg, weight, moment) in enumerate(zip(rig.legs, own, moments, strict=True)):
+        at, down = _in_zone(walks, timeline.keys, zone, k, weight)
+        posed = tuple(
+            clip if np.array_equal(mine[some], usual[some]) else walk.at(mine[some][use])
+            for walk, clip, mine, usual, use in zip(pair, clips, at, zone.at, seen, strict=True)
+        )
+        tracks = [_foot(walk, clip, k, mine, usual, moment, some, use)
+                  for walk, clip, mine, usual, use in zip(pair, posed, at, zone.at, seen, strict=True)]  # fmt: skip
+        feet.append(_blended_foot(tracks[0], tracks[1], seen, weight[some]))
+        below |= {joint: (posed[0], posed[1], weight[some]) for joint in range(len(skeleton))
+                  if joint != leg.ankle and leg.ankle in skeleton.ancestors(joint)}  # fmt: skip
+        soles = [e for e, sole in enumerate(rig.soles) if sole.leg == k]
+        planted[:, soles] = down[:, soles]
+    return _Part(mixed_clip(clips, seen, zone.weight[some], below), feet, planted)
 
 
-def _feet(
-    walk: Walk, clip: Clip, at: Floats, moments: Sequence[Floats], some: slice, use: Bools
-) -> list[tuple[Floats, ...]]:  # fmt: skip
-    """Each foot of a walk in the frames that use it, as `Foot` has it."""
-    count = np.arange(len(at))
+def _in_step(
+    pair: Sequence[Walk], keys: Sequence[Keys], leg: int, at: tuple[Floats, Floats], weight: Floats
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """Moments (F,) of two walks at which one leg is equally far in its stance, or in its swing.
+
+    Key-times bring strikes together, but a foot that stands for longer in one walk than in the other would be lifted
+    by the one while it stands in the other. Where they are mixed, it stands for as long as in both in the mean.
+    """
+    one, two = (stance_of(walk, key, leg) for walk, key in zip(pair, keys, strict=True))
+    mix = (weight > 0.0) & (weight < 1.0)
+    if one is None or two is None or not np.any(mix) or abs(one[1] - two[1]) < _ALIKE:
+        return at
+    stands = one[1] + weight[mix] * (two[1] - one[1])
+    out = at[0].copy(), at[1].copy()
+    for mine, key, (strike, own) in zip(out, keys, (one, two), strict=True):
+        mine[mix] = key.frame(in_step(key.time(mine[mix]), strike, stands, own))
+    return out
+
+
+def _foot(
+    walk: Walk, clip: Clip, leg: int, at: Floats, usual: Floats, moment: Floats, some: slice, use: Bools
+) -> tuple[Floats, ...]:  # fmt: skip
+    """A foot of a walk in the frames that use it, as `Foot` has it."""
     seen = forward(clip, clip.skeleton.with_ancestors(walk.rig.joints()))
-    feet = list[tuple[Floats, ...]]()
+    ankle, turn = (each(walk.rig.legs[leg].ankle) for each in (seen.position, seen.rotation))
     tracks = effector_tracks(walk.rig, seen)
-    for k, (leg, moment) in enumerate(zip(walk.rig.legs, moments, strict=True)):
-        ankle, turn = seen.position(leg.ankle), seen.rotation(leg.ankle)
-        ends = {sole.part: track for sole, track in zip(walk.rig.soles, tracks, strict=True) if sole.leg == k}
-        toe, back = ends["toe"], rotation.inverse(turn)
-        gone = (at[some] - np.interp(moment[some], count, at))[use] * walk.length / walk.frames
-        offs = [rotation.rotate(back, each - toe) for each in (ankle, ends["heel"])]
-        feet.append((toe + np.outer(gone, [0.0, 0.0, 1.0]), turn, *offs))
-    return feet
+    ends = {sole.part: track for sole, track in zip(walk.rig.soles, tracks, strict=True) if sole.leg == leg}
+    toe, back = ends["toe"], rotation.inverse(turn)
+    gone = (at[some] - np.interp(moment[some], np.arange(len(at)), usual))[use] * walk.length / walk.frames
+    offs = [rotation.rotate(back, each - toe) for each in (ankle, ends["heel"])]
+    return (toe + np.outer(gone, [0.0, 0.0, 1.0]), turn, *offs)
 
 
 def _blended_foot(
     one: tuple[Floats, ...], two: tuple[Floats, ...], seen: Sequence[Bools], weight: Floats
 ) -> tuple[Floats, ...]:  # fmt: skip
     return (
-        _mixed(one[0], two[0], seen, weight),
-        _mixed(one[1], two[1], seen, weight, turn=True),
-        *(_mixed(a, b, seen, weight) for a, b in zip(one[2:], two[2:], strict=True)),
+        mixed(one[0], two[0], seen, weight),
+        mixed(one[1], two[1], seen, weight, turn=True),
+        *(mixed(a, b, seen, weight) for a, b in zip(one[2:], two[2:], strict=True)),
     )
-
-
-def _mixed(one: Floats, two: Floats, seen: Sequence[Bools], weight: Floats, *, turn: bool = False) -> Floats:
-    """(n, D) a track of two that are seen in some frames each, by the second's weight."""
-    if not np.any(seen[1]):
-        return one
-    if not np.any(seen[0]):
-        return two
-    out = np.empty((one.shape[1], len(weight))).T
-    out[seen[1]] = two
-    first = weight <= 0.0
-    out[first] = one[first[seen[0]]]
-    both = (weight > 0.0) & (weight < 1.0)
-    a, b, w = one[both[seen[0]]], two[both[seen[1]]], weight[both]
-    out[both] = rotation.slerp(a, b, w) if turn else a + w[:, None] * (b - a)
-    return out
-
-
-def _blended(
-    clips: Sequence[Clip], seen: Sequence[Bools], weight: Floats, below: dict[int, Floats], frame_time: float
-) -> Clip:  # fmt: skip
-    one, two = clips
-    places, turns = list[Floats](), list[Floats]()
-    for joint in range(len(one.skeleton)):
-        own = below.get(joint, weight)
-        places.append(_mixed(one.position(joint), two.position(joint), seen, own))
-        turns.append(_mixed(one.rotation(joint), two.rotation(joint), seen, own, turn=True))
-    return Clip.from_tracks(one.skeleton, places, turns, frame_time)
-
-
-def _joined(clips: Sequence[Clip]) -> Clip:
-    if len(clips) == 1:
-        return clips[0]
-    joints = range(len(clips[0].skeleton))
-    places = [np.concatenate([clip.position(joint) for clip in clips]) for joint in joints]
-    turns = [np.concatenate([clip.rotation(joint) for clip in clips]) for joint in joints]
-    return Clip.from_tracks(clips[0].skeleton, places, turns, clips[0].frame_time)
 
 
 def contacts_of(posed: Posed, some: slice) -> Contacts:

@@ -10,17 +10,16 @@ import numpy as np
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.params import EnforceParams
-from footfix.errors import UsageError
-from footfix.locomotion.follow.balance import end_effectors
-from footfix.locomotion.follow.blend import Transition, blend_length, check_order
+from footfix.locomotion.follow.blend import Transition
 from footfix.locomotion.follow.holding import held_on
 from footfix.locomotion.follow.keys import Keys, align
 from footfix.locomotion.follow.laying import Laid, lay_walks
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path, make_path
+from footfix.locomotion.follow.planning import At, timeline_of, transitions_of
 from footfix.locomotion.follow.posing import contacts_of
-from footfix.locomotion.follow.stride import Way, averaged, pace_of, way_on
-from footfix.locomotion.follow.timeline import Pace, Timeline, frame_at, make_timeline, time_at
+from footfix.locomotion.follow.stride import averaged, pace_of, way_on
+from footfix.locomotion.follow.timeline import Pace, Timeline
 from footfix.locomotion.follow.walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.locomotion.loop.travel import root_in_world
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -28,21 +27,7 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_MOST = 300_000  # frames
-_LEAD = 1.6  # strides before the start, and after the end, that are laid and cut off
-
-
-@dataclass(frozen=True)
-class At:
-    """Where on the way a walk begins.
-
-    Args:
-        seconds: [s] after the start, or
-        metres: [m] on the path; one of them.
-    """
-
-    seconds: float | None = None
-    metres: float | None = None
+_GRIP = np.radians(40.0)  # of lean, at which shoes slip on most floors: a friction of 0.84
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,8 +120,8 @@ def follow_path(
     keys = align(walks) if len(walks) > 1 else (_one_key(first),)
     stride = float(np.mean([w.length * p.stride / w.strides for w, p in zip(walks, paces, strict=True)]))
     way = way_on(path, stride, first.rig.leg_length, _until(path, params, walks, paces), params)
-    wanted, notes = _transitions(walks, keys, paces, ats, way, params)
-    timeline, more = _timeline(path, way, walks, keys, paces, wanted, params)
+    wanted, notes = transitions_of(walks, keys, paces, ats, way, params)
+    timeline, more = timeline_of(path, way, walks, keys, paces, wanted, params)
     made = lay_walks(path, way, walks, timeline, params, paced=any(pace != Pace() for pace in paces))
     return _finished(made, path, walks, timeline, holding, (*path.notes, *notes, *more))
 
@@ -180,70 +165,6 @@ def _until(path: Path, params: FollowParams, walks: Sequence[Walk], paces: Seque
     return max(path.length, params.seconds * fastest) if path.closed else path.length
 
 
-def _transitions(
-    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way,
-    params: FollowParams,
-) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
-    """When each walk is handed over to the next, and for how long."""
-    rig, skeleton = walks[0].rig, walks[0].clip.skeleton
-    ends = end_effectors(skeleton, rig)
-    found: list[Transition] = []
-    starts = [0.0]
-    notes = []
-    for k in range(1, len(walks)):
-        at = ats[k]
-        start = at.seconds
-        if start is None:
-            start = time_at(way.gone(at.metres or 0.0), walks, keys, paces, found)
-        starts.append(start)
-        check_order(starts, [walk.name for walk in walks])
-        if found and start < found[-1].end:
-            found[-1] = replace(found[-1], end=start, clamped=True)
-            text = f"{walks[k].name} begins while {walks[k - 1].name} is still handed over to: that blend is shorter"
-            notes.append(Note("blend-cut", text))
-        frame, gone = frame_at(start, walks, keys, paces, found)
-        pair = walks[k - 1], walks[k]
-        seconds = np.mean([w.stride_seconds * p.time for w, p in zip(pair, paces[k - 1 : k + 1], strict=True)])
-        moment = float(keys[k - 1].time(np.array([frame]))[0])
-        joint, asked, least = blend_length(*pair, (keys[k - 1], keys[k]), moment, ends)
-        low, high = max(params.shortest_blend, least), params.longest_blend * float(seconds)
-        length = float(np.clip(asked, low, max(low, high)))
-        found.append(Transition(
-            k - 1, k, start, start + length, float(way.place(np.array([gone]))[0]), skeleton.names[joint], asked,
-            length != asked,
-        ))  # fmt: skip
-    return tuple(found), tuple(notes)
-
-
-def _timeline(
-    path: Path, way: Way, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace],
-    wanted: Sequence[Transition], params: FollowParams,
-) -> tuple[Timeline, tuple[Note, ...]]:  # fmt: skip
-    """Which moment each frame shows, until the path ends or the time is over."""
-    dt = walks[0].clip.frame_time
-    whole = time_at(way.gone(path.length), walks, keys, paces, wanted)
-    notes: tuple[Note, ...] = ()
-    seconds = whole if params.seconds is None else params.seconds
-    if seconds > whole and not path.closed:
-        notes += (Note("path-ends", f"the path ends after {whole:.2f} s, before the {seconds:g} s asked for"),)
-        seconds = whole
-    for change in wanted:
-        if change.start >= seconds:
-            raise UsageError(
-                f"{walks[change.after].name} is to begin after {change.start:.2f} s, but the walk ends after "
-                f"{seconds:.2f} s, {path.length:.2f} m on"
-            )
-    frames = round(seconds / dt) + 1
-    if not 2 <= frames <= _MOST:
-        raise UsageError(f"{seconds:.2f} s are {frames} frames; 2 to {_MOST} can be made")
-    lead = int(np.ceil(_LEAD * max(w.stride_seconds * p.time for w, p in zip(walks, paces, strict=True)) / dt)) + 2
-    timeline = make_timeline(walks, keys, paces, wanted, frames, lead, dt)
-    if params.seconds is None and not path.straight:  # the last frame is at the end of the path
-        end = timeline.gone[lead + frames - 1]
-        timeline = replace(timeline, gone=timeline.gone * (way.gone(path.length) / end))
-    return timeline, notes
-
-
 def _finished(
     made: Laid, path: Path, walks: Sequence[Walk], timeline: Timeline, holding: EnforceParams, notes: tuple[Note, ...]
 ) -> Follow:  # fmt: skip
@@ -259,10 +180,33 @@ def _finished(
     clip = apply(clip, found.correction)
     walked = _walked(made, path, clip, some)
     frames = _like(walks[0], timeline, some)
+    notes = (*notes, *_too_much(walked, plants))
     return Follow(
         clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
         tuple(walks), frames, plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
     )  # fmt: skip
+
+
+def _too_much(walked: Walked, plants: Sequence[Footplant]) -> tuple[Note, ...]:
+    """Say where a path asks for more than a figure could do."""
+    notes: tuple[Note, ...] = ()
+    at = int(np.argmax(np.abs(walked.lean)))
+    lean, speed = abs(float(walked.lean[at])), float(walked.speed[at])
+    if lean > _GRIP:
+        most = speed * np.sqrt(np.tan(_GRIP) / np.tan(lean))
+        text = (
+            f"at {speed:.1f} m/s the figure leans by {np.degrees(lean):.0f} degrees {walked.arc[at]:.1f} m on, where "
+            f"feet would slip; a wider curve, or a speed below {most:.1f} m/s, keeps them on the floor"
+        )
+        notes += (Note("too-fast", text),)
+    let_go = sum(plant.outcome in ("released", "partly") for plant in plants)
+    if let_go:
+        text = (
+            f"{let_go} of {len(plants)} plants are not held throughout: the path turns by more than the legs reach "
+            "while a foot stands; a wider curve holds them"
+        )
+        notes += (Note("feet-let-go", text),)
+    return notes
 
 
 def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:

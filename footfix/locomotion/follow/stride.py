@@ -32,7 +32,7 @@ def pace_of(walk: Walk, params: FollowParams) -> Pace:
 
 
 def smoothed(values: Floats, width: int) -> Floats:
-    """(F,) values in the mean over some frames about each, by a window that rises and falls smoothly; constants stay.
+    """Smooth values (F,) over some frames about each, by a window that rises and falls smoothly; constants stay.
 
     Args:
         values: (F,), going on at the ends as they are there.
@@ -46,7 +46,7 @@ def smoothed(values: Floats, width: int) -> Floats:
 
 
 def averaged(values: Floats, width: float) -> Floats:
-    """(F,) values in the mean over `width` frames about each, which need not be whole."""
+    """Average values (F,) over `width` frames about each, which need not be whole."""
     edge = int(np.ceil(width)) + 1
     around = np.pad(values, edge, mode="edge")
     total = np.append(0.0, np.cumsum(around))
@@ -57,7 +57,7 @@ def averaged(values: Floats, width: float) -> Floats:
 
 
 def scale_of(curvature: Floats, leg_length: float, params: FollowParams) -> Floats:
-    """(F,) how long strides are where a path is bent, 1 on a straight line.
+    """Tell (F,) how long strides are where a path is bent, 1 on a straight line.
 
     K 7.2 takes 1 % for each 0.2 degrees between neighbouring samples of the path, which depends on how densely it is
     sampled; this goes by curvature times leg length, and also ends at half a stride.

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from footfix.locomotion.follow.blend import Transition, ease
+from footfix.locomotion.follow.blend import Transition, handed
 from footfix.locomotion.follow.keys import Keys
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Bools, Floats, Ints
@@ -42,6 +42,7 @@ class Timeline:
         gone: (F,) [m] that the walks have gone, without what curves take; 0 at frame `first`.
         first: frames before the start.
         frame_time: [s].
+        keys: of each walk.
         transitions: the blends.
     """
 
@@ -49,6 +50,7 @@ class Timeline:
     gone: Floats
     first: int
     frame_time: float
+    keys: tuple[Keys, ...]
     transitions: tuple[Transition, ...] = field(default_factory=tuple)
 
     def __len__(self) -> int:
@@ -56,9 +58,12 @@ class Timeline:
 
     def blended(self) -> Bools:
         """(F,) whether two walks are blended in a frame."""
-        weights = [np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones]
-        weight = np.concatenate(weights)
+        weight = self.weight()
         return np.asarray((weight > 0.0) & (weight < 1.0))
+
+    def weight(self) -> Floats:
+        """(F,) how much the second of two walks counts; 0 where one goes on by itself."""
+        return np.concatenate([np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones])
 
     def leads(self) -> Ints:
         """(F,) index of the walk that leads in each frame."""
@@ -150,13 +155,13 @@ def make_timeline(
     if not blends:
         at, gone = _uniform(walks, paces, START, time)
         zone = Zone(slice(0, len(time)), (0, 0), (at, at), np.zeros(len(time)))
-        return Timeline((zone,), gone, lead, frame_time)
+        return Timeline((zone,), gone, lead, frame_time, tuple(keys))
     zones, far = [], []
     for blend, a, b in zip(blends, cuts[:-1], cuts[1:], strict=True):
         zone, gone = blend.lay(walks, keys, paces, time, slice(a, b))
         zones.append(zone)
         far.append(gone[a:b])
-    return Timeline(tuple(zones), np.concatenate(far), lead, frame_time, tuple(wanted))
+    return Timeline(tuple(zones), np.concatenate(far), lead, frame_time, tuple(keys), tuple(wanted))
 
 
 def lay_blends(
@@ -173,7 +178,7 @@ def lay_blends(
 def time_at(
     gone: float, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
 ) -> float:  # fmt: skip
-    """[s] after which walks have gone so far [m], whatever curves take."""
+    """Tell [s] after which walks have gone so far [m], whatever curves take."""
     piece = START
     for blend in lay_blends(walks, keys, paces, wanted):
         if gone <= blend.gone[0]:
@@ -219,11 +224,32 @@ def _blend(
         last = keys[a].frame(np.array([first + strides]))[0]
     one = np.linspace(at[0], last, max(int(np.ceil((last - at[0]) * _FINE)), 8) + 1)
     two = one if same else _to(keys[a], keys[b], one)
-    weight = ease((one - at[0]) / (last - at[0]))
+    weight = handed((one - at[0]) / (last - at[0]))
     part = 0.5 * (weight[1:] + weight[:-1])
     steps = [np.diff(each) for each in (one, two)]
     dt = [step * walks[k].clip.frame_time * paces[k].time for k, step in zip((a, b), steps, strict=True)]
     ds = [step * walks[k].length * paces[k].stride / walks[k].frames for k, step in zip((a, b), steps, strict=True)]
     times = change.start + np.append(0.0, np.cumsum((1.0 - part) * dt[0] + part * dt[1]))
+    if not same:
+        step = walks[b].clip.frame_time * paces[b].time
+        times = _on_whole_frames(times, float(two[-1]), step, walks[0].clip.frame_time)
     far = gone[0] + np.append(0.0, np.cumsum((1.0 - part) * ds[0] + part * ds[1]))
     return Blend(piece, Piece(b, float(times[-1]), float(two[-1]), float(far[-1])), times, (one, two), weight, far)
+
+
+def _on_whole_frames(times: Floats, frame: float, step: float, frame_time: float) -> Floats:
+    """Stretch a blend by up to half a frame, (n,) [s], so that the next walk shows its very frames after it.
+
+    Between them a foot that strikes is less sharp, or sharper.
+
+    Args:
+        times: (n,) [s] of the blend.
+        frame: of the next walk at its end.
+        step: [s] that a frame of it takes.
+        frame_time: [s].
+    """
+    if abs(step - frame_time) > 1e-6 * frame_time:
+        return times
+    off = times[-1] / frame_time - frame
+    longer = (round(off) - off) * frame_time / (times[-1] - times[0])
+    return np.asarray(times[0] + (1.0 + longer) * (times - times[0]))

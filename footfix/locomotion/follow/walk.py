@@ -21,6 +21,7 @@ from footfix.rig.rig import Rig
 
 _MARGIN = 12  # frames before and after a round, over which what lies between frames is found
 _SAME_BONES = 2e-3  # [leg lengths] by which offsets of one skeleton may differ
+_ON_THE_SPOT = 0.1  # [leg lengths] that a round in place gets on, at most
 _NEAR = 1e-9  # of a frame
 
 
@@ -144,15 +145,19 @@ def make_walk(loop: Loop, name: str) -> Walk:
         name: for messages.
 
     Raises:
-        InputError: it goes nowhere.
+        InputError: it goes nowhere, nor is it on a belt.
     """
     clip, rig = loop.round, loop.rig
     root = carrier(clip, rig)
-    travel = loop.travel
+    travel, spot = loop.travel, taken_out(clip, root, loop.travel)
+    if np.hypot(travel.x, travel.z) < _ON_THE_SPOT * rig.leg_length:
+        travel = _off_the_belt(loop)
     far = float(np.hypot(travel.x, travel.z))
-    if far < 0.1 * rig.leg_length:
-        raise InputError(f"one round of it gets {far:.2f} m on: no walk along a path", file=name)
-    spot = taken_out(clip, root, travel)
+    if far < _ON_THE_SPOT * rig.leg_length:
+        raise InputError(
+            f"it goes nowhere: one round gets {far:.2f} m on, and planted feet do not go back evenly as on a belt",
+            file=name, hint="a walk that travels, or one in place on a belt, can be led along a path",
+        )  # fmt: skip
     heading = float(np.arctan2(travel.x, travel.z))
     middle = pelvis_of(spot, rig)[:-1].mean(axis=0)
     # the reference line goes through the pelvis' mean on the spot; its first frame is where the line starts
@@ -167,8 +172,14 @@ def make_walk(loop: Loop, name: str) -> Walk:
     )  # fmt: skip
 
 
+def _off_the_belt(loop: Loop) -> Travel:
+    """The travel of a walk in place: against the way on which its planted feet are taken along."""
+    x, _, z = loop.ground[0] - loop.ground[-1]
+    return Travel(0.0, float(x), float(z))
+
+
 def pelvis_of(clip: Clip, rig: Rig) -> Floats:
-    """(F, 3) [m] the pelvis in the world."""
+    """Track (F, 3) [m] the pelvis in the world."""
     return forward(clip, [rig.pelvis]).position(rig.pelvis)
 
 

@@ -26,6 +26,7 @@ _PERIOD = 0.3  # of a stride, by which a cut may differ from what the starts of 
 _STRANGE = 0.25  # [leg lengths] where strides differ by more, the clip is no gait
 _UNREST = 0.015  # [m] that poses in violent motion count as much less alike, at either end
 _SEEN = 0.04  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
+_OFF_BEAT = 0.1  # [leg lengths/s] that a cut costs for each second by which it is longer or shorter than its stride
 _UNSEEN = 0.5  # times the usual, from which on it does
 _NEARLY = 0.03  # [leg lengths] by which poses may be less alike where they are calmer
 _STRIKE = 0.02  # [m] that poses count as much less alike when a foot comes down just then, at either end
@@ -238,8 +239,21 @@ def calmer(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Cut:
     gap = _gaps(clip, rig, first, last, params)
     odd = np.abs(last - first[:, None] - cut.frames) > _PERIOD * cut.frames / cut.strides
     far = gap > cut.gap + _NEARLY * rig.leg_length
-    a, b = np.unravel_index(np.argmin(np.where(odd | far, np.inf, gap + jolts(clip, rig, first, last))), gap.shape)
+    cost = (
+        gap
+        + jolts(clip, rig, first, last)
+        + _OFF_BEAT * rig.leg_length * clip.frame_time * _off_beat(cut, first, last, len(clip))
+    )
+    a, b = np.unravel_index(np.argmin(np.where(odd | far, np.inf, cost)), gap.shape)
     return replace(cut, start=int(first[a]), end=int(last[b]), gap=float(gap[a, b]))
+
+
+def _off_beat(cut: Cut, first: Ints, last: Ints, frames: int) -> Floats:
+    """(N, M) [frames] by how much rounds are longer or shorter than the starts, or the ends, of both stances tell."""
+    (a, b), (c, d) = cut.stands
+    told = [c - a] * (a > 0) + [d - b] * (d < frames) or [cut.frames]
+    length = last - first[:, None]
+    return np.asarray(np.min([np.abs(length - each) for each in told], axis=0), dtype=np.float64)
 
 
 def jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:

@@ -17,6 +17,7 @@ _TURNED = 1e-4  # [rad] what three decimals of a degree leave, and their sum ove
 _MOVED = 2e-4  # [leg lengths]
 _FEWEST = 8  # frames
 _LEADS = 0.3  # of the usual step, root mean square over the joints: a step over the seam like those beside it
+_BENDS = 0.7  # of the usual step: as much may a step over the seam be unlike those beside it, where others are, too
 _MOVES = 0.2  # of the usual step: less at the seam is a pause, not a stride
 _HEIGHT = 0.02  # [leg lengths] by which the root's height may go on otherwise
 _FEW, _RESTS = 4, 0.3  # steps of a plant that tell, and the share of them in which a foot rests that is held
@@ -75,12 +76,17 @@ def whole_cycle(clip: Clip, rig: Rig) -> Clip | None:
     return clip if found is not None and found.frames == len(clip) - 1 else completed(clip, rig)
 
 
-def completed(clip: Clip, rig: Rig) -> Clip | None:
+def completed(clip: Clip, rig: Rig, held: bool = False) -> Clip | None:
     """A cycle whose last frame is a step before its first one, with the frame that it lacks; None where it is no cycle.
 
     How far the root goes in that step is what it goes in the one before it.
+
+    Args:
+        clip: F frames.
+        rig: its root and size.
+        held: whether its feet were put to rest by a program, as those of a loop are: the step may then bend more.
     """
-    if len(clip) < _FEWEST or not _leads_on(clip, rig):
+    if len(clip) < _FEWEST or not _leads_on(clip, rig, _BENDS if held else _LEADS):
         return None
     root = carrier(clip, rig)
     frames = np.append(np.arange(len(clip)), 0)
@@ -93,19 +99,26 @@ def completed(clip: Clip, rig: Rig) -> Clip | None:
     return with_root(clip.frames(frames), root, place, turn)
 
 
-def _leads_on(clip: Clip, rig: Rig) -> bool:
-    """Whether a step from the last frame to the first is what the steps before and after it make one expect."""
+def _leads_on(clip: Clip, rig: Rig, bends_most: float) -> bool:
+    """Whether a step from the last frame to the first is what the steps before and after it make one expect.
+
+    Args:
+        clip: F frames.
+        rig: its root and size.
+        bends_most: of the usual step, by which it may differ from those beside it where others do, too.
+    """
     root = carrier(clip, rig)
     below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     turns = np.stack([clip.rotation(joint) for joint in below], axis=1)  # (F, J, 4)
-    around = turns[[-2, -1, 0, 1]]
-    steps = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(around[:-1]), around[1:]))
-    usual = _size(rotation.to_rotation_vector(rotation.multiply(rotation.inverse(turns[:-1]), turns[1:])))
+    every = np.concatenate([turns[-2:], turns, turns[:2]])
+    steps = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(every[:-1]), every[1:]))
+    usual = _size(steps[2:-2])
+    bends = np.sqrt(np.mean(np.sum((steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])) ** 2, axis=-1), axis=-1))
+    most = max(_LEADS * usual, min(float(bends[2:-2].max()), bends_most * usual))
     height = root_in_world(clip, root)[0][[-2, -1, 0, 1], 1]
     moves = usual > _STILL / 10.0 and min(_size(steps[0]), _size(steps[2])) >= _MOVES * usual
-    bend = _size(steps[1] - 0.5 * (steps[0] + steps[2])) < _LEADS * usual
     rise = np.diff(height)
-    return bool(moves and bend and abs(rise[1] - 0.5 * (rise[0] + rise[2])) < _HEIGHT * rig.leg_length)
+    return bool(moves and bends[0] < most and abs(rise[1] - 0.5 * (rise[0] + rise[2])) < _HEIGHT * rig.leg_length)
 
 
 def _size(turns: Floats) -> float:

@@ -19,7 +19,16 @@ from footfix.locomotion.loop.seam import Seam, apart, changes, ratios, slide
 from footfix.locomotion.loop.settle import settled
 from footfix.locomotion.loop.single import cuts_of
 from footfix.locomotion.loop.strides import count_strides
-from footfix.locomotion.loop.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out, with_root
+from footfix.locomotion.loop.travel import (
+    Travel,
+    carrier,
+    put_in,
+    root_in_world,
+    straightened,
+    taken_out,
+    with_root,
+    without_drift,
+)
 from footfix.locomotion.loop.wrapped import wrapped
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, frozen
@@ -30,7 +39,8 @@ from footfix.rig.rig import Rig
 _OTHERS, _APART = 3, 0.2  # next best cuts that are told, whose ends lie elsewhere by more than this share of a round
 _NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
 _SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
-_JOLT, _HELD = 1.5, 3  # times the usual acceleration at a seam, up to which it is well; cuts that are held to get there
+_JOLT, _USUAL = 1.5, 1.0  # times the usual acceleration at a seam, up to which it is well: of one joint, of the median
+_HELD = 3  # cuts that are held to get there
 _SLIDES = 0.002  # [leg lengths] that a foot slides over the seam of a loop whose feet are to be held
 _SPOT = 0.2  # [leg lengths] of travel, less of which is a walk on the spot, whose feet slide on purpose
 _TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
@@ -130,10 +140,15 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
     made: list[Loop] = []
     for cut, closed in _calmest(whole, rig, cuts, params)[:_HELD]:
         made.append(_held(whole, rig, contacts, cut, closed, params, holding, len(clip)))
-        if made[-1].seam.worst_ratio <= _JOLT:
+        if _seen(made[-1].seam) <= 1.0:
             break
-    best = min(made, key=lambda loop: loop.seam.worst_ratio)
+    best = min(made, key=lambda loop: _seen(loop.seam))
     return replace(best, others=tuple(cut for cut in cuts if not _same(cut, best))[:_OTHERS])
+
+
+def _seen(seam: Seam) -> float:
+    """How much of a seam is seen, 1 is well: by the joint that is jolted most, and by all of them."""
+    return max(seam.worst_ratio / _JOLT, seam.median_ratio / _USUAL)
 
 
 def _held(
@@ -143,12 +158,14 @@ def _held(
     """The loop of a cut that is closed, its plants held; `frames` is how many the captured clip has."""
     length = cut.end - cut.start
     captured = clip.frames(slice(closed.start, closed.start + length + 1))
-    gap = apart(clip, rig, cut.start, cut.end, closed.travel)
-    moved = changes(captured, closed.clip, rig)
+    within = wrapped(contacts, closed.start, length)
     start, travel = closed.clip, closed.travel
+    if _on_belt(closed, rig, within, holding):
+        start, travel = without_drift(start, carrier(start, rig), travel), Travel()
+    gap = apart(clip, rig, cut.start, cut.end, travel)
+    moved = changes(captured, start, rig)
     if params.straighten:
         start, travel = straightened(start, carrier(start, rig), travel)
-    within = wrapped(contacts, closed.start, length)
     held = hold(start, rig, within, travel, holding)
     done = settled(held.clip, rig, held.found.plants, travel, held.found.ground)
     far = slide(done, rig, held.found.plants, travel, held.found.ground)
@@ -159,6 +176,14 @@ def _held(
         travel=travel, seam=_seam(gap, moved, done, rig, travel, far), plants=held.found.plants,
         correction=held.found.correction, notes=held.found.notes, ground=held.found.ground,
     )  # fmt: skip
+
+
+def _on_belt(closed: Closed, rig: Rig, contacts: Contacts, holding: EnforceParams) -> bool:
+    """Whether the ground carries the planted feet of a closed cycle along, and the figure hardly leaves its place."""
+    place = root_in_world(closed.clip.frames(slice(0, 1)), carrier(closed.clip, rig))[0][0]
+    if np.linalg.norm(closed.travel.places(place) - place) > _SPOT * rig.leg_length:
+        return False
+    return bool(np.any(ground_under(closed.clip, rig, contacts, closed.travel, holding.ground)))
 
 
 def _same(cut: Cut, loop: Loop) -> bool:
@@ -188,7 +213,7 @@ def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding
     whole: Clip | None = clip
     travel = closed_travel(clip, rig)
     if travel is None:
-        whole = completed(clip, rig) if params.open else None
+        whole = completed(clip, rig, held=put_to_rest(clip, rig, contacts)) if params.open else None
         travel = None if whole is None else closed_travel(whole, rig)
     if whole is None or travel is None:
         return None

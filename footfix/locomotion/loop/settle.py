@@ -1,4 +1,4 @@
-"""What is left of a slide under held feet, a fraction of a millimetre, taken out by the legs alone."""
+"""What is left of a slide under held feet, a few millimetres at most, taken out by the legs alone."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
-_MOST = 0.0025  # [leg lengths] what strays farther does so for a reason, and is left
+_MOST = 0.0055  # [leg lengths] a pinned plant strays no farther; what does has a reason, and is left
 _FADE = 0.12  # [s] before and after a plant, over which the foot comes back to its way
 _FEWEST = 3  # frames
 

@@ -25,6 +25,7 @@ _NEAR = 0.75  # of the distance of poses that else are alike: nothing is known o
 _SAME = 0.03  # [leg lengths] poses so much alike are the same, whatever is said of the feet
 _SURE = 0.06  # [s] as exactly the ends of plants are known at the ends of a clip
 _WHOLE = 0.01  # [leg lengths] by which the clip's own ends may be worse than others
+_MOST, _APART = 8, 0.06  # cuts that are told, whose ends lie elsewhere by more than this share of the clip's frames
 _MOVES = 0.4  # of the usual speed: a figure that stands first and last has gone a step, which is no cycle
 
 
@@ -51,28 +52,27 @@ def cuts_of(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tup
         if given or len(clip) > _SHORT * (cuts[0].end - cuts[0].start):
             return clip, cuts
         more = _single(clip, rig, contacts, params)
-        return clip, (more, *cuts) if more is not None and more.gap < cuts[0].gap else cuts
+        return clip, (*more, *cuts) if more and more[0].gap < cuts[0].gap else cuts
     except InputError:
         if given:
             raise
         whole = whole_cycle(clip, rig)
-        cut = _single(clip if whole is None else whole, rig, contacts, params, known=whole is not None)
-        if cut is None:
+        cuts = _single(clip if whole is None else whole, rig, contacts, params, known=whole is not None)
+        if not cuts:
             raise
-        return whole or clip, (cut,)
+        return whole or clip, cuts
 
 
-def _single(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, known: bool = False) -> Cut | None:
-    """The cycle of a clip that holds hardly more than one; all of it where that is known."""
-    cut = Cut(0, len(clip) - 1, -1, 0, 0, 0.0) if known else single_stride(clip, rig, contacts, params)
-    if cut is None:
-        return None
-    strides = count_strides(wrapped(contacts, cut.start, cut.end - cut.start), rig)
-    return replace(cut, strides=strides) if params.strides in (None, strides) else None
+def _single(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, known: bool = False) -> tuple[Cut, ...]:
+    """The cycle of a clip that holds hardly more than one, the best cut first; all of it where that is known."""
+    cuts = (Cut(0, len(clip) - 1, -1, 0, 0, 0.0),) if known else single_stride(clip, rig, contacts, params)
+    counts = [count_strides(wrapped(contacts, cut.start, cut.end - cut.start), rig) for cut in cuts]
+    found = (replace(cut, strides=count) for cut, count in zip(cuts, counts, strict=True))
+    return tuple(cut for cut in found if params.strides in (None, cut.strides))
 
 
-def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> Cut | None:
-    """Find the one stride that a short clip holds; None where it holds none.
+def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Cut, ...]:
+    """Find where the one stride of a short clip can be cut, the best cut first; nothing where it holds none.
 
     Its ends are poses that are alike, with the same feet planted; in between every foot is planted and lifted. So half
     a stride is none, since at its ends the feet have changed places.
@@ -85,7 +85,7 @@ def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) 
     """
     frames = len(clip)
     if not _SHORTEST <= (frames - 1) * clip.frame_time <= _LONGEST or params.method == "kim-neff":
-        return None
+        return ()
     reach = int(_ENDS * frames)
     first, last = np.arange(reach + 1), np.arange(frames - 1 - reach, frames)
     gap = distances(clouds(clip, rig, first, 0.0), clouds(clip, rig, last, 0.0))
@@ -97,15 +97,20 @@ def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) 
     moves = speed >= _MOVES * np.median(speed)
     fit &= moves[first, None] & moves[last]
     fit &= (last - first[:, None]) * clip.frame_time >= _SHORTEST
+    fit &= gap <= _NEAR * params.farthest * rig.leg_length
     cost = np.where(fit, gap + jolts(clip, rig, first, last), np.inf)
-    a, b = np.unravel_index(np.argmin(cost), cost.shape)
-    if cost[0, -1] <= cost[a, b] + _WHOLE * rig.leg_length:
-        a, b = np.intp(0), np.intp(len(last) - 1)
-    within = down[:, first[a] : last[b]]
-    steps = np.all(within.any(axis=1) & ~within.all(axis=1))
-    if not steps or not cost[a, b] < np.inf or gap[a, b] > _NEAR * params.farthest * rig.leg_length:
-        return None
-    return Cut(int(first[a]), int(last[b]), -1, 0, 0, float(gap[a, b]))
+    if np.isfinite(cost[0, -1]) and cost[0, -1] <= cost.min() + _WHOLE * rig.leg_length:
+        cost[0, -1] = 0.0
+    found, beside = [], max(1, round(_APART * frames))
+    for _ in range(_MOST):
+        a, b = np.unravel_index(np.argmin(cost), cost.shape)
+        if not cost[a, b] < np.inf:
+            break
+        within = down[:, first[a] : last[b]]
+        if np.all(within.any(axis=1) & ~within.all(axis=1)):
+            found.append(Cut(int(first[a]), int(last[b]), -1, 0, 0, float(gap[a, b])))
+        cost[max(a - beside, 0) : a + beside + 1, max(b - beside, 0) : b + beside + 1] = np.inf
+    return tuple(found)
 
 
 def _planted(contacts: Contacts, rig: Rig) -> Bools:

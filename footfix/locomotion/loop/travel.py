@@ -121,9 +121,30 @@ def taken_out(clip: Clip, root: int, travel: Travel, *, until: float = 1.0) -> C
         travel: of one round.
         until: the share of a round that the last frame comes after, where it is not the first again.
     """
+    return _moved_back(clip, root, travel, _even(clip, until))
+
+
+def without_drift(clip: Clip, root: int, travel: Travel) -> Clip:
+    """A closed cycle that stays where it is, as on a belt, which does not turn: what it drifts in a round is taken out.
+
+    In the middle of the round it stays where it was, so that no frame is moved by more than half of the drift.
+
+    Args:
+        clip: L + 1 frames, the last of which is the first moved by `travel`.
+        root: what carries it (`carrier`).
+        travel: of one round.
+
+    Returns:
+        The cycle, whose last frame is its first.
+    """
+    return _moved_back(clip, root, travel, _even(clip) - 0.5)
+
+
+def _moved_back(clip: Clip, root: int, travel: Travel, part: Floats) -> Clip:
+    """A clip with parts (F,) of a travel taken out of its frames."""
     place, turn = root_in_world(clip, root)
     origin = place[0] * [1.0, 0.0, 1.0]
-    turns, shifts = travel.about(origin).share(_even(clip, until))
+    turns, shifts = travel.about(origin).share(part)
     back = rotation.inverse(turns)
     return with_root(clip, root, origin + rotation.rotate(back, place - origin - shifts), rotation.multiply(back, turn))
 

@@ -85,17 +85,17 @@ def test_a_plan_changed_in_mid_ease_goes_on_from_where_it_was_to_its_new_target(
     t = np.linspace(0.0, 1.0, 101)[:, None]
     free = np.concatenate([0.4 * t, 0.1 * np.sin(3.0 * t), 1.2 * t**2], axis=1)  # E_0' from t' to t_1'
     reached, target = np.array([0.05, 0.08, -0.1]), np.array([0.5, 0.0, 1.1])
-    plan = {"reached": reached, "free_then": free[0], "target": target, "free_there": free[-1]}
-    found = replanned(free, t[:, 0], **plan)
+    fall = gamma(t)
+    new = free + (1.0 - fall) * (target - free[-1])  # the new motion with its own ease-in
+    found = replanned(new, t[:, 0], reached - new[0])
     assert np.allclose(found[0], reached, atol=1e-15) and np.allclose(found[-1], target, atol=1e-15)
     # it leaves with the velocity of the new motion, and arrives with it
     assert np.allclose(np.diff(found, axis=0)[[0, -1]], np.diff(free, axis=0)[[0, -1]], atol=5e-4)
     # as printed it would stand on its target at once: a jump
-    fall = gamma(t)
     printed = free + (1.0 - fall) * (free[0] - reached) + fall * (target - free[0])
     assert np.allclose(printed[0], target) and np.linalg.norm(printed[0] - reached) > 0.5
     # frame by frame it is the same curve
-    assert np.array_equal(replanned(free[40:41], t[40:41, 0], **plan), found[40:41])
+    assert np.array_equal(replanned(new[40:41], t[40:41, 0], reached - new[0]), found[40:41])
 
 
 @pytest.mark.parametrize("gait", ["walk", "turn", "stairs", "tiptoe", "backwards", "stand"])

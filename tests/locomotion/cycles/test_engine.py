@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cycle_walkers import fitted
@@ -10,7 +12,9 @@ import footfix
 from footfix.errors import ArgumentError
 from footfix.formats.plans import PlanRow
 from footfix.jobs.make import make, plan_of
+from footfix.locomotion.cycles.engine import changed_plan, foresee, postures
 from footfix.locomotion.cycles.plan import Plan, Point, make_course
+from footfix.locomotion.cycles.postures import free_postures, leg_poses
 from footfix.locomotion.follow.path import make_path
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -119,6 +123,81 @@ def test_the_engine_changes_in_mid_change_without_a_slip() -> None:
     assert plants(clip, mask) <= 1e-3
     place = forward(clip).positions
     assert np.linalg.norm(np.diff(place, axis=0), axis=2).max() < 0.08  # m in a frame: nothing leaps
+
+
+def test_steered_hard_no_joint_turns_much_faster_than_in_the_cycles() -> None:
+    engine = footfix.Engine(fitted().model, speed=1.2, run=0.0)
+    frames, cycles = [], []
+    for k in range(240):
+        if k % 12 == 0:
+            engine.set(turn=90.0 * (-1.0) ** (k // 36), speed=1.2 + 0.3 * np.sin(k), over=0.1)
+        frames.append(engine.step(1 / 120))
+        course = engine._foreseen.course
+        cycles.append(free_postures(engine.model, course, np.array([engine.time])).turns[0])
+    own = engine.clip([replace(f, rotations=q) for f, q in zip(frames, cycles, strict=True)], 1 / 120)
+    clip = engine.clip(frames, 1 / 120)
+    assert (steps(clip) - steps(own)).max() <= 2.0
+    assert plants(clip, np.array([list(each.contacts.values()) for each in frames])) <= 1e-3
+
+
+def test_a_change_is_taken_up_as_quickly_as_feet_can_follow() -> None:
+    model = fitted().model
+    here = steady(1.2)
+    for over in (0.0, 0.1, 2.0):
+        turned = changed_plan(model, here, 1.0, over, steady(1.2, np.radians(150.0)))
+        assert turned.times[-1] == pytest.approx(1.0 + max(over, 1.0))
+        faster = changed_plan(model, here, 1.0, over, steady(1.2 + 0.25 * model.froude))
+        assert faster.times[-1] == pytest.approx(1.0 + max(over, 0.5))
+    assert changed_plan(model, here, 1.0, 0.0, here).times[-1] == pytest.approx(1.25)
+
+
+def test_to_ask_for_the_same_again_changes_nothing() -> None:
+    once, often = (footfix.Engine(fitted().model, speed=1.0, run=0.0) for _ in range(2))
+    once.set(speed=1.4, turn=20.0, over=1.0)
+    for _ in range(80):
+        often.set(speed=1.4, turn=20.0, over=1.0)
+        one, other = once.step(1 / 60), often.step(1 / 60)
+        assert np.array_equal(one.rotations, other.rotations) and np.array_equal(one.positions, other.positions)
+
+
+def test_a_figure_goes_on_from_where_it_is_whatever_is_asked() -> None:
+    engine = footfix.Engine(fitted().model, speed=1.2, run=0.0)
+    for k in range(60):
+        frame = engine.step(1 / 60)
+        if k % 7 == 0:
+            engine.set(speed=0.9 + 0.01 * k, run=k / 60, turn=3.0 * k - 60.0, over=0.5)
+            told = engine.ahead(0.1, frames=2)
+            assert np.allclose(told.positions[0], frame.positions, atol=1e-9)
+            off = rotation.multiply(rotation.inverse(frame.rotations), told.rotations[0])
+            assert rotation.angle(off).max() < 1e-6
+
+
+def test_many_times_at_once_are_the_same_as_one_by_one() -> None:
+    model = fitted().model
+    foreseen = foresee(model, steady(1.4, 0.3), None, Point(), 3.0)
+    times = np.linspace(0.0, 3.0, 13)
+    every = postures(model, foreseen, times)
+    for k, time in enumerate(times):
+        one = postures(model, foreseen, np.array([time]))
+        assert np.allclose(one.place[0], every.place[k], atol=1e-12)
+        assert np.allclose(one.turns[0], every.turns[k], atol=1e-9)
+    legs = leg_poses(model, foreseen.course, times)
+    free = free_postures(model, foreseen.course, times)
+    for name in ("hip", "knee", "ankle", "soles", "ends"):
+        assert np.allclose(getattr(legs, name), getattr(free.legs, name), atol=1e-12)
+    clip = replace(every, place=free.place, turns=free.turns).clip(model, 0.25)
+    pose = forward(clip)
+    for k, leg in enumerate(model.rig.legs):
+        assert np.allclose(pose.position(leg.knee), legs.knee[:, k], atol=1e-9)
+        assert leg.toe is None or np.allclose(pose.position(leg.toe), legs.toe[:, k], atol=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.0, 12.0])
+def test_what_nobody_walks_at_is_made_as_well(speed: float) -> None:
+    engine = footfix.Engine(fitted().model, speed=speed)
+    frames = [engine.step(dt) for dt in (0.0, 0.02, 9.0, 0.02)]
+    assert all(np.isfinite(each.rotations).all() for each in frames)
+    assert frames[-1].positions[engine.rig.root, 2] == pytest.approx(9.04 * speed, abs=0.3)
 
 
 def test_what_comes_next_does_come() -> None:

@@ -15,7 +15,8 @@ from footfix.formats.paths import shape
 from footfix.locomotion.follow.blend import ease
 from footfix.locomotion.follow.keys import align
 from footfix.locomotion.follow.params import FollowParams
-from footfix.locomotion.follow.run import At, Follow, follow_path
+from footfix.locomotion.follow.planning import At
+from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.walk import Walk, check_alike, make_walk
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.run import make_loop
@@ -144,25 +145,41 @@ def test_a_walk_blended_with_itself_is_itself() -> None:
     assert np.allclose(places(alone.clip), places(twice.clip), atol=1e-9)
 
 
-def test_strikes_come_together_and_feet_stand_while_one_walk_takes_over() -> None:
-    pair = stride("walk"), stride("run")
+@pytest.mark.parametrize(("path", "names"), [
+    ("line:9", ("walk", "run")), ("line:12", ("run", "walk")), ("circle:3", ("walk", "run"))
+])  # fmt: skip
+def test_strikes_come_together_and_feet_stand_while_one_walk_takes_over(path: str, names: tuple[str, str]) -> None:
+    pair = stride(names[0]), stride(names[1])
     keys = align(pair)
     for leg in (0, 1):
         times = [key.time(each.strikes(leg)[0].astype(np.float64)) for key, each in zip(keys, pair, strict=True)]
         frames = [pair[1].frames * np.abs((t - times[0][0] + 0.5) % 1.0 - 0.5) for t in times]
         assert max(float(each.max()) for each in frames) <= 1.0
-    found = along("line:9", "walk", "run")
+    found = along(path, *names)
     change = found.transitions[0]
     assert 0.2 <= change.end - change.start <= 2.0 * max(each.stride_seconds for each in pair)
     slides = np.array([slide for slide, _ in standing(found)])
-    assert np.mean(slides <= 1.0) >= 0.8
-    assert slides.max() <= 3.0  # a toe that is planted in one of the two walks for longer
-    assert found.walked.speed[-1] == pytest.approx(pair[1].speed, rel=0.02)
+    assert slides.max() <= 1.0  # though feet stand for longer in one of the two
+    assert found.walked.speed[-1] == pytest.approx(pair[1].speed * found.walked.scale[-1], rel=0.02)
     second = np.linalg.norm(np.diff(places(found.clip), n=2, axis=0), axis=2).mean(axis=1) / found.clip.frame_time**2
     usual = [np.linalg.norm(np.diff(places(each.clip), n=2, axis=0), axis=2).mean(axis=1) / each.clip.frame_time**2
              for each in pair]  # fmt: skip
     some = slice(round(change.start / found.clip.frame_time), round(change.end / found.clip.frame_time))
+    last, own = (places(each) - places(each)[:, :1] for each in (found.straight.frames(np.array([-1])), pair[1].clip))
+    assert min(float(np.abs(last - each).max()) for each in own) < 1e-9  # its very frames, not between them
     assert second[some].max() <= 1.1 * max(float(np.percentile(each, 99)) for each in usual)
+
+
+def test_a_walk_in_place_on_a_belt_goes_as_far_as_the_belt_would() -> None:
+    found = along("circle:3", "treadmill")
+    assert stride("treadmill").speed == pytest.approx(1.2, rel=0.02)
+    assert found.walked.arc[-1] == pytest.approx(found.path.length, rel=1e-6)
+    assert max(slide for slide, _ in standing(found)) <= 1.0
+
+
+def test_what_a_figure_could_not_do_is_said() -> None:
+    assert "too-fast" in {note.id for note in along("circle:2", "sprint").notes}
+    assert not {"too-fast", "feet-let-go"} & {note.id for note in along("circle:2").notes}
 
 
 def test_keys_are_there_and_back() -> None:

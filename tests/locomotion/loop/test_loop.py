@@ -8,6 +8,8 @@ from functools import cache
 import artefacts
 import numpy as np
 import pytest
+from walker import make
+from walker_gaits import Gait
 from walks import rig_of, walk
 
 import footfix
@@ -15,7 +17,10 @@ from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.holding import laid_contacts, lay
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.run import Loop, as_round, make_loop
-from footfix.locomotion.loop.seam import ratios
+from footfix.locomotion.loop.seam import ratios, slide
+from footfix.locomotion.loop.settle import settled
+from footfix.locomotion.loop.strides import find_strides
+from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.motion.kinematics import places
@@ -151,3 +156,63 @@ def test_the_interface_of_python_finds_rig_and_contacts() -> None:
     assert found.strides == 1
     assert (len(found.round) - 1) == pytest.approx(65, abs=2)
     assert len(found.others) == 3
+
+
+def drifting_on_a_belt() -> footfix.Clip:
+    """A walker on a treadmill who comes forward and turns, slowly."""
+    made = walk("treadmill", duration=5.0)
+    root = carrier(made.clip, rig_of(made))
+    place, turn = root_in_world(made.clip, root)
+    part = np.linspace(0.0, 1.0, len(made.clip))
+    turns, shifts = Travel(np.radians(6.0), 0.0, 0.15).share(part)
+    return with_root(made.clip, root, rotation.rotate(turns, place) + shifts, rotation.multiply(turns, turn))
+
+
+def test_on_a_belt_a_loop_stays_in_its_place_and_feet_go_on_with_the_belt_over_the_seam() -> None:
+    made = walk("treadmill", duration=5.0)
+    found = make_loop(drifting_on_a_belt(), rig_of(made), made.contacts, LoopParams(), EnforceParams())
+    assert (found.turn, found.distance) == (0.0, 0.0)
+    two, length = places(lay(found.round, 0, found.travel, range(2))), len(found.round) - 1
+    strays = []
+    for sole, effector in zip(found.rig.soles, found.contacts.effectors, strict=True):
+        first = [c for c in effector.contacts if c.start == 0]
+        last = [c for c in effector.contacts if c.end == length + 1]
+        if sole.part == "toe" and first and last and first != last:
+            track = two[last[0].start + 1 : length + first[0].end - 1, found.rig.legs[sole.leg].toe][:, [0, 2]]
+            time = np.arange(len(track))
+            even = np.stack([np.polyval(np.polyfit(time, axis, 1), time) for axis in track.T], axis=1)
+            assert np.linalg.norm(even[-1] - even[0]) * 60.0 / (len(track) - 1) == pytest.approx(1.2, rel=0.15)
+            strays.append(1000.0 * np.linalg.norm(track - even, axis=1).max())
+    assert len(strays) > 0
+    assert max(strays) <= 0.1
+
+
+def test_a_pinned_toe_that_strays_a_little_stands_when_it_is_settled() -> None:
+    found = loop()
+    root = carrier(found.round, found.rig)
+    sway = 0.002 * np.sin(np.linspace(0.0, 2.0 * np.pi, len(found.round)))[:, None] * [1.0, 0.0, 0.5]
+    place, turn = root_in_world(found.round, root)
+    swayed = with_root(found.round, root, place + sway, turn)
+    pinned = tuple(plant for plant in found.plants if plant.outcome in ("pinned", "kept"))
+    before = slide(swayed, found.rig, pinned, found.travel, found.ground)
+    after = slide(settled(swayed, found.rig, pinned, found.travel, found.ground), found.rig, pinned, found.travel,
+                  found.ground)  # fmt: skip
+    assert before is not None and before > 1e-3
+    assert after is not None and after < 1e-6
+
+
+def test_at_more_frames_a_second_a_loop_stands_and_closes_as_well() -> None:
+    found = loop("walk", 120.0)
+    place = places(found.clip)
+    assert np.allclose(place[-1], found.travel.places(place[0]), atol=1e-9)
+    assert max(strays(found)) <= 0.1
+    assert found.seconds == pytest.approx(loop("walk", 60.0).seconds, abs=0.02)
+    assert found.seam.worst_ratio <= 1.5
+
+
+def test_a_shaken_walkers_period_is_a_strides_to_the_frame() -> None:
+    made = make(Gait(name="tiptoe", fps=120.0, duration=5.0, seed=1, variation=1.0))
+    shaken = artefacts.wander(artefacts.shake(made.clip, 0.15, seed=3, slowest=0.1), 0.04, seed=2)
+    found = footfix.loop(shaken)
+    told = [s.frames for own in find_strides(made.contacts, rig_of(made)) for s in own]
+    assert min(abs(len(found.round) - 1 - each) for each in told) <= 1

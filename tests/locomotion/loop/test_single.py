@@ -49,7 +49,7 @@ def test_one_stride_is_a_cycle_wherever_it_begins(name: str, start: int) -> None
 def test_half_a_stride_is_none_though_its_poses_look_alike(start: int) -> None:
     half = period("walk") // 2
     clip, contacts = cut("walk", start, half + 1)
-    assert single_stride(clip, rig_of(walk("walk", 60.0)), contacts, LoopParams()) is None
+    assert single_stride(clip, rig_of(walk("walk", 60.0)), contacts, LoopParams()) == ()
     with pytest.raises(InputError, match="no cycle found"):
         make_loop(clip, rig_of(walk("walk", 60.0)), contacts, LoopParams(), EnforceParams())
 
@@ -62,4 +62,4 @@ def test_a_figure_that_stands_first_and_last_has_gone_no_cycle() -> None:
         for e, own in zip(contacts.effectors, contacts.mask()[frames].T, strict=True)
     )
     told = replace(contacts, frames=len(frames), effectors=plants)
-    assert single_stride(clip.frames(frames), rig_of(walk("walk", 60.0)), told, LoopParams()) is None
+    assert single_stride(clip.frames(frames), rig_of(walk("walk", 60.0)), told, LoopParams()) == ()

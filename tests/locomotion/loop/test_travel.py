@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from walks import rig_of, walk
 
-from footfix.locomotion.loop.travel import Travel, carrier, put_in, root_in_world, straightened, taken_out
+from footfix.locomotion.loop.travel import (
+    Travel,
+    carrier,
+    put_in,
+    root_in_world,
+    straightened,
+    taken_out,
+    without_drift,
+)
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 
@@ -82,3 +90,18 @@ def test_what_moves_above_the_root_carries_the_figure() -> None:
     assert carrier(made.clip, hips) == 0
     still = made.clip.with_joints({0: np.zeros((len(made.clip), 3))}, {0: rotation.identity((len(made.clip),))})
     assert carrier(still, hips) == 1
+
+
+@pytest.mark.parametrize("drift", [Travel(0.03, 0.02, -0.05), Travel(0.0, 0.0, 0.04)])
+def test_without_its_drift_a_cycle_ends_where_it_began_and_is_moved_by_half_of_it(drift: Travel) -> None:
+    clip = circling(drift)
+    root = carrier(clip, rig_of(walk()))
+    captured, turned = root_in_world(clip, root)
+    place, turn = root_in_world(without_drift(clip, root, drift), root)
+    assert np.allclose(place[-1], place[0], atol=1e-12)
+    assert rotation.angle(rotation.multiply(turn[-1], rotation.inverse(turn[0]))) < 1e-7
+    assert np.allclose(place[20], captured[20], atol=1e-12)
+    whole = np.linalg.norm(drift.places(captured[0]) - captured[0])
+    assert np.linalg.norm(place - captured, axis=1).max() <= 0.501 * whole
+    angles = rotation.angle(rotation.multiply(turn, rotation.inverse(turned)))
+    assert angles.max() == pytest.approx(0.5 * drift.yaw, abs=1e-7)

@@ -1,0 +1,97 @@
+"""Legs that the animations of one file share: whose legs one of them shows, that figure has them in all.
+
+A horse that lies down does not show that it stands on four, and a fox that is curled up has no straight shin.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from footfix.errors import InputError
+from footfix.formats.bvh.text import Limits
+from footfix.formats.document import Beside, clips_of, neighbours_of, open_document
+from footfix.formats.suffixes import in_file
+from footfix.motion.leadin import motion_range
+from footfix.rig.figure import Figure, figures
+from footfix.rig.params import LegParams, RigParams
+from footfix.rig.sample import sample
+from footfix.settings import Settings
+
+_MOST = 12  # animations of a file that are looked at, spread over it
+
+_Legs = tuple[tuple[str, LegParams], ...]
+
+
+def with_shared_legs(data: bytes, name: str, settings: Settings, beside: Beside | None = None) -> Settings:
+    """Name the legs of an animation in settings where others of its file show them better than it does.
+
+    Args:
+        data: the bytes of the file.
+        name: of the animation, as in character.glb#Walk.
+        settings: unchanged where they name legs, or the animation shows the same ones.
+        beside: reads files that this one names.
+    """
+    file, animation = in_file(name)
+    if settings.rig.legs or not animation:
+        return settings
+    try:
+        # Files that others name may be other ones another time: what they say is not kept.
+        names = neighbours_of(data, name=file, limits=settings.limits, beside=beside)
+        found = _found.__wrapped__ if names else _found
+        by_animation = found(data, file, settings.limits, beside if names else None)
+    except InputError:
+        return settings  # what is wrong is said where the animation is read
+    best = _best(by_animation)
+    own = by_animation.get(animation)
+    if own is None:
+        own = _legs_of(data, name, settings.limits, beside)
+    return settings if best in ((), own) else replace(settings, rig=replace(settings.rig, legs=dict(best)))
+
+
+def _best(by_animation: Mapping[str, _Legs]) -> _Legs:
+    """The legs that are most, and of as many those that most animations show."""
+    count = Counter(legs for legs in by_animation.values() if legs)
+    return max(count, key=lambda legs: (len(legs), count[legs]), default=())
+
+
+@lru_cache(maxsize=2)
+def _found(data: bytes, file: str, limits: Limits, beside: Beside | None) -> Mapping[str, _Legs]:
+    """For each animation that is looked at the legs that it shows; none where it shows none."""
+    names = clips_of(data, name=file, limits=limits, beside=beside) or ()
+    if len(names) < 2:
+        return {}
+    some = np.unique(np.linspace(0, len(names) - 1, _MOST).astype(np.intp)).tolist()
+    return {names[k]: _legs_of(data, f"{file}#{names[k]}", limits, beside) for k in some}
+
+
+def _legs_of(data: bytes, name: str, limits: Limits, beside: Beside | None) -> _Legs:
+    try:
+        document = open_document(data, name=name, limits=limits, beside=beside)
+        if document.unusable or document.frames < 2:
+            return ()
+        clip = document.clip
+        shown = figures(sample(clip, motion_range(clip)), RigParams(), y_up=True)
+    except InputError:
+        return ()
+    return _as_params(shown[0], clip.skeleton.names) if len(shown) == 1 else ()
+
+
+def _as_params(figure: Figure, names: tuple[str, ...]) -> _Legs:
+    """The legs of a figure by name; none where their sides or joints have no names of their own."""
+    if not all(figure.sides):
+        return ()
+    legs = []
+    for limb, toe, end, side in zip(figure.limbs, figure.toes, figure.names, figure.sides, strict=True):
+        joints = (limb.hip, limb.knee, limb.ankle, *(() if toe is None else (toe,)))
+        if any(names.count(names[joint]) != 1 for joint in joints):
+            return ()
+        hip, knee, ankle = (names[joint] for joint in joints[:3])
+        own = LegParams(hip=hip, knee=knee, ankle=ankle, toe="none" if toe is None else names[toe], side=side)
+        legs.append((f"{end}_{side}" if end else side, own))
+    # As they are found: the front before the back, the left before the right.
+    return tuple(sorted(legs, key=lambda leg: (not leg[0].startswith("front"), leg[1].side == "right")))

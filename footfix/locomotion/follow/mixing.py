@@ -1,0 +1,82 @@
+"""Tracks and poses of two walks, mixed by how much of the second is wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from footfix.motion import rotation
+from footfix.motion.clip import Bools, Clip, Floats
+
+
+def mixed(one: Floats, two: Floats, seen: Sequence[Bools], weight: Floats, *, turn: bool = False) -> Floats:
+    """Mix tracks of two walks that are seen in some of n frames each.
+
+    Args:
+        one, two: (n1, D), (n2, D) the tracks in the frames in which they are seen.
+        seen: for either (n,) in which frames that is; the first where the weight is below 1, the second where it is
+            above 0.
+        weight: (n,) how much of the second.
+        turn: whether they are rotations.
+
+    Returns:
+        (n, D), the very numbers of one track where only that counts.
+    """
+    if not np.any(seen[1]):
+        return one
+    if not np.any(seen[0]):
+        return two
+    out = np.empty((one.shape[1], len(weight))).T
+    out[seen[1]] = two
+    first = weight <= 0.0
+    out[first] = one[first[seen[0]]]
+    both = (weight > 0.0) & (weight < 1.0)
+    a, b, w = one[both[seen[0]]], two[both[seen[1]]], weight[both]
+    out[both] = _on_one_side(a, b, w) if turn else a + w[:, None] * (b - a)
+    return out
+
+
+def _on_one_side(a: Floats, b: Floats, weight: Floats) -> Floats:
+    """(n, 4) from rotations a to b, all the time round the side that is shorter where they count alike.
+
+    The shorter arc of each frame by itself changes sides where two poses come to be half a turn apart.
+    """
+    if not len(a):
+        return a
+    step = rotation.continuous(rotation.multiply(rotation.inverse(a), b))
+    if (weight * (1.0 - weight)) @ step[:, 3] < 0.0:
+        step = -step
+    sine = np.sqrt(np.einsum("fi,fi->f", step[:, :3], step[:, :3]))
+    angle = 2.0 * np.arctan2(sine, step[:, 3])  # up to a whole turn
+    axis = step[:, :3] / np.maximum(sine, 1e-300)[:, None]
+    return rotation.multiply(a, rotation.from_axis_angle(axis, weight * angle))
+
+
+def mixed_clip(
+    clips: tuple[Clip, Clip], seen: Sequence[Bools], weight: Floats, joints: Mapping[int, tuple[Clip, Clip, Floats]]
+) -> Clip:  # fmt: skip
+    """Mix the poses of two walks.
+
+    Args:
+        clips: of either walk in the frames in which it is seen.
+        seen: see `mixed`.
+        weight: (n,) how much of the second.
+        joints: those that go by clips and a weight (n,) of their own.
+    """
+    places, turns = list[Floats](), list[Floats]()
+    for joint in range(len(clips[0].skeleton)):
+        one, two, own = joints.get(joint, (*clips, weight))
+        places.append(mixed(one.position(joint), two.position(joint), seen, own))
+        turns.append(mixed(one.rotation(joint), two.rotation(joint), seen, own, turn=True))
+    return Clip.from_tracks(clips[0].skeleton, places, turns, clips[0].frame_time)
+
+
+def joined(clips: Sequence[Clip]) -> Clip:
+    """Clips of one skeleton one after the other."""
+    if len(clips) == 1:
+        return clips[0]
+    joints = range(len(clips[0].skeleton))
+    places = [np.concatenate([clip.position(joint) for clip in clips]) for joint in joints]
+    turns = [np.concatenate([clip.rotation(joint) for clip in clips]) for joint in joints]
+    return Clip.from_tracks(clips[0].skeleton, places, turns, clips[0].frame_time)

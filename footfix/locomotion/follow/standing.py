@@ -1,0 +1,142 @@
+"""Feet that stand on a path: where it is curved they neither slide nor turn by more than their captured roll."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.steps import Steps
+from footfix.locomotion.follow.stride import smoothed
+from footfix.motion import rotation
+from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
+from footfix.motion.vectors import cross, norm, unit
+
+_TURNS = 0.05  # [rad/m] from this curvature on feet do not turn while they stand
+_STRAYS = 0.012  # [m] a toe that strays farther while it stands is left to inverse kinematics over the whole clip
+_EDGE = 0.015  # [s] at both ends of a contact in which the toe may still land or leave
+_EASE = 0.16  # [s] in which a foot gets back to how it was captured
+_SMOOTH = 0.1  # [s] over which the turn that is taken out of a stance is smoothed
+_SLACK = np.radians(1.0)  # that one way to read how far a foot turns may grow by for the sake of others
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+def firmness(curvature: Floats) -> Floats:
+    """Tell (F,) from 0 on straight paths, where feet stand as captured, to 1 on curves, where they are held."""
+    return ease(np.abs(curvature) / _TURNS)
+
+
+def yaws(turn: Floats, ahead: Floats) -> Floats:
+    """Tell (3, F) [rad] how far a foot turns about the vertical, in the three ways in which it can be read.
+
+    They are one while it lies flat, and differ while it rolls over its toes: its direction seen from above, which
+    means little once the heel is high; the turn about the vertical of the whole rotation; and the direction of the
+    axis across it, about which it rolls. Each is 0 where the foot is flattest.
+
+    Args:
+        turn: (F, 4) of the ankle's frame.
+        ahead: (F, 3) [m] from the ankle to the toe, in the world.
+    """
+    level = np.hypot(ahead[:, 0], ahead[:, 2]) / np.maximum(norm(ahead), 1e-9)
+    flat = int(np.argmax(level))
+    across = unit(cross(_UP, ahead[flat]))
+    since = rotation.multiply(turn, rotation.inverse(turn[flat]))
+    axis = rotation.rotate(since, across)
+    readings = [np.arctan2(ahead[:, 0], ahead[:, 2]), rotation.yaw(since), np.arctan2(axis[:, 0], axis[:, 2])]
+    whole = [np.unwrap(each) for each in readings]
+    return np.stack([each - each[flat] for each in whole])
+
+
+def fair(readings: Floats) -> Floats:
+    """Find (F,) [rad] the turn that makes the largest of readings (N, F) smallest, while none grows past `_SLACK`."""
+    most = np.maximum(np.abs(readings), _SLACK)
+    centre = -0.5 * (readings.min(axis=0) + readings.max(axis=0))
+    return np.asarray(np.clip(centre, (-readings - most).max(axis=0), (most - readings).min(axis=0)))
+
+
+def unturned(
+    turn: Floats, ankle: Floats, heel: Floats, toes: Bools, steps: Steps, share: Floats, frame_time: float
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """Find by how much a foot is turned about the vertical so that it does not turn while it stands.
+
+    One rigid frame of the path carries a stance, so that a foot turns as in the straight walk. What it turned there is
+    taken out as far as it turns less then however one looks at it: all of it while it lies flat (K 7.1 gives a plant
+    its mean swivel angle), little while it rolls over its toes. This leads back to the captured foot before and after.
+    It turns about its toe; before that is down, about its heel.
+
+    Args:
+        turn: (F, 4) of the foot, walking along z.
+        ankle: (F, 3) [m] from its toe to its ankle.
+        heel: (F, 3) [m] from its toe to its heel.
+        toes: (F,) whether the toe stands.
+        steps: its stances.
+        share: (F,) how much of that is wanted: none on a straight path.
+        frame_time: [s].
+
+    Returns:
+        (F,) [rad], and (F, 3) [m] by which the toe is moved.
+    """
+    F = len(turn)
+    yaw, shift = np.zeros(F), np.zeros((F, 3))
+    fade, wide = max(3, round(_EASE / frame_time)), max(3, round(_SMOOTH / frame_time))
+    for k, (a, b) in enumerate(steps.stances):
+        part = float(share[(a + b) // 2])
+        if part == 0.0:
+            continue
+        readings = yaws(turn[a:b], -ankle[a:b])
+        own = readings[:, toes[a:b]] if np.any(toes[a:b]) else readings
+        fix = part * smoothed(fair(readings - np.median(own, axis=1)[:, None]), wide)
+        before = steps.stances[k - 1][1] if k else 0
+        after = steps.stances[k + 1][0] if k + 1 < len(steps.stances) else F
+        fore, aft = min(fade, a - before), min(fade, after - b)
+        yaw[a:b] += fix
+        yaw[b : b + aft] += _decay(fix[::-1], aft)
+        yaw[a - fore : a] += _decay(fix, fore)[::-1]
+        down = np.flatnonzero(toes[a:b])
+        if len(down) and down[0] > 0:
+            about_heel = _about_heel(yaw, heel, slice(a, a + int(down[0]) + 1))
+            shift[a : a + len(about_heel)] += about_heel
+            shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in about_heel.T], axis=1)
+    return yaw, shift
+
+
+def _about_heel(yaw: Floats, heel: Floats, rolls: slice) -> Floats:
+    """(n, 3) [m] by which the toe is moved so that the heel is as far from its place as when the toe comes down."""
+    moved = rotation.rotate(rotation.about_vertical(yaw[rolls]), heel[rolls]) - heel[rolls]
+    return np.asarray(moved[-1] - moved)
+
+
+def unslid(toe: Floats, toes: Bools, share: Floats, frame_time: float) -> Floats:
+    """Find (F, 3) [m] by which a toe is moved over the floor so that it stands in one place while it is planted.
+
+    Args:
+        toe: (F, 3) [m] in the frame that carries it.
+        toes: (F,) whether it stands.
+        share: (F,) how much of that is wanted.
+        frame_time: [s].
+    """
+    shift = np.zeros_like(toe)
+    edge, fade = max(1, round(_EDGE / frame_time)), max(3, round(_EASE / frame_time))
+    for start, end in runs(toes):
+        a, b = start + edge, end - edge
+        part = float(share[(start + end) // 2])
+        if b - a < 3 or part == 0.0:
+            continue
+        off = part * (np.median(toe[a:b], axis=0) - toe[a:b]) * [1.0, 0.0, 1.0]
+        if np.hypot(off[:, 0], off[:, 2]).max() > _STRAYS:
+            continue
+        fore, aft = min(fade, a), min(fade, len(toe) - b)
+        shift[a:b] += off
+        shift[b : b + aft] += np.stack([_decay(each[::-1], aft) for each in off.T], axis=1)
+        shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in off.T], axis=1)
+    return shift
+
+
+def _decay(fix: Floats, frames: int) -> Floats:
+    """(frames,) how a value that begins as `fix` goes on outwards, with its slope, and comes to rest at zero."""
+    if frames <= 0:
+        return np.zeros(0)
+    slope = 0.0 if len(fix) < 3 else float(fix[0] - fix[2]) / 2.0
+    slope = float(np.clip(slope, -abs(fix[0]) / 2.0, abs(fix[0]) / 2.0))
+    u = np.arange(1, frames + 1) / (frames + 1)
+    return np.asarray((1.0 - u) ** 2 * ((1.0 + 2.0 * u) * fix[0] + u * (frames + 1) * slope * (1.0 - u) ** 2))
