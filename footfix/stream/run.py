@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import stat
@@ -145,6 +146,8 @@ class Run:
         Raises:
             InputError: it can't be used.
         """
+        gc.collect()
+        gc.freeze()  # what is there already need not be looked through again, which takes 20 ms, time of several frames
         try:
             while True:
                 begun = time.monotonic()
