@@ -5,8 +5,10 @@ The work that a hop of frames (1/30 s) makes comes in parts, each of about the s
     kinematics of the frames, which places them on detection's grid
     what these places show of contacts
     contacts
-    the window that ends with the hop: what is asked of it, and a round of its solution
-    another round; the window's oldest frames are settled
+    what is asked of the window that ends with the hop
+    a round of its solution
+    another
+    the window's oldest frames are settled
     their rows are written
 
 The parts are spread over the frames that come meanwhile, a few with each, as far as the look-ahead can spare them: so
@@ -39,12 +41,24 @@ from footfix.stream.window import BEFORE, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
-_PARTS = 6  # of the work that a hop makes
-_SPREAD = 3  # frames over which they are spread at most, besides the hop's last one
-_SPARED = 6  # and a frame for as many of the look-ahead's
+_PARTS = 8  # of the work that a hop makes
+_SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
+_SPARED = 5  # and a frame for as many of the look-ahead's
 _ROUNDS, _FIRST_ROUNDS, _LAST_ROUNDS = 2, 6, 6  # of a window's solution: most of them, the first one, and the last one
+_WORK = 0.012  # [s] that work and the ways in and out may take, of the time that a frame waits
 _OVER = object()  # no parts are left
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
+
+
+def frames_of(seconds: float, frame_time: float) -> int:
+    """Count the whole frames of a time [s]; files round the time of one, 0.016667 for a sixtieth of a second."""
+    return int(seconds / frame_time + 1e-2)
+
+
+def paced(look_ahead: float, frame_time: float) -> tuple[int, int]:
+    """Count the frames of a hop, and for how many a frame waits: a little less than look-ahead and hop [s] together."""
+    hop, ahead = max(1, frames_of(HOP, frame_time)), frames_of(look_ahead, frame_time)
+    return hop, max(hop - 1, min(ahead + hop - 1, frames_of(look_ahead + HOP - _WORK, frame_time)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,11 +76,6 @@ class Shown:
     row: Floats
     contacts: Bools
     events: tuple[Event, ...]
-
-
-def frames_of(seconds: float, frame_time: float) -> int:
-    """Count the whole frames of a time [s]; files round the time of one, 0.016667 for a sixtieth of a second."""
-    return int(seconds / frame_time + 1e-2)
 
 
 class Codec(Protocol):
@@ -99,9 +108,8 @@ class Engine:
         """
         self._part, self._codec, self._columns, self._frame_time = part, codec, columns, frame_time
         self._rig = part.known.rig
-        self.hop = max(1, frames_of(HOP, frame_time))
-        ahead = frames_of(look_ahead, frame_time)
-        self.delay = ahead + self.hop - 1
+        self.hop, self.delay = paced(look_ahead, frame_time)
+        ahead = self.delay - self.hop + 1
         self._spread = min(self.hop - 1, _SPREAD, ahead // _SPARED)  # frames that a hop's parts wait for at most
         self._ahead = ahead - self._spread
         self._detector = Detector(

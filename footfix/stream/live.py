@@ -17,7 +17,7 @@ from footfix.rig.units import infer_units
 from footfix.settings import Settings
 from footfix.stream.calibration import LEAST, calibrate
 from footfix.stream.codec import Arrays, Channels
-from footfix.stream.engine import HOP, Engine, Shown, frames_of
+from footfix.stream.engine import Engine, Shown, paced
 from footfix.stream.part import Part, part_of
 
 Before = Literal["pass", "wait"]
@@ -84,8 +84,7 @@ class Live:
 
     def _paced(self) -> None:
         """Count waits in frames of the rate there is."""
-        ahead, hop = frames_of(self._params.look_ahead, self._frame_time), max(1, frames_of(HOP, self._frame_time))
-        self.delay = ahead + hop - 1
+        _, self.delay = paced(self._params.look_ahead, self._frame_time)
         self._wanted = max(_FEWEST, round(self._params.calibration / self._frame_time))
 
     def push(self, rows: Floats) -> list[Shown]:

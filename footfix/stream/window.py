@@ -96,7 +96,7 @@ class Window:
     def solve(
         self, legs: Legs, on: Bools, first: int, stop: int, rounds: int, *, last: bool = False
     ) -> Generator[None, None, tuple[Floats, Bools]]:
-        """Find the state of the newest frames, and keep that of those that are shown now; pause after each round.
+        """Find the state of the newest frames, and keep that of those that are shown now; pause about each round.
 
         Args:
             legs: as captured and lifted, n frames.
@@ -126,9 +126,9 @@ class Window:
         elif n > BEFORE + 1:
             fixed = self._same(problem, n)
             for k in range(rounds):
+                yield
                 x = descend(problem, x, past, last=k == rounds - 1, legs=legs, pins=pins, fixed=fixed)
-                if k < rounds - 1:
-                    yield
+            yield
         shown = slice(past, stop - first)
         x, on = self._shown_so(legs, x, pins, on, shown)
         self._follow(pins, on, shown, self._places(legs, x), asked)

@@ -96,7 +96,7 @@ def test_no_frame_takes_more_than_its_share_of_a_hops_parts() -> None:
         stream.push(row[None])
         done.append(engine._done - before)
     assert max(done) <= 2
-    assert sum(done) == 6 * 10
+    assert sum(done) == 8 * 10
 
 
 def test_frames_pushed_at_once_are_those_pushed_one_by_one() -> None:
