@@ -12,7 +12,7 @@ from footfix.enforce.leg import LEG, ROOT, K, Q, W
 from footfix.motion.clip import Bools, Floats
 from footfix.stream.legs import Legs
 
-_FASTEST = 200.0  # [degrees/s] by which a joint may turn faster than captured
+_FASTEST = 185.0  # [degrees/s] by which a joint may turn faster than captured
 
 
 def limited(legs: Legs, x: Floats, past: int, frame_time: float) -> tuple[Floats, Bools]:
