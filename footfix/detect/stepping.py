@@ -79,15 +79,12 @@ def by_velocities(
     Args:
         answers: for each foot (n, 4) log probabilities.
         mates: for each foot the other one of its pair.
-        pelvis: (m, 2) [leg lengths/s] velocity over the ground; m is n or more, and the answers are of the last n.
-        each: for each foot (m, 2, 2) [leg lengths/s] those of heel and toe.
+        pelvis: (n, 2) [leg lengths/s] velocity over the ground.
+        each: for each foot (n, 2, 2) [leg lengths/s] those of heel and toe.
         params: when two feet part.
     """
-    n = len(answers[0])
     speeds = [slowest(velocity) for velocity in each]
-    rests = [resting_speed(speed, params)[-n:] for speed in speeds]
-    speeds = [speed[-n:] for speed in speeds]
-    pelvis, each = pelvis[-n:], [velocity[-n:] for velocity in each]
+    rests = [resting_speed(speed, params) for speed in speeds]
     planted = [-np.expm1(answer[:, SWING]) for answer in answers]
     unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
     out = []
@@ -102,19 +99,22 @@ def by_velocities(
         parts = _probability(params.sharp * _log_ratio(apart, even))
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
-        for a, b in _from_rest_to_rest(apart, speeds[k] > speeds[mate], rest, planted[k], params):
+        moves = (apart > np.maximum(params.still, params.calm * rest)) & (speeds[k] > speeds[mate])
+        for a, b in from_rest_to_rest(moves, planted[k]):
             whole = whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
             whole *= float(planted[mate][a:b].min())
             steps[a:b] = np.maximum(steps[a:b], max(whole, float(steps[a:b].max())))
-        out.append(_stands(answers[k], steps))
+        out.append(stands(answers[k], steps))
     return tuple(out)
 
 
-def _from_rest_to_rest(
-    apart: Floats, faster: Bools, rest: Floats, planted: Floats, params: SteppingParams
-) -> list[tuple[int, int]]:
-    """The stretches [start, end) in which a foot that looks planted throughout leaves the other, at rest beside it."""
-    moves = (apart > np.maximum(params.still, params.calm * rest)) & faster
+def from_rest_to_rest(moves: Bools, planted: Floats) -> list[tuple[int, int]]:
+    """Find the stretches [start, end) in which a foot leaves the other, looks planted, and rests before and after.
+
+    Args:
+        moves: (n,) whether it leaves the other.
+        planted: (n,) how likely it looks planted.
+    """
     return [(a, b) for a, b in runs(moves) if a > 0 and b < len(moves) and planted[a - 1 : b + 1].min() > 0.5]
 
 
@@ -153,12 +153,12 @@ def _probability(odds: Floats) -> Floats:
     return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
 
 
-def _stands(answer: Floats, steps: Floats) -> Floats:
-    """Log probabilities (n, 4) of a foot that steps with a probability (n,) though it looks planted."""
+def stands(answer: Floats, steps: Floats) -> Floats:
+    """Tell log probabilities (..., 4) of a foot that steps with a probability (...) though it looks planted."""
     out = answer.copy()
-    out[:, HEEL:] += np.log1p(-np.minimum(steps, 1.0 - 1e-6))[:, None]
-    planted = np.logaddexp.reduce(out[:, HEEL:], axis=1)
-    out[:, SWING] = np.log(np.maximum(-np.expm1(np.minimum(planted, -1e-12)), 1e-12))
+    out[..., HEEL:] += np.log1p(-np.minimum(steps, 1.0 - 1e-6))[..., None]
+    planted = np.logaddexp.reduce(out[..., HEEL:], axis=-1)
+    out[..., SWING] = np.log(np.maximum(-np.expm1(np.minimum(planted, -1e-12)), 1e-12))
     return out
 
 

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footfix.detect.evidence import STEP
-from footfix.detect.network import HEEL, SWING
-from footfix.detect.stepping import SteppingParams, whole_step
-from footfix.motion.clip import Bools, Floats
-from footfix.motion.contacts import runs
+from footfix.detect.network import SWING
+from footfix.detect.stepping import SteppingParams, from_rest_to_rest, stands, whole_step
+from footfix.motion.clip import Floats
 from footfix.stream.filters import floors
 
 Complexes = NDArray[np.complex128]
@@ -50,33 +49,19 @@ def stepping(
     steps = planted[mate] * likely[0] * likely[1]
     moves = (apart > np.maximum(params.still, params.calm * rest)) & (speeds > speeds[mate])
     for k in np.flatnonzero(moves.any(axis=1)).tolist():
-        for a, b in _from_rest_to_rest(moves[k], planted[k]):
+        for a, b in from_rest_to_rest(moves[k], planted[k]):
             one, mates_way = (_plain(each[:, k, a:b]) for each in (own, other))
             whole = whole_step(one, mates_way, float(rest[k, a:b].max()), params) * float(planted[mate[k], a:b].min())
             steps[k, a:b] = np.maximum(steps[k, a:b], max(whole, float(steps[k, a:b].max())))
-    found = _stands(answers, steps)
+    found = stands(answers, steps)
     alone = [k for k, other_foot in enumerate(mate) if other_foot == k]
     found[alone] = answers[alone]
     return found
 
 
-def _from_rest_to_rest(moves: Bools, planted: Floats) -> list[tuple[int, int]]:
-    """The stretches [start, end) of moves in which a foot looks planted throughout."""
-    return [(a, b) for a, b in runs(moves) if a > 0 and b < len(moves) and planted[a - 1 : b + 1].min() > 0.5]
-
-
 def _plain(soles: Complexes) -> Floats:
     """(n, 2, 2) of one foot's heel and toe (2, n)."""
     return np.stack([soles.real, soles.imag], axis=-1).swapaxes(0, 1)
-
-
-def _stands(answers: Floats, steps: Floats) -> Floats:
-    """Log probabilities (feet, n, 4) of feet that step with a probability (feet, n) though they look planted."""
-    out = answers.copy()
-    out[..., HEEL:] += np.log1p(-np.minimum(steps, 1.0 - 1e-6))[..., None]
-    planted = np.logaddexp.reduce(out[..., HEEL:], axis=-1)
-    out[..., SWING] = np.log(np.maximum(-np.expm1(np.minimum(planted, -1e-12)), 1e-12))
-    return out
 
 
 def resting_speed(speeds: Floats, count: int, params: SteppingParams) -> Floats:
