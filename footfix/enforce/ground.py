@@ -57,6 +57,13 @@ class Drift:
     steps: Floats
     seconds: float
 
+    @classmethod
+    def of(cls, leg: int, start: int, track: Floats, frame_time: float) -> Drift:
+        """Measure the drift of a plant of a leg whose point was at (n, 3) [m] from a frame on."""
+        seconds = (len(track) - 1) * frame_time
+        velocity = (track[-1] - track[0]) * [1.0, 0.0, 1.0] / seconds
+        return cls(leg, start, start + len(track), velocity, np.diff(track, axis=0) / frame_time, seconds)
+
 
 def belt(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: GroundParams) -> Floats:
     """Find how far the ground under planted feet has moved on purpose, as a treadmill's belt does.
@@ -140,10 +147,7 @@ def _drifts(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float) -> list
         track = pose.point(sole.joint, np.array(sole.offset))
         for c in effector.contacts:
             if c.wish != "forbid" and c.end - c.start >= 3:
-                seconds = (c.end - c.start - 1) * frame_time
-                velocity = (track[c.end - 1] - track[c.start]) * [1.0, 0.0, 1.0] / seconds
-                steps = np.diff(track[c.start : c.end], axis=0) / frame_time
-                drifts.append(Drift(sole.leg, c.start, c.end, velocity, steps, seconds))
+                drifts.append(Drift.of(sole.leg, c.start, track[c.start : c.end], frame_time))
     return drifts
 
 

@@ -69,11 +69,7 @@ class Belt:
         """Judge anew with one plant more."""
         if len(plant.track) < 3:
             return
-        track = np.stack(plant.track)
-        seconds = (len(track) - 1) * self._frame_time
-        velocity = (track[-1] - track[0]) * [1.0, 0.0, 1.0] / seconds
-        steps = np.diff(track, axis=0) / self._frame_time
-        drift = Drift(leg, plant.start, plant.start + len(track), velocity, steps, seconds)
+        drift = Drift.of(leg, plant.start, np.stack(plant.track), self._frame_time)
         self._lately.append((drift, plant.hips, hips))
         drifts = [each for each, _, _ in self._lately]
         along = self._along(drifts)
