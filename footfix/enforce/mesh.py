@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 
 from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant
@@ -112,6 +111,10 @@ def deeper(fault: Floats, skins: Mapping[int, Vertices], legs: Sequence[LegTrack
         legs: as captured.
         frame_time: [s].
     """
+    if not skins:
+        return fault
+    from scipy.ndimage import maximum_filter1d
+
     around = 2 * max(1, round(_AROUND / frame_time)) + 1
     for k, own in skins.items():
         fault = np.maximum(fault, maximum_filter1d(depths(own, legs[k]), around, mode="nearest"))
