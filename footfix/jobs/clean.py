@@ -12,9 +12,8 @@ from footfix import version
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite
 from footfix.jobs.contacts import contacts_json, find_contacts
-from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
-from footfix.jobs.source import LEAST_FRAMES, about, opened, source_entry, suited
+from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
@@ -49,9 +48,7 @@ def clean_file(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    settings = with_shared_legs(data, name, settings, beside)
-    document, frame_range = opened(data, name, settings, beside)
-    settings = suited(settings, document)
+    document, frame_range, settings = suited(data, name, settings, beside)
     clip = document.clip
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:

@@ -10,8 +10,7 @@ from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document
-from footfix.jobs.legs import with_shared_legs
-from footfix.jobs.source import LEAST_FRAMES, about, opened, source_entry, suited
+from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
 from footfix.pipeline import Prepared, prepare
@@ -60,9 +59,7 @@ def planted(
     Raises:
         InputError: the clip can't be used; says why.
     """
-    settings = with_shared_legs(data, name, settings, beside)
-    document, frame_range = opened(data, name, settings, beside)
-    settings = suited(settings, document)
+    document, frame_range, settings = suited(data, name, settings, beside)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)

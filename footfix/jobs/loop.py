@@ -18,11 +18,10 @@ from footfix.formats.suffixes import in_file
 from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
-from footfix.jobs.source import about, read, source_entry
+from footfix.jobs.source import about, opened, source_entry
 from footfix.locomotion.loop.run import Loop, as_round
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
-from footfix.motion.leadin import motion_range
 from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
 from footfix.report.loops import seen_as
@@ -58,12 +57,11 @@ def loop_file(
         InputError: the clip can't be used, or holds no cycle; says why.
     """
     settings = with_shared_legs(data, name, settings, beside)
-    document = read(data, name, settings, beside=beside)
+    document, frame_range = opened(data, name, settings, beside)
     clip = document.clip
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames are too few for a stride", file=name)
     with about(name):
-        frame_range = motion_range(clip)
         rigs = find_rigs(clip, settings.rig, frame_range, skin)
         prepared = prepare(clip, settings, rigs, frame_range)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)

@@ -11,6 +11,7 @@ from typing import Any
 from footfix.errors import InputError
 from footfix.formats.document import Beside, Document, open_document
 from footfix.formats.suffixes import bare
+from footfix.jobs.legs import with_shared_legs
 from footfix.motion.clip import Clip
 from footfix.motion.leadin import motion_range
 from footfix.notes import Note
@@ -56,11 +57,19 @@ def opened(data: bytes, name: str, settings: Settings, beside: Beside | None) ->
         return placed(document, settings.rig, frame_range)[0], frame_range
 
 
-def suited(settings: Settings, document: Document) -> Settings:
-    """Suit settings to a file's format: animations of games are likely to be cycles."""
-    if not document.metric or settings.enforce.cycle != "find":
-        return settings
-    return replace(settings, enforce=replace(settings.enforce, cycle="likely"))
+def suited(
+    data: bytes, name: str, settings: Settings, beside: Beside | None
+) -> tuple[Document, slice, Settings]:  # fmt: skip
+    """Open a file, and suit settings to it: legs are shared by its animations, and those of games are likely cycles.
+
+    Raises:
+        InputError: it can't be read, or holds numbers that are none.
+    """
+    settings = with_shared_legs(data, name, settings, beside)
+    document, frame_range = opened(data, name, settings, beside)
+    if document.metric and settings.enforce.cycle == "find":
+        settings = replace(settings, enforce=replace(settings.enforce, cycle="likely"))
+    return document, frame_range, settings
 
 
 def placed(

@@ -17,7 +17,7 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.contacts import Contacts, runs
-from footfix.motion.kinematics import forward
+from footfix.motion.kinematics import Pose, forward
 from footfix.rig.rig import Rig
 
 _BRIEF = 0.06  # [s] a gap in a contact that is shorter is none
@@ -164,6 +164,7 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
     ]  # fmt: skip
     clips = pair[0].at(zone.at[0][some][seen[0]]), pair[1].at(zone.at[1][some][seen[1]])
     rig, skeleton = pair[0].rig, pair[0].clip.skeleton
+    usual_seen = [_seen(walk, clip) for walk, clip in zip(pair, clips, strict=True)]
     feet, below = list[tuple[Floats, ...]](), dict[int, tuple[Clip, Clip, Floats]]()
     planted = np.zeros((some.stop - some.start, len(rig.soles)), dtype=np.bool_)
     for k, (leg, weight, moment) in enumerate(zip(rig.legs, own, moments, strict=True)):
@@ -172,8 +173,10 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
             clip if np.array_equal(mine[some], usual[some]) else walk.at(mine[some][use])
             for walk, clip, mine, usual, use in zip(pair, clips, at, zone.at, seen, strict=True)
         )
-        tracks = [_foot(walk, clip, k, mine, usual, moment, some, use)
-                  for walk, clip, mine, usual, use in zip(pair, posed, at, zone.at, seen, strict=True)]  # fmt: skip
+        own_seen = [first if mine is clip else _seen(walk, mine)
+                    for walk, mine, clip, first in zip(pair, posed, clips, usual_seen, strict=True)]  # fmt: skip
+        tracks = [_foot(walk, there, k, mine, usual, moment, some, use)
+                  for walk, there, mine, usual, use in zip(pair, own_seen, at, zone.at, seen, strict=True)]  # fmt: skip
         feet.append(_blended_foot(tracks[0], tracks[1], seen, weight[some]))
         below |= {joint: (posed[0], posed[1], weight[some]) for joint in range(len(skeleton))
                   if joint != leg.ankle and leg.ankle in skeleton.ancestors(joint)}  # fmt: skip
@@ -201,11 +204,15 @@ def _in_step(
     return out
 
 
+def _seen(walk: Walk, clip: Clip) -> Pose:
+    """Where the joints that a walk's feet are told by are in a clip."""
+    return forward(clip, clip.skeleton.with_ancestors(walk.rig.joints()))
+
+
 def _foot(
-    walk: Walk, clip: Clip, leg: int, at: Floats, usual: Floats, moment: Floats, some: slice, use: Bools
+    walk: Walk, seen: Pose, leg: int, at: Floats, usual: Floats, moment: Floats, some: slice, use: Bools
 ) -> tuple[Floats, ...]:  # fmt: skip
     """A foot of a walk in the frames that use it, as `Foot` has it."""
-    seen = forward(clip, clip.skeleton.with_ancestors(walk.rig.joints()))
     ankle, turn = (each(walk.rig.legs[leg].ankle) for each in (seen.position, seen.rotation))
     tracks = effector_tracks(walk.rig, seen)
     ends = {sole.part: track for sole, track in zip(walk.rig.soles, tracks, strict=True) if sole.leg == leg}
