@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -9,15 +10,17 @@ from conftest import SAMPLES
 
 import footfix
 from footfix.detect.tracks import Foot, Tracks
-from footfix.enforce.leg import LEG, ROOT
+from footfix.enforce.leg import LEG, ROOT, LegTracks
+from footfix.enforce.pins import Pins
 from footfix.enforce.task import posed_joints
 from footfix.formats.bvh.document import Document
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose, forward
 from footfix.settings import Settings
 from footfix.stream.calibration import calibrate
-from footfix.stream.legs import Legs, Measure
+from footfix.stream.legs import POINTS, Kinds, Legs, Measure
 from footfix.stream.part import Part, part_of
+from footfix.stream.pins import Stacked
 
 FRAMES = 150  # of a sample that are streamed
 
@@ -69,3 +72,27 @@ def figure(name: str) -> tuple[Part, Clip, Pose, Legs]:
 def state(legs: Legs, size: float) -> Floats:
     shape = (ROOT + LEG * len(legs.kinds.legs), legs.flexion.shape[1])
     return np.random.default_rng(4).normal(size=shape) * size
+
+
+def legs_of(legs: Sequence[LegTracks]) -> Legs:
+    """Legs of a whole clip, stacked."""
+    names = ("hip", "ankle", "line", "thigh", "shank", "axis", "toe_hinge", "reach")
+    some = {name: np.stack([getattr(leg, name) for leg in legs], axis=1) for name in names}
+    soles = np.stack([np.stack(leg.points[:2], axis=1) for leg in legs], axis=2)
+    tip = np.stack([leg.points[2] if len(leg.points) > 2 else np.zeros_like(leg.hip) for leg in legs], axis=1)
+    flexion, least = (np.stack([getattr(leg, name) for leg in legs]) for name in ("flexion", "least"))
+    kinds = Kinds(
+        tuple(leg.leg for leg in legs), tuple(len(leg.points) > 2 for leg in legs),
+        tuple(leg.bends for leg in legs), tuple(leg.turns for leg in legs),
+    )  # fmt: skip
+    return Legs(kinds, **some, soles=soles, tip=tip, flexion=flexion, least=least)
+
+
+def pins_stacked(pins: Sequence[Sequence[Pins]]) -> Stacked:
+    """Pins of a whole clip, stacked; a point that a leg does not have asks for nothing."""
+    out = Stacked.none(np.zeros((3, POINTS, len(pins), len(pins[0][0].draw))), np.zeros(3))
+    for k, own in enumerate(pins):
+        for point, pin in enumerate(own):
+            for name in ("hold", "slip", "stands", "level", "draw", "lowest", "place", "placed"):
+                getattr(out, name)[..., point, k, :] = getattr(pin, name)
+    return out

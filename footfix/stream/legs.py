@@ -69,22 +69,9 @@ class Legs:
     least: Floats
 
     @classmethod
-    def of(cls, legs: Sequence[LegTracks]) -> Legs:
-        """Stack legs."""
-        some = {name: np.stack([getattr(leg, name) for leg in legs], axis=1) for name in _VECTORS}
-        soles = np.stack([np.stack(leg.points[:2], axis=1) for leg in legs], axis=2)
-        tip = np.stack([leg.points[2] if len(leg.points) > 2 else np.zeros_like(leg.hip) for leg in legs], axis=1)
-        flexion, least = (np.stack([getattr(leg, name) for leg in legs]) for name in ("flexion", "least"))
-        kinds = Kinds(
-            tuple(leg.leg for leg in legs), tuple(len(leg.points) > 2 for leg in legs),
-            tuple(leg.bends for leg in legs), tuple(leg.turns for leg in legs),
-        )  # fmt: skip
-        return cls(kinds, **some, soles=soles, tip=tip, flexion=flexion, least=least)
-
-    @classmethod
     def of_rows(cls, kinds: Kinds, rows: Floats) -> Legs:
         """Unpack rows (F, C) that `rows` made."""
-        table, L, at = np.ascontiguousarray(rows.T), len(kinds.legs), 0
+        table, L = np.ascontiguousarray(rows.T), len(kinds.legs)
         n = table.shape[1]
         vectors = table[: 3 * L * len(_VECTORS)].reshape(len(_VECTORS), 3, L, n)
         at = 3 * L * len(_VECTORS)

@@ -54,17 +54,6 @@ class Stacked:
             np.full(one, -np.inf), np.zeros(captured.shape), np.zeros(one),
         )  # fmt: skip
 
-    @classmethod
-    def of(cls, pins: Sequence[Sequence[Pins]]) -> Stacked:
-        """Stack pins; a point that a leg does not have asks for nothing."""
-        n = len(pins[0][0].draw)
-        out = cls.none(np.zeros((3, POINTS, len(pins), n)), np.zeros(3))
-        for k, own in enumerate(pins):
-            for point, pin in enumerate(own):
-                for name in ("hold", "slip", "stands", "level", "draw", "lowest", "place", "placed"):
-                    getattr(out, name)[..., point, k, :] = getattr(pin, name)
-        return out
-
     def apart(self, tips: Sequence[bool]) -> tuple[tuple[Pins, ...], ...]:
         """Take them one by one, for legs of which some have `tips`."""
         return tuple(

@@ -6,7 +6,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from streams import figure, state
+from streams import figure, legs_of, state
 
 from footfix.detect.tracks import tracks_of
 from footfix.enforce import posed as one_leg
@@ -15,7 +15,7 @@ from footfix.enforce.leg import LEG, ROOT, LegTracks
 from footfix.enforce.leg import tracks as leg_tracks
 from footfix.enforce.whole_clip import correction as whole_correction
 from footfix.motion.clip import Floats
-from footfix.stream.legs import Legs, Measure, posed, turns_of
+from footfix.stream.legs import Measure, posed, turns_of
 from footfix.stream.past import Past
 from footfix.stream.turns import correction
 
@@ -45,7 +45,7 @@ def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
 
 def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
     part, _, pose, legs = figure("walk_skate")
-    again = Legs.of(legs.apart())
+    again = legs_of(legs.apart())
     past = Past(legs.kinds, pose.joints, 5, 64)
     past.append(np.zeros((60, 5)), legs, pose)
     for ours, theirs in ((again, legs), (past.legs(0), legs), (past.legs(20), legs.frames(slice(20, None)))):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from streams import sample
+from streams import legs_of, pins_stacked, sample
 
 from footfix.enforce.objective import objective, systems
 from footfix.enforce.params import EnforceParams
@@ -17,9 +17,7 @@ from footfix.pipeline import find_contacts, prepare
 from footfix.rig.find import find_rigs
 from footfix.settings import Settings
 from footfix.stream.descent import Fixed, descend
-from footfix.stream.legs import Legs
 from footfix.stream.objective import normal
-from footfix.stream.pins import Stacked
 
 
 def problem(start: int = 40, frames: int = 24) -> Problem:
@@ -45,7 +43,7 @@ def test_gradient_and_matrix_are_those_of_a_whole_clip(static: float, size: floa
     of = problem()
     x = state(of, size)
     (known,) = systems(of, x, 1e-5, static=static)
-    ours = normal(of, Legs.of(of.legs), Stacked.of(of.pins), x, 1e-5, static)
+    ours = normal(of, legs_of(of.legs), pins_stacked(of.pins), x, 1e-5, static)
     assert np.allclose(ours.gradient.T, known.gradient, rtol=1e-9, atol=1e-9 * np.abs(known.gradient).max())
     lower = np.tril(known.main.transpose(2, 0, 1))
     assert np.allclose(np.tril(ours.main), lower, rtol=1e-9, atol=1e-9 * np.abs(lower).max())
@@ -56,7 +54,7 @@ def test_gradient_and_matrix_are_those_of_a_whole_clip(static: float, size: floa
 def test_descent_goes_where_that_of_a_whole_clip_goes_and_leaves_the_past_alone() -> None:
     of = problem()
     x = np.zeros((of.unknowns, of.frames))
-    stacked = {"legs": Legs.of(of.legs), "pins": Stacked.of(of.pins), "fixed": Fixed.of(of)}
+    stacked = {"legs": legs_of(of.legs), "pins": pins_stacked(of.pins), "fixed": Fixed.of(of)}
     found = x
     for n in range(25):
         found = descend(of, found, 3, last=n == 24, **stacked)  # type: ignore[arg-type]
