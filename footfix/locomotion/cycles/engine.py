@@ -22,7 +22,7 @@ from footfix.motion.clip import Floats
 
 _SOONEST = 0.25  # [s] within which parameters change at the soonest,
 _TURNED = np.radians(150.0)  # [rad/s^2] and turns,
-_HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
+_HASTENED = 0.4  # [sqrt(g l)/s] and speeds,
 _RAN = 1.0  # [1/s] and the share of running: quicker than this no foot on the floor can follow
 _COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
@@ -199,9 +199,12 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
 def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
     """Keep what is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
     until = np.empty(gap.shape[:2])
-    for leg, stances in enumerate(feet.stances):
-        for q, k in enumerate((0, 1, 2, 3, 0, 0)):  # the last two as the heel
-            coming = min((s[0] for each in stances if (s := each.spans[k]) is not None and s[0] > now), default=np.inf)
+    for leg, own in enumerate(feet.stances):
+        begins = [[span[0] for each in own if (span := each.spans[k]) is not None] for k in range(4)]
+        # by which end a foot is led makes no difference while both are planted, and only then
+        alone = [each.start for each in own] + [each.flat[1] for each in own if each.flat is not None]
+        for q, times in enumerate((*begins, alone, begins[0], ())):
+            coming = min((time for time in times if time > now), default=np.inf)
             until[leg, q] = now + min(max(coming - now, _SOON), _RESIDUAL)
     return Residual(now, until, gap)
 

@@ -113,8 +113,9 @@ def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
     """Make the postures in which feet are where they are led."""
     pose, off, rig = led.free.legs, led.off, model.rig
     place, turns = np.array(led.free.place), np.array(led.free.turns)
-    ankle, foot, toes = goals(pose, off)
-    down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
+    hip, ankle, foot, toes = goals(pose, off)
+    more = lowered(pose, ankle - hip, off[:, :, 5, 0], rig.leg_length)
+    down = pose.hip[:, 0, 1] - hip[:, 0, 1] + more
     place[:, 1] -= down
     ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
     turns[:, model.legs.turned] = model.legs.bent(pose, model.knees, ankle, foot, toes)
