@@ -22,8 +22,8 @@ from footfix.motion.clip import Floats
 
 _SOONEST = 0.25  # [s] within which parameters change at the soonest,
 _TURNED = np.radians(150.0)  # [rad/s^2] and turns,
-_HASTENED = 0.4  # [sqrt(g l)/s] and speeds,
-_RAN = 1.0  # [1/s] and the share of running: quicker than this no foot on the floor can follow
+_HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
+_RAN = 0.7  # [1/s] and the share of running: quicker than this no foot on the floor can follow
 _COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
 _PAST = 0.25  # [s] that are told of the past where what stands is known
@@ -98,24 +98,47 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
     return make_feet([sorted((s for s in stances if s.leg == k), key=lambda s: s.count) for k in legs])
 
 
-def changed_plan(model: CycleModel, plan: Plan, now: float, over: float, target: Plan) -> Plan:
-    """Make the plan that from now on goes to a target (one row) within `over` [s], or as soon as feet can follow."""
+def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target: Plan) -> Plan:
+    """Make the plan whose parameters from now on go to a target (one row), each by a time or as soon as feet can follow.
+
+    Args:
+        model: the figure and its cycles.
+        plan: what was asked for.
+        now: [s].
+        ends: (3 + S,) [s] when speed, run, turn and styles are to have got there; nan for those that go on as planned.
+        target: what they are to become.
+    """
     here = plan.at(np.array([now]))
-    needed = (
-        (target.turn - here.turn) / _TURNED,
-        (target.speed - here.speed) / (_HASTENED * model.froude),
-        (target.run - here.run) / _RAN,
-    )
-    return plan.changed(now, max(over, _SOONEST, *(abs(float(each[0])) for each in needed)), target)
+    needed = np.zeros(len(ends))
+    needed[0] = (target.speed[0] - here.speed[0]) / (_HASTENED * model.froude)
+    needed[1] = (target.run[0] - here.run[0]) / _RAN
+    needed[2] = (target.turn[0] - here.turn[0]) / _TURNED
+    return plan.changed(now, np.maximum(ends, now + np.maximum(np.abs(needed), _SOONEST)), target)
 
 
-def changed(
-    model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float, times: Floats, led: Floats | None = None
-) -> tuple[Foreseen, Led]:
-    """Foresee anew from a time on, at which another plan holds, or more of it is wanted.
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """Half of the work of foreseeing anew: the course, and when feet are going to stand on it.
 
-    What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
-    them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+    Args:
+        now: [s] the time from which on it holds.
+        course: phase, place and heading.
+        over: stances that are over, but still lead a foot.
+        stances: those that are or come, without the places of new ones.
+        stays: which of these were known.
+        poses: the legs as the cycle has them at their `sample_times`.
+    """
+
+    now: float
+    course: Course
+    over: Sequence[Stance]
+    stances: Sequence[Stance]
+    stays: Sequence[bool]
+    poses: LegPoses
+
+
+def begin(model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float) -> Begun:
+    """Begin to foresee anew from a time on, at which another plan holds, or more of it is wanted.
 
     Args:
         model: the figure and its cycles.
@@ -123,25 +146,38 @@ def changed(
         plan: what is asked for; up to now it is what it was.
         now: where the course is.
         until: [s].
-        times: (T,) [s] at which feet are led right away, from now on.
-        led: (L, Q, 3) how the feet are led off the cycle now, if that is known.
+    """
+    course = _course(model, plan, old.course.line, now, until, _PAST)
+    over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
+    return Begun(now.time, course, over, stances, stays, leg_poses(model, course, sample_times(stances).ravel()))
+
+
+def finish(
+    model: CycleModel, old: Foreseen, begun: Begun, times: Floats, led: Floats | None = None
+) -> tuple[Foreseen, Led]:
+    """Foresee anew what was begun.
+
+    What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
+    them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+
+    Args:
+        model: the figure and its cycles.
+        old: what was going to happen.
+        begun: what is to.
+        times: (T,) [s] at which feet are led right away, from then on.
+        led: (L, Q, 3) how the feet are led off the cycle then, if that is known.
 
     Returns:
         What is going to happen, and the feet led at the times.
     """
-    course = _course(model, plan, old.course.line, now, until, _PAST)
-    over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
-    samples = sample_times(stances).ravel() if stances else times[:0]
-    n = len(samples)
-    soon = np.concatenate([[now.time], times])
-    free = free_postures(model, course, np.concatenate([samples, soon]), n + 1 if len(times) else n)
-    found = settled(stances, stays, free.legs, model) if stances else []
-    feet, legs = _feet(model, [*over, *found]), free.legs.some(slice(n, None))
-    off = feet.led_off(soon, legs)
-    was = old.led_off(soon[:1], legs.some(slice(0, 1)))[0] if led is None else led
-    residual = _residual(was - off[0], feet, now.time)
-    free = replace(free, legs=legs.some(slice(1, None)))
-    return Foreseen(course, feet, residual), Led(times, free, residual.faded(off[1:], times))
+    feet = _feet(model, [*begun.over, *settled(begun.stances, begun.stays, begun.poses, model)])
+    soon = np.concatenate([[begun.now], times])
+    free = free_postures(model, begun.course, soon, 1)
+    off = feet.led_off(soon, free.legs)
+    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0] if led is None else led
+    residual = _residual(was - off[0], feet, begun.now)
+    free = replace(free, legs=free.legs.some(slice(1, None)))
+    return Foreseen(begun.course, feet, residual), Led(times, free, residual.faded(off[1:], times))
 
 
 def _coming(

@@ -231,7 +231,7 @@ def reach(pose: LegPoses) -> Floats:
 
 
 def too_short(line: Floats, limit: Floats, size: float) -> Floats:
-    """Tell by how much (...) [m] hips have to come down for ankles (..., 3) [m] from them to be no farther than a limit.
+    """Tell by how much (...) [m] hips have to come down for ankles, (..., 3) [m] from them, to be within reach.
 
     Near to the limit the answer is rounded, so that it changes without a kink.
     """

@@ -13,7 +13,7 @@ import numpy as np
 from footfix.locomotion.cycles.feet import Feet, goals, lowered
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
-from footfix.locomotion.cycles.plan import Course, Point
+from footfix.locomotion.cycles.plan import Course
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 
@@ -29,7 +29,7 @@ class Postures:
         contacts: (T, E) whether each effector is planted.
         names: of the effectors.
         led: (T, L, Q, 3) how the feet are led off the cycle.
-        point: where the course is at the last of the times.
+        at: (T, 5) where the course is, as `Course.at` tells it.
     """
 
     times: Floats
@@ -38,7 +38,7 @@ class Postures:
     contacts: Bools
     names: tuple[str, ...]
     led: Floats
-    point: Point
+    at: Floats
 
     def __len__(self) -> int:
         return len(self.times)
@@ -56,13 +56,13 @@ class Free:
     """Postures as the cycles have them, no foot held.
 
     Args:
-        point: where the course is at the last of T times.
+        at: (T, 5) where the course is, as `Course.at` tells it.
         place: (T, 3) [m] the root.
         turns: (T, J, 4) xyzw all rotations.
         legs: the legs, at these times and maybe some before.
     """
 
-    point: Point
+    at: Floats
     place: Floats
     turns: Floats
     legs: LegPoses
@@ -101,12 +101,12 @@ def free_postures(model: CycleModel, course: Course, times: Floats, first: int =
     place[:, 2] += at[:, 4]
     legs = model.legs.poses(place, front, own_legs)
     turns[:, root] = front[first:]
-    return Free(Point(float(times[-1]), *at[-1].tolist()), place[first:], turns, legs)
+    return Free(at[first:], place[first:], turns, legs)
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
     """Pose the legs as the cycles have them at times (T,) [s]."""
-    return free_postures(model, course, times, len(times) - 1).legs
+    return free_postures(model, course, times, len(times)).legs
 
 
 def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
@@ -122,4 +122,4 @@ def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
     contacts = np.empty((len(led.times), len(rig.soles)), dtype=np.bool_)
     for e, sole in enumerate(rig.soles):
         contacts[:, e] = feet.planted(sole.leg, sole.part, led.times)
-    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off, led.free.point)
+    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off, led.free.at)

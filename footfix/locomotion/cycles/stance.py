@@ -94,6 +94,8 @@ class Stance:
 
 def sample_times(stances: Sequence[Stance]) -> Floats:
     """(n, M) [s] the times at which the cycle is looked at for each stance."""
+    if not stances:
+        return np.zeros((0, _SAMPLES))
     rows = []
     for each in stances:
         own = each.flat or each.toe or each.heel
@@ -124,6 +126,8 @@ def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, m
         poses: the legs as the cycle has them at the n x M `sample_times`.
         model: the figure.
     """
+    if not stances:
+        return []
     rows = np.arange(len(stances) * _SAMPLES).reshape(-1, _SAMPLES)
     legs = np.array([each.leg for each in stances])
     soles, frames = poses.soles[rows, legs[:, None]], poses.ends[rows, legs[:, None]]  # (n, M, 2, 3), and 3 x 3
@@ -172,7 +176,7 @@ def _where_set_down(stances: Sequence[Stance], points: Floats, heel: Floats) -> 
     lacks is missed at once; later the knee gives way, or the heel is lifted.
     """
     early = np.where([[each.heel is not None] for each in stances], _EARLY, 0.0)
-    return np.einsum("nm,nmi->ni", early, heel - points[:, None, 0]) * _FLAT
+    return np.asarray(np.einsum("nm,nmi->ni", early, heel - points[:, None, 0]) * _FLAT)
 
 
 def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats) -> Floats:
