@@ -99,7 +99,7 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
 
 
 def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target: Plan) -> Plan:
-    """Make the plan whose parameters from now on go to a target (one row), each by a time or as soon as feet can follow.
+    """Make the plan whose parameters go to a target (one row), each by a time, or as soon as feet can follow.
 
     Args:
         model: the figure and its cycles.
@@ -118,7 +118,7 @@ def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """Half of the work of foreseeing anew: the course, and when feet are going to stand on it.
+    """The first third of the work of foreseeing anew: the course, and when feet are going to stand on it.
 
     Args:
         now: [s] the time from which on it holds.
@@ -126,7 +126,6 @@ class Begun:
         over: stances that are over, but still lead a foot.
         stances: those that are or come, without the places of new ones.
         stays: which of these were known.
-        poses: the legs as the cycle has them at their `sample_times`.
     """
 
     now: float
@@ -134,47 +133,49 @@ class Begun:
     over: Sequence[Stance]
     stances: Sequence[Stance]
     stays: Sequence[bool]
-    poses: LegPoses
 
 
-def begin(model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float) -> Begun:
+def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Begun:
     """Begin to foresee anew from a time on, at which another plan holds, or more of it is wanted.
+
+    What stands stays, and a foot about to be set down comes down where it was to. Others get new places.
 
     Args:
         model: the figure and its cycles.
         old: what was going to happen.
         plan: what is asked for; up to now it is what it was.
-        now: where the course is.
-        until: [s].
+        now, until: [s].
     """
-    course = _course(model, plan, old.course.line, now, until, _PAST)
-    over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
-    return Begun(now.time, course, over, stances, stays, leg_poses(model, course, sample_times(stances).ravel()))
+    course = _course(model, plan, old.course.line, old.course.point(now), until, _PAST)
+    over, stances, stays = _coming(old.feet, timetable(model, course, until), now)
+    return Begun(now, course, over, stances, stays)
 
 
-def finish(
-    model: CycleModel, old: Foreseen, begun: Begun, times: Floats, led: Floats | None = None
-) -> tuple[Foreseen, Led]:
+def placed(model: CycleModel, begun: Begun) -> Feet:
+    """Go on, with the places of the feet."""
+    poses = leg_poses(model, begun.course, sample_times(begun.stances).ravel())
+    return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
+
+
+def finish(model: CycleModel, old: Foreseen, begun: Begun, feet: Feet, times: Floats) -> tuple[Foreseen, Led]:
     """Foresee anew what was begun.
 
-    What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
-    them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+    What led feet then to other places, and does not any more, fades (G eq. 11, put right: as printed it jumps).
 
     Args:
         model: the figure and its cycles.
         old: what was going to happen.
         begun: what is to.
+        feet: `placed`.
         times: (T,) [s] at which feet are led right away, from then on.
-        led: (L, Q, 3) how the feet are led off the cycle then, if that is known.
 
     Returns:
         What is going to happen, and the feet led at the times.
     """
-    feet = _feet(model, [*begun.over, *settled(begun.stances, begun.stays, begun.poses, model)])
     soon = np.concatenate([[begun.now], times])
     free = free_postures(model, begun.course, soon, 1)
     off = feet.led_off(soon, free.legs)
-    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0] if led is None else led
+    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0]
     residual = _residual(was - off[0], feet, begun.now)
     free = replace(free, legs=free.legs.some(slice(1, None)))
     return Foreseen(begun.course, feet, residual), Led(times, free, residual.faded(off[1:], times))

@@ -28,8 +28,6 @@ class Postures:
         turns: (T, J, 4) xyzw each joint's rotation in its parent's frame.
         contacts: (T, E) whether each effector is planted.
         names: of the effectors.
-        led: (T, L, Q, 3) how the feet are led off the cycle.
-        at: (T, 5) where the course is, as `Course.at` tells it.
     """
 
     times: Floats
@@ -37,8 +35,6 @@ class Postures:
     turns: Floats
     contacts: Bools
     names: tuple[str, ...]
-    led: Floats
-    at: Floats
 
     def __len__(self) -> int:
         return len(self.times)
@@ -56,13 +52,11 @@ class Free:
     """Postures as the cycles have them, no foot held.
 
     Args:
-        at: (T, 5) where the course is, as `Course.at` tells it.
         place: (T, 3) [m] the root.
         turns: (T, J, 4) xyzw all rotations.
         legs: the legs, at these times and maybe some before.
     """
 
-    at: Floats
     place: Floats
     turns: Floats
     legs: LegPoses
@@ -101,7 +95,7 @@ def free_postures(model: CycleModel, course: Course, times: Floats, first: int =
     place[:, 2] += at[:, 4]
     legs = model.legs.poses(place, front, own_legs)
     turns[:, root] = front[first:]
-    return Free(at[first:], place[first:], turns, legs)
+    return Free(place[first:], turns, legs)
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
@@ -122,4 +116,4 @@ def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
     contacts = np.empty((len(led.times), len(rig.soles)), dtype=np.bool_)
     for e, sole in enumerate(rig.soles):
         contacts[:, e] = feet.planted(sole.leg, sole.part, led.times)
-    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off, led.free.at)
+    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles))
