@@ -24,7 +24,8 @@ _SOONEST = 0.25  # [s] within which parameters change at the soonest,
 _TURNED = np.radians(150.0)  # [rad/s^2] and turns,
 _HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
 _RAN = 0.7  # [1/s] and the share of running: quicker than this no foot on the floor can follow
-_COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more
+_COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more,
+_SETTLING = 0.2  # [s] and before that changes less and less
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
 _PAST = 0.25  # [s] that are told of the past where what stands is known
 _RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
@@ -84,7 +85,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     course = _course(model, plan, line, start, until, slow)
     stances = [each for own in timetable(model, course, until) for each in own]
     poses = leg_poses(model, course, sample_times(stances).ravel())
-    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
+    return Foreseen(course, _feet(model, settled(stances, [0.0] * len(stances), poses, model)))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
@@ -125,14 +126,14 @@ class Begun:
         course: phase, place and heading.
         over: stances that are over, but still lead a foot.
         stances: those that are or come, without the places of new ones.
-        stays: which of these were known.
+        stays: (n,) share of its known place that each of them keeps.
     """
 
     now: float
     course: Course
     over: Sequence[Stance]
     stances: Sequence[Stance]
-    stays: Sequence[bool]
+    stays: Sequence[float]
 
 
 def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Begun:
@@ -183,15 +184,22 @@ def finish(model: CycleModel, old: Foreseen, begun: Begun, feet: Feet, times: Fl
 
 def _coming(
     feet: Feet, expected: Sequence[Sequence[Stance]], now: float
-) -> tuple[list[Stance], list[Stance], list[bool]]:
-    """Tell stances that are over but still lead a foot, those that are or come, and which of these were known."""
-    over, stances, stays = list[Stance](), list[Stance](), list[bool]()
+) -> tuple[list[Stance], list[Stance], list[float]]:
+    """Tell stances that are over but still lead a foot, those that are or come, and how far these keep their places."""
+    over, stances, stays = list[Stance](), list[Stance](), list[float]()
     for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
-        before = {each.count: each for each in known if each.start <= now + _COMMITTED}
-        coming = [s for s in coming if before.get(s.count, s).end > now]
-        stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
-        stays += [each.count in before for each in coming]
+        before = {each.count: each for each in known}
+        for each in coming:
+            old = before.get(each.count)
+            left = np.inf if old is None else old.start - now - _COMMITTED
+            if old is not None and left <= 0.0:
+                if old.end > now:
+                    stances.append(_kept(old, each, now))
+                    stays.append(1.0)
+            elif each.end > now:
+                stances.append(each if old is None else replace(each, points=old.points, frames=old.frames))
+                stays.append(max(1.0 - left / _SETTLING, 0.0))
     return over, stances, stays
 
 

@@ -113,8 +113,8 @@ def _spread(spans: Floats, shares: Floats) -> Floats:
     return np.asarray(spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * shares)
 
 
-def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, model: CycleModel) -> list[Stance]:
-    """Give stances their places, and tell how far off the cycle they are; those that stay keep their places.
+def settled(stances: Sequence[Stance], stays: Sequence[float], poses: LegPoses, model: CycleModel) -> list[Stance]:
+    """Give stances their places, and tell how far off the cycle they are; those that stay keep theirs.
 
     A foot stands as the cycle has it in the mean of the time in which heel and toe are planted (G 5.1), where the heel
     was in the beginning of its contact, at the height at which it stands in the cycles, and so near that the leg
@@ -122,7 +122,7 @@ def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, m
 
     Args:
         stances: n of them.
-        stays: for each whether it has a place.
+        stays: for each what share of the place that it has it keeps.
         poses: the legs as the cycle has them at the n x M `sample_times`.
         model: the figure.
     """
@@ -135,7 +135,10 @@ def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, m
     points += _where_set_down(stances, points, soles[:, -_REACHED:, 0])[:, None]
     points += _nearer(stances, poses, rows[:, -_REACHED:], legs, points[:, 0])[:, None]
     for k in np.flatnonzero(stays).tolist():
-        points[k], turned[k] = stances[k].points, stances[k].frames
+        if stays[k] == 1.0:
+            points[k], turned[k] = stances[k].points, stances[k].frames
+        else:
+            points[k] += stays[k] * np.mean(stances[k].points - points[k], axis=0)
     down = _down(stances, poses, rows[:, -_REACHED], legs, points[:, 0], model)
     off = np.empty((len(stances), 4, 4, 3))  # of each of `HELD` at its start, its end, and beside them
     two = np.arange(2)
