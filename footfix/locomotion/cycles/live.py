@@ -21,6 +21,7 @@ _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
 _LEAST = 0.45  # [s] and when this is left, foreseen anew,
 _LONG = 1.6  # [s] and farther, since nothing else was asked for
 _PAST = 0.3  # [s] in which it is remembered what was asked for
+_JOIN = 0.1  # [s] in which what was asked for some frames ago is caught up with
 _BATCH = 4  # frames that are made at once: they cost little more than one
 _BRIEF = 0.02  # [s] over frames that are no longer the work is spread
 
@@ -32,13 +33,11 @@ class _Work:
     Args:
         begun: the first part.
         until: [s] how far.
-        taken: (3 + S,) which parameters become others.
         feet: the second part, if it is done.
     """
 
     begun: Begun
     until: float
-    taken: Bools
     feet: Feet | None = None
 
 
@@ -56,9 +55,9 @@ class Live:
         self.time = 0.0
         self._until = _KNOWN
         self.foreseen = foresee(model, plan, line, Point(), self._until)
-        self._wanted = plan.some(slice(-1, None))  # what is asked for in the end,
-        self._ends = plan.ends()  # [s] when that is to be reached,
-        self._asked = np.zeros(len(self._ends), dtype=np.bool_)  # and what of it is not foreseen yet
+        self._plan = plan  # what is asked for,
+        self._ends = plan.ends()  # [s] when what it leads to was to be reached, be it too soon for feet to follow,
+        self._asked = False  # and whether it is not foreseen yet
         self._work: _Work | None = None
         self._made: tuple[Postures, int] | None = None  # frames, and which of them is the one now
         self._dt = 0.0  # [s] between the last two
@@ -71,12 +70,13 @@ class Live:
             named: (3 + S,) which of them.
             over: [s] how long it takes, or as long as feet need to follow.
         """
-        row, last, end = target.table[0], self._wanted.table[0], self.time + over
+        row, last, end = target.table[0], self._plan.table[-1], self.time + over
         changed = named & ((row != last) | (end < self._ends))
         if changed.any():
-            self._wanted = Plan.of_table(target.times, np.where(changed, row, last)[None])
-            self._ends = np.where(changed, end, self._ends)
-            self._asked = self._asked | changed
+            self._ends, self._asked = np.where(changed, end, self._ends), True
+            target = Plan.of_table(target.times, np.where(changed, row, last)[None])
+            plan = changed_plan(self.model, self._plan, self.time, np.where(changed, end, np.nan), target)
+            self._plan = plan.since(self.time - _PAST)
 
     def step(self, dt: float) -> tuple[Postures, int]:
         """Go on by `dt` [s]: frames, and which of them is the one then."""
@@ -112,16 +112,14 @@ class Live:
 
     def _begin(self, now: float, seconds: float) -> bool:
         """Begin to foresee anew from a time on, if something else is asked for, or so many seconds are not known."""
-        asked = bool(self._asked.any())
-        if not asked and self._until - now >= max(seconds, _LEAST):
+        if not self._asked and self._until - now >= max(seconds, _LEAST):
             return False
         plan = self.foreseen.course.plan
-        if asked:
-            plan = changed_plan(self.model, plan, now, np.where(self._asked, self._ends, np.nan), self._wanted)
-        until = now + max(_KNOWN if asked else _LONG, seconds + _LEAST)
+        if self._asked:
+            plan = plan.joined(now, _JOIN, self._plan)
+        until = now + max(_KNOWN if self._asked else _LONG, seconds + _LEAST)
         begun = begin(self.model, self.foreseen, plan.since(now - _PAST), now, until)
-        self._work = _Work(begun, until, self._asked)
-        self._asked = np.zeros_like(self._asked)
+        self._work, self._asked = _Work(begun, until), False
         return True
 
     def _place(self) -> None:
@@ -139,7 +137,7 @@ class Live:
     def _drop(self) -> None:
         """Forget what was begun; it is to be foreseen from another time on."""
         if self._work is not None:
-            self._asked, self._work = self._asked | self._work.taken, None
+            self._asked, self._work = True, None
 
     def _times(self, dt: float) -> Floats:
         """The times of some frames, the first of them now."""

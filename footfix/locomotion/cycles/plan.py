@@ -118,6 +118,13 @@ class Plan:
         rows = np.concatenate([self.table[:past], rows[kept]])
         return Plan.of_table(np.concatenate([self.times[:past], times[kept]]), rows)
 
+    def joined(self, now: float, over: float, other: Plan) -> Plan:
+        """The plan that it was up to a time, and `over` [s] later is another one."""
+        past, later = int(self.times.searchsorted(now - 1e-9)), int(other.times.searchsorted(now + over, side="right"))
+        here, there = self.at(np.array([now])), other.at(np.array([now + over]))
+        parts = (self.some(slice(past)), here, there, other.some(slice(later, None)))
+        return Plan.of_table(np.concatenate([p.times for p in parts]), np.concatenate([p.table for p in parts]))
+
 
 _ROWS = ("times", "speed", "run", "turn", "style")
 
