@@ -106,7 +106,7 @@ class Engine:
         self, *, speed: float | None = None, run: float | None = None, turn: float | None = None,
         style: str | Mapping[str, float] | None = None, over: float = 1.0,
     ) -> None:  # fmt: skip
-        """Ask for something else, from now on; what is not named goes to where it was going.
+        """Ask for something else, from now on; what is not named goes on as it was asked for before.
 
         To ask for the same again, and no sooner, changes nothing.
 
@@ -116,7 +116,7 @@ class Engine:
             turn: [degrees/s] to the left.
             style: a name, or weights by name; "" for the plain one.
             over: [s] how long the change takes: a quarter of a second at least, and as long as feet need to follow,
-                which is a second for 150 degrees/s, 1.5 m/s (of legs of 0.9 m), or from a walk to a run.
+                which is a second for 150 degrees/s or 1.5 m/s (of legs of 0.9 m), and 1.4 s from a walk to a run.
         """
         if not np.isfinite(over) or over < 0.0:
             raise ArgumentError(f"over must be the seconds that a change takes, not {over!r}")

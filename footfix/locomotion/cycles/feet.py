@@ -19,7 +19,7 @@ from footfix.motion.clip import Bools, Floats
 from footfix.motion.vectors import cross, norm, unit
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
-_PEEL = 0.12  # [s] after the heel has left the floor, and before the foot is set down, in which it becomes free to turn
+_PEEL = 0.12  # [s] after the heel has left the floor, and before it is set down, in which it becomes free to turn
 _LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
 _DOWN = 0.3  # [s] before and after a heel is set down, in which the figure comes down for it, and up again
 _LED = (*HELD, "share", "free", "down")
@@ -33,8 +33,8 @@ class Feet:
     Args:
         stances: of each foot, in order of time.
         lines: how the feet are led off the cycle: for each foot the four of `HELD`; by which of its ends it is led, 0
-            by the heel, 1 by the toe (while both are planted they say the same); and how free it is to turn about its
-            toe, 0 while its heel is planted.
+            by the heel, 1 by the toe (while both are planted they say the same); how free it is to turn about its toe, 0
+            while its heel is planted; and how far the figure comes down for it [m].
     """
 
     stances: tuple[tuple[Stance, ...], ...]

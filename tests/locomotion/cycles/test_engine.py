@@ -162,6 +162,45 @@ def test_a_change_is_taken_up_as_quickly_as_feet_can_follow() -> None:
     assert changed_plan(model, here, 1.0, np.full(3, 1.0), here).times[-1] == pytest.approx(1.25)
 
 
+def test_the_course_is_the_one_asked_for_though_it_is_taken_up_some_frames_later() -> None:
+    engine = footfix.Engine(fitted().model, speed=0.8, run=0.0)
+    for k in range(480):
+        if k == 60:
+            engine.set(speed=1.9, run=1.0, turn=30.0, over=3.0)
+        if k == 240:
+            engine.set(speed=1.2, run=0.0, turn=-30.0, over=1.0)
+        engine.step(1 / 120)
+    mid = 0.8 + 1.1 * 0.5
+    times = np.array([0.5, 2.0, 3.0])
+    turns = np.radians([0.0, 15.0, -30.0])
+    asked = Plan(times, np.array([0.8, mid, 1.2]), np.zeros(3), turns, np.zeros((3, 0)))
+    place, heading = course_of(asked).where(np.array([engine.time]))  # type: ignore[attr-defined]
+    own, headed = engine._live.foreseen.course.where(np.array([engine.time]))
+    assert np.linalg.norm(own - place) < 0.005
+    assert headed == pytest.approx(heading, abs=2e-3)
+
+
+def test_one_plan_is_joined_to_another() -> None:
+    rising = Plan(np.array([0.0, 3.0]), np.array([0.0, 3.0]), *np.zeros((2, 2)), np.zeros((2, 0)))
+    both = steady(1.0).joined(1.0, 0.5, rising)
+    assert both.at(np.array([0.5, 1.0, 1.25, 1.5, 2.0, 4.0])).speed == pytest.approx([1.0, 1.0, 1.25, 1.5, 2.0, 3.0])
+
+
+@pytest.mark.parametrize("dts", [[1 / 120], [1 / 30], [0.004, 0.021, 0.009]])
+def test_frames_of_any_length_go_on_without_a_leap(dts: list[float]) -> None:
+    engine = footfix.Engine(fitted().model, speed=1.0, run=0.0)
+    places, times = [], []
+    for k in range(90):
+        if k % 5 == 0:
+            engine.set(speed=1.0 + 0.3 * (k % 2), over=0.5)
+        frame = engine.step(dts[k % len(dts)])
+        places.append(frame.positions[engine.rig.root])
+        times.append(frame.time)
+    assert times == pytest.approx(np.cumsum([dts[k % len(dts)] for k in range(90)]))
+    speed = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(times)
+    assert speed.max() < 1.8 and speed.min() > 0.6
+
+
 def test_to_ask_for_the_same_again_changes_nothing() -> None:
     once, often = (footfix.Engine(fitted().model, speed=1.0, run=0.0) for _ in range(2))
     once.set(speed=1.4, turn=20.0, over=1.0)
