@@ -33,8 +33,8 @@ class Feet:
     Args:
         stances: of each foot, in order of time.
         lines: how the feet are led off the cycle: for each foot the four of `HELD`; by which of its ends it is led, 0
-            by the heel, 1 by the toe (while both are planted they say the same); how free it is to turn about its toe, 0
-            while its heel is planted; and how far the figure comes down for it [m].
+            by the heel, 1 by the toe (while both are planted they say the same); how free it is to turn about its toe,
+            0 while its heel is planted; and how far the figure comes down for it [m].
     """
 
     stances: tuple[tuple[Stance, ...], ...]
