@@ -19,7 +19,6 @@ from footfix.settings import Settings
 
 __all__ = ["follow"]
 
-
 def follow(
     path: str | ArrayLike, clips: Sequence[Clip | tuple[Clip, Start]] | Clip, settings: Settings | None = None
 ) -> Follow:  # fmt: skip
