@@ -145,7 +145,8 @@ def _figure(
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
     far = reaches(laid, rig, np.maximum(posed.mixed, _CURVES * firm))
-    lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], far)
+    near = [np.where(goal.held(), each, np.inf) for goal, each in zip(goals, far, strict=True)]
+    lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], near)
     lowered = envelope(lack, _window(posed))
     if np.any(lowered):
         laid = lay_body(posed, ground, replace(lean, lower=lowered))

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.leg import (
+    CapturedLeg,
+    LegTurns,
     can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
+    flexion_for,
     local_rotations,
     two_bones,
     where_moved,
@@ -21,12 +25,14 @@ from footfix.locomotion.follow.posing import Foot, Posed
 from footfix.locomotion.follow.steps import Ground
 from footfix.locomotion.loop.travel import root_in_world, with_root
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import forward
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
 _BENT = 0.992  # of a leg's bones, to which it is stretched where it is kept from being straight
+_ROUNDED = 0.15  # [rad] of a knee's flexion, below which it is taken to be less than it is told by
+_SWING = 3  # frames that a swing has at least
 _MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
 
 
@@ -89,10 +95,19 @@ class Goal:
     Args:
         ankle: (F, 3) [m].
         turn: (F, 4) of the ankle's frame.
+        swings: frames in which it goes from stance to stance with its leg, wherever that leads it.
     """
 
     ankle: Floats
     turn: Floats
+    swings: tuple[slice, ...] = ()
+
+    def held(self) -> Bools:
+        """(F,) whether the foot is to be there, not with its leg."""
+        out = np.ones(len(self.ankle), dtype=np.bool_)
+        for some in self.swings:
+            out[some] = False
+        return out
 
 
 def goal_of(foot: Foot, ground: Ground, yaw: Floats, shift: Floats, height: Floats) -> Goal:
@@ -107,7 +122,17 @@ def goal_of(foot: Foot, ground: Ground, yaw: Floats, shift: Floats, height: Floa
     """
     toe = ground.lay(np.stack([foot.toe[:, 0], height, foot.toe[:, 2]], axis=1) + shift)
     turn = rotation.multiply(rotation.about_vertical(ground.heading + yaw), foot.turn)
-    return Goal(toe + rotation.rotate(turn, foot.ankle), turn)
+    return Goal(toe + rotation.rotate(turn, foot.ankle), turn, _free_swings(foot))
+
+
+def _free_swings(foot: Foot) -> tuple[slice, ...]:
+    """Frames between stances in which a foot is mixed, or its body.
+
+    A foot that is mixed by itself leaves the floor when its own stance is over, a little before or after its leg is
+    bent for that, and a knee that is nearly straight is torn by it.
+    """
+    swings = [b + np.flatnonzero(foot.mixed[b:a]) for (_, b), (a, _) in pairwise(foot.steps.stances)]
+    return tuple(slice(int(each[0]), int(each[-1]) + 1) for each in swings if len(each) >= _SWING)
 
 
 def hips_of(clip: Clip, rig: Rig) -> list[Floats]:
@@ -160,7 +185,64 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         limit = np.maximum(most, norm(captured.ankle - captured.hip))
         share = np.minimum(1.0, limit / np.maximum(norm(line), 1e-9))
         ankle = np.where((share < 1.0)[:, None], captured.hip + share[:, None] * line, goal.ankle)
-        turns |= where_moved(
-            clip, local_rotations(clip, seen, captured, two_bones(captured, ankle), goal.turn), moves
-        )  # fmt: skip
+        solved, foot = _swung(captured, ankle, goal)
+        turns |= where_moved(clip, local_rotations(clip, seen, captured, solved, foot), moves)
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
+
+
+def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal) -> tuple[LegTurns, Floats]:
+    """Solve a leg for where its foot stands; where it swings, as it is mixed, led over from one stance to the next.
+
+    Led over are the knee's flexion, the direction from hip to ankle, and the turn of the foot: led over to an ankle's
+    place, a leg that is nearly straight would be torn.
+
+    Args:
+        leg: as it is mixed.
+        ankle: (F, 3) [m] where it is to be.
+        goal: its foot.
+
+    Returns:
+        What turns the leg, and (F, 4) the ankle's frame.
+    """
+    solved, foot = two_bones(leg, ankle), goal.turn.copy()
+    if not goal.swings:
+        return solved, foot
+    thigh, shank, line = leg.knee - leg.hip, leg.ankle - leg.knee, ankle - leg.hip
+    way = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, line))
+    turned = rotation.to_rotation_vector(rotation.continuous(rotation.multiply(foot, rotation.inverse(leg.turn))))
+    bent = flexion_for(leg, ankle)
+    for some in goal.swings:
+        line[some] = rotation.rotate(rotation.from_rotation_vector(_led_over(way, some)), (leg.ankle - leg.hip)[some])
+        foot[some] = rotation.multiply(rotation.from_rotation_vector(_led_over(turned, some)), leg.turn[some])
+        bent[some] = _led_flexion(leg.flexion, bent, some)
+    bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
+    return LegTurns(rotation.between(thigh + rotation.rotate(bend, shank), line), bend), foot
+
+
+def _led_flexion(mixed: Floats, asked: Floats, some: slice) -> Floats:
+    """(n,) [rad] a knee's flexion while its foot swings.
+
+    A knee that is overstretched by some degrees in one frame and bent in the next, its leg being straight in both, is
+    told by how straight it is, rounded off.
+
+    Args:
+        mixed: (F,) [rad] as the leg is mixed,
+        asked: (F,) [rad] and as its stances ask.
+        some: frames of the swing.
+    """
+    signs = np.sign(mixed[some])
+    if np.all(signs == signs[0]):
+        return np.asarray(mixed[some] + _led_over((asked - mixed)[:, None], some)[:, 0])
+    bent = np.hypot(mixed, _ROUNDED)
+    led = bent[some] + _led_over((np.hypot(asked, _ROUNDED) - bent)[:, None], some)[:, 0]
+    return np.sqrt(np.maximum(led**2 - _ROUNDED**2, 0.0))
+
+
+def _led_over(track: Floats, some: slice) -> Floats:
+    """(n, D) a cubic over frames of a track (F, D) that leads on at both ends with the slopes there."""
+    a, b = max(some.start - 1, 1), min(some.stop, len(track) - 2)
+    steps = float(b - a)
+    u = ((np.arange(some.start, some.stop) - a) / steps)[:, None]
+    one, two = (track[a] - track[a - 1]) * steps, (track[b + 1] - track[b]) * steps
+    step = track[b] - track[a]
+    return np.asarray(track[a] + u * one + u**2 * (3.0 * step - 2.0 * one - two) + u**3 * (one + two - 2.0 * step))
