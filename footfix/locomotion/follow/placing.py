@@ -21,17 +21,22 @@ from footfix.enforce.papers.leg import (
     two_bones,
     where_moved,
 )
+from footfix.locomotion.follow.blend import ease
 from footfix.locomotion.follow.posing import Foot, Posed
 from footfix.locomotion.follow.steps import Ground
+from footfix.locomotion.follow.stride import smoothed
 from footfix.locomotion.loop.travel import root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import forward
-from footfix.motion.vectors import norm
+from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
 _BENT = 0.992  # of a leg's bones, to which it is stretched where it is kept from being straight
 _ROUNDED = 0.15  # [rad] of a knee's flexion, below which it is taken to be less than it is told by
+_MORE = 0.15  # [rad] by which a knee is bent more for its leg's plane to be steadied
+_PLANE = 0.8  # [rad] a knee that is bent by more tells the plane of its leg
+_STEADY = 0.3  # [s] over which that plane is smoothed
 _SWING = 3  # frames that a swing has at least
 _MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
 
@@ -172,6 +177,7 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
     """
     seen = rig.pose(clip)
     tracks = effector_tracks(rig, seen)
+    pelvis, wide = seen.rotation(rig.pelvis), round(_STEADY / clip.frame_time)
     turns: dict[int, Floats] = {}
     for number, (leg, goal, most) in enumerate(zip(rig.legs, goals, farthest, strict=True)):
         if not can_turn(clip, leg):
@@ -185,12 +191,12 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         limit = np.maximum(most, norm(captured.ankle - captured.hip))
         share = np.minimum(1.0, limit / np.maximum(norm(line), 1e-9))
         ankle = np.where((share < 1.0)[:, None], captured.hip + share[:, None] * line, goal.ankle)
-        solved, foot = _swung(captured, ankle, goal)
+        solved, foot = _swung(captured, ankle, goal, pelvis, wide)
         turns |= where_moved(clip, local_rotations(clip, seen, captured, solved, foot), moves)
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
 
 
-def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal) -> tuple[LegTurns, Floats]:
+def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, pelvis: Floats, wide: int) -> tuple[LegTurns, Floats]:
     """Solve a leg for where its foot stands; where it swings, as it is mixed, led over from one stance to the next.
 
     Led over are the knee's flexion, the direction from hip to ankle, and the turn of the foot: led over to an ankle's
@@ -200,23 +206,49 @@ def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal) -> tuple[LegTurns, Float
         leg: as it is mixed.
         ankle: (F, 3) [m] where it is to be.
         goal: its foot.
+        pelvis: (F, 4) the frame of the pelvis.
+        wide: [frames] over which the plane of a leg that is nearly straight is smoothed.
 
     Returns:
         What turns the leg, and (F, 4) the ankle's frame.
     """
-    solved, foot = two_bones(leg, ankle), goal.turn.copy()
+    bent, foot = flexion_for(leg, ankle), goal.turn.copy()
+    swivel = _steadied(leg, pelvis, bent, wide)
     if not goal.swings:
-        return solved, foot
+        return two_bones(leg, ankle, swivel), foot
     thigh, shank, line = leg.knee - leg.hip, leg.ankle - leg.knee, ankle - leg.hip
     way = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, line))
     turned = rotation.to_rotation_vector(rotation.continuous(rotation.multiply(foot, rotation.inverse(leg.turn))))
-    bent = flexion_for(leg, ankle)
     for some in goal.swings:
         line[some] = rotation.rotate(rotation.from_rotation_vector(_led_over(way, some)), (leg.ankle - leg.hip)[some])
         foot[some] = rotation.multiply(rotation.from_rotation_vector(_led_over(turned, some)), leg.turn[some])
         bent[some] = _led_flexion(leg.flexion, bent, some)
     bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
-    return LegTurns(rotation.between(thigh + rotation.rotate(bend, shank), line), bend), foot
+    swing = rotation.between(thigh + rotation.rotate(bend, shank), line)
+    return LegTurns(rotation.multiply(rotation.from_axis_angle(unit(-line), swivel), swing), bend), foot
+
+
+def _steadied(leg: CapturedLeg, pelvis: Floats, bent: Floats, wide: int) -> Floats:
+    """Find (F,) [rad] by which a leg that was nearly straight, and is bent now, turns about its own line.
+
+    The plane of a leg that is nearly straight means little, and may swing round within some frames, unseen; when the
+    leg is bent, its knee would be thrown aside. So it goes by the frames around in which the leg was bent more.
+
+    Args:
+        leg: as it was.
+        pelvis: (F, 4) its frame.
+        bent: (F,) [rad] the flexion of the knee now.
+        wide: [frames] over which the plane is smoothed.
+    """
+    line = unit(leg.hip - leg.ankle)
+    usual = rotation.rotate(rotation.inverse(pelvis), leg.knee_axis).mean(axis=0)
+    side = rotation.rotate(pelvis, unit(usual))
+    side = unit(side - dot(side, line)[:, None] * line)
+    angle = np.unwrap(np.arctan2(dot(cross(side, leg.knee_axis), line), dot(side, leg.knee_axis)))
+    weight = np.sin(leg.flexion) ** 2 + 1e-6
+    steady = smoothed(weight * angle, wide) / smoothed(weight, wide)
+    more = ease((np.abs(bent) - np.abs(leg.flexion)) / _MORE) * (1.0 - ease(np.abs(leg.flexion) / _PLANE))
+    return np.asarray((steady - angle) * more)
 
 
 def _led_flexion(mixed: Floats, asked: Floats, some: slice) -> Floats:

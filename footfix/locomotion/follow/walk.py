@@ -145,9 +145,16 @@ def make_walk(loop: Loop, name: str) -> Walk:
         name: for messages.
 
     Raises:
-        InputError: it goes nowhere, nor is it on a belt.
+        InputError: it goes nowhere, nor is it on a belt; or it goes round.
     """
     clip, rig = loop.round, loop.rig
+    laps = round(_turned(clip, rig) / (2.0 * np.pi))
+    if laps:
+        raise InputError(
+            f"it goes round, not straight on: its cycle, frames {loop.start} to {loop.end}, turns by "
+            f"{abs(laps) * 360} degrees", file=name,
+            hint="`footfix loop` with --start and --end cuts out a part that goes straight on",
+        )  # fmt: skip
     root = carrier(clip, rig)
     travel, spot = loop.travel, taken_out(clip, root, loop.travel)
     if np.hypot(travel.x, travel.z) < _ON_THE_SPOT * rig.leg_length:
@@ -170,6 +177,13 @@ def make_walk(loop: Loop, name: str) -> Walk:
         name, _exactly_closed(laid), rig, loop.contacts, max(loop.strides, 1), far,
         (float(middle[0]), float(middle[2]), heading), loop,
     )  # fmt: skip
+
+
+def _turned(clip: Clip, rig: Rig) -> float:
+    """[rad] by which the pelvis turns from the first frame to the last, whole turns and all."""
+    turn = forward(clip, [rig.pelvis]).rotation(rig.pelvis)
+    yaw = np.unwrap(rotation.yaw(rotation.multiply(turn, rotation.inverse(turn[0]))))
+    return float(yaw[-1] - yaw[0])
 
 
 def _off_the_belt(loop: Loop) -> Travel:
