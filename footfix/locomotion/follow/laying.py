@@ -67,7 +67,7 @@ def lay_walks(
 ) -> Laid:  # fmt: skip
     """Lay body and feet along a path, and lean; `paced` says whether walks are gone at another speed."""
     posed = pose(walks, timeline)
-    arc = way.place(timeline.gone)
+    arc = way.arc(timeline.gone)
     dt, first = timeline.frame_time, walks[0]
     leads = timeline.leads()
     stride = np.array([walk.stride_seconds for walk in walks])[leads] / dt  # (F,) [frames]
@@ -118,10 +118,10 @@ def _balance(
     point, press = zero_moment_point(clip, rig, body)
     heading = path.heading(arc)
     ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
-    on = arc + np.einsum("fk,fk->f", point - path.place(arc), ahead)
+    on = arc + np.einsum("fk,fk->f", point - path.position(arc), ahead)
     heading = path.heading(on)
     left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
-    side = np.einsum("fk,fk->f", point - path.place(on), left) - aside
+    side = np.einsum("fk,fk->f", point - path.position(on), left) - aside
     return averaged(press * side, stride) / averaged(press, stride)
 
 

@@ -64,24 +64,24 @@ def lay_body(posed: Posed, ground: Ground, lean: Lean) -> Clip:
     Args:
         posed: F frames on the spot.
         ground: the path under it, moved aside by where it leans from.
-        lean: about that place on the floor.
+        lean: about that point of the floor.
     """
     floor, phi = posed.rig.floor, lean.angle
     laid, leans = posed.clip, posed.root
     if posed.body is not None:  # what carries the body keeps upright, and to the path
-        place, turn = root_in_world(laid, posed.root)
+        position, turn = root_in_world(laid, posed.root)
         leans, path = posed.body, replace(ground, aside=np.zeros_like(ground.aside))
-        laid = with_root(laid, posed.root, path.lay(place), rotation.multiply(ground.turn, turn))
-    place, turn = root_in_world(posed.clip, leans)
+        laid = with_root(laid, posed.root, path.lay(position), rotation.multiply(ground.turn, turn))
+    position, turn = root_in_world(posed.clip, leans)
     if np.any(phi):
         roll = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), -phi)
         up = np.array([0.0, floor, 0.0])
-        place = rotation.rotate(roll, place - up) + up
+        position = rotation.rotate(roll, position - up) + up
         turn = rotation.multiply(roll, turn)
     if lean.lower is not None:
-        place = place - np.outer(lean.lower, [0.0, 1.0, 0.0])
+        position = position - np.outer(lean.lower, [0.0, 1.0, 0.0])
     if posed.body is None or np.any(phi) or lean.lower is not None:
-        laid = with_root(laid, leans, ground.lay(place), rotation.multiply(ground.turn, turn))
+        laid = with_root(laid, leans, ground.lay(position), rotation.multiply(ground.turn, turn))
     if lean.neck is None or not lean.share or not np.any(phi):
         return laid
     neck, parent = lean.neck, int(laid.skeleton.parents[lean.neck])

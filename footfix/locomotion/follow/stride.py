@@ -86,7 +86,7 @@ class Way:
     s: Floats
     u: Floats | None
 
-    def place(self, gone: Floats) -> Floats:
+    def arc(self, gone: Floats) -> Floats:
         """(F,) [m] arc lengths where walks have gone (F,) [m]."""
         return gone if self.u is None else spline(self.u, self.s[:, None])(gone)[..., 0]
 

@@ -171,8 +171,8 @@ def make_walk(loop: Loop, name: str) -> Walk:
     back = Travel(-heading)
     x, _, z = -back.places(middle)
     there = Travel(-heading, float(x), float(z))
-    new_place, turn = root_in_world(spot, root)
-    laid = with_root(spot, root, there.places(new_place), rotation.multiply(there.turn, turn))
+    position, turn = root_in_world(spot, root)
+    laid = with_root(spot, root, there.places(position), rotation.multiply(there.turn, turn))
     return Walk(
         name, _exactly_closed(laid), rig, loop.contacts, max(loop.strides, 1), far,
         (float(middle[0]), float(middle[2]), heading), loop,
@@ -243,7 +243,7 @@ def on_one_floor(walks: Sequence[Walk]) -> tuple[Walk, ...]:
         up = first.rig.floor - walk.rig.floor
         clip = walk.clip
         if up:
-            place, turn = root_in_world(clip, walk.root)
-            clip = with_root(clip, walk.root, place + [0.0, up, 0.0], turn)
+            position, turn = root_in_world(clip, walk.root)
+            clip = with_root(clip, walk.root, position + [0.0, up, 0.0], turn)
         out.append(known or replace(walk, clip=clip, rig=first.rig))
     return tuple(out)
