@@ -213,7 +213,7 @@ def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, pelvis: Floats, wide: in
         What turns the leg, and (F, 4) the ankle's frame.
     """
     bent, foot = flexion_for(leg, ankle), goal.turn.copy()
-    swivel = _steadied(leg, pelvis, bent, wide)
+    swivel = steadied(leg, pelvis, bent, wide)
     if not goal.swings:
         return two_bones(leg, ankle, swivel), foot
     thigh, shank, line = leg.knee - leg.hip, leg.ankle - leg.knee, ankle - leg.hip
@@ -228,7 +228,7 @@ def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, pelvis: Floats, wide: in
     return LegTurns(rotation.multiply(rotation.from_axis_angle(unit(-line), swivel), swing), bend), foot
 
 
-def _steadied(leg: CapturedLeg, pelvis: Floats, bent: Floats, wide: int) -> Floats:
+def steadied(leg: CapturedLeg, pelvis: Floats, bent: Floats, wide: int) -> Floats:
     """Find (F,) [rad] by which a leg that was nearly straight, and is bent now, turns about its own line.
 
     The plane of a leg that is nearly straight means little, and may swing round within some frames, unseen; when the

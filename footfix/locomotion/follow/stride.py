@@ -113,4 +113,3 @@ def way_on(path: Path, stride: float, leg_length: float, until: float, params: F
     slow = 1.0 / scale_of(bent, leg_length, params)
     u = np.append(0.0, np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(s)))
     return Way(s, u - np.interp(0.0, s, u))
-
