@@ -37,6 +37,8 @@ _ROUNDED = 0.15  # [rad] of a knee's flexion, below which it is taken to be less
 _MORE = 0.15  # [rad] by which a knee is bent more for its leg's plane to be steadied
 _PLANE = 0.8  # [rad] a knee that is bent by more tells the plane of its leg
 _STEADY = 0.3  # [s] over which that plane is smoothed
+_CLEAR = 0.01  # [m] over which a foot that gets too low is lifted
+_ENDS = 0.25  # of a swing, in which that comes and goes
 _SWING = 3  # frames that a swing has at least
 _MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
 
@@ -224,8 +226,41 @@ def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, pelvis: Floats, wide: in
         foot[some] = rotation.multiply(rotation.from_rotation_vector(_led_over(turned, some)), leg.turn[some])
         bent[some] = _led_flexion(leg.flexion, bent, some)
     bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
+    far = norm(thigh + rotation.rotate(bend, shank))
+    led = leg.hip + far[:, None] * unit(line)
+    lift = np.zeros(len(far))
+    for some in goal.swings:
+        lift[some] = _lifted(leg, some, (led, foot), (ankle, goal.turn))
+    if np.any(lift):
+        up = led + np.outer(lift, [0.0, 1.0, 0.0])
+        bent, line = bent + flexion_for(leg, up) - flexion_for(leg, led), up - leg.hip
+        bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
     swing = rotation.between(thigh + rotation.rotate(bend, shank), line)
     return LegTurns(rotation.multiply(rotation.from_axis_angle(unit(-line), swivel), swing), bend), foot
+
+
+def _lifted(
+    leg: CapturedLeg, some: slice, led: tuple[Floats, Floats], asked: tuple[Floats, Floats]
+) -> Floats:  # fmt: skip
+    """Find (n,) [m] by which a swinging foot is lifted so that it gets no lower than it ever does by itself.
+
+    Args:
+        leg: as it is mixed.
+        some: frames of the swing.
+        led: (F, 3) [m] the ankle and (F, 4) its frame, as they are led,
+        asked: and as the foot goes by itself.
+    """
+    ends = [leg.in_foot(leg.effector(part)) for part in ("heel", "toe")]
+
+    def low(ankle: Floats, turn: Floats) -> Floats:
+        return np.asarray(np.min([(ankle + rotation.rotate(turn, end))[:, 1] for end in ends], axis=0))
+
+    lack = low(*asked).min() - low(*led)[some]
+    u = np.arange(1, len(lack) + 1) / (len(lack) + 1)
+    soft = 0.5 * (lack + np.hypot(lack, _CLEAR))
+    if not np.any(lack > 0.0):
+        return np.zeros(len(lack))
+    return np.asarray(soft * ease(u / _ENDS) * ease((1.0 - u) / _ENDS))
 
 
 def steadied(leg: CapturedLeg, pelvis: Floats, bent: Floats, wide: int) -> Floats:
