@@ -16,9 +16,10 @@ from footfix.locomotion.follow.balance import (
     segments,
     zero_moment_point,
 )
+from footfix.locomotion.follow.legs import bend_legs, hips_of, reaches
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
-from footfix.locomotion.follow.placing import Goal, Lean, bend_legs, goal_of, hips_of, lay_body, reaches
+from footfix.locomotion.follow.placing import Goal, Lean, goal_of, lay_body
 from footfix.locomotion.follow.posing import Posed, pose
 from footfix.locomotion.follow.standing import firmness, unslid, unturned
 from footfix.locomotion.follow.steps import envelope, ground_at, lower_swing, reach_lack

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.papers.leg import CapturedLeg
-from footfix.locomotion.follow.placing import steadied
+from footfix.locomotion.follow.legs import steadied
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.rig.rig import Leg
