@@ -23,7 +23,7 @@ _AT = np.concatenate([[0.0], 1.0 + _NODES])
 class Line(Protocol):
     """A path over the floor by its arc length, as `Path` is."""
 
-    def place(self, s: Floats) -> Floats:
+    def position(self, s: Floats) -> Floats:
         """(..., 2) [m] x and z."""
 
     def heading(self, s: Floats) -> Floats:
@@ -169,7 +169,7 @@ class Course:
         known = self.known[k]
         out = known + _headed(_steps(self.plan, self.frequency, self.grid[k], times), known[:, 2])
         if self.line is not None:
-            out[:, 2], out[:, 3:] = self.line.heading(out[:, 1]), self.line.place(out[:, 1])
+            out[:, 2], out[:, 3:] = self.line.heading(out[:, 1]), self.line.position(out[:, 1])
         return np.asarray(out)
 
     def phases(self, times: Floats) -> Floats:
