@@ -25,7 +25,7 @@ from typing import Protocol
 import numpy as np
 
 from footfix.enforce.correction import apply
-from footfix.enforce.leg import ANKLE, ROOT
+from footfix.enforce.leg import ANKLE
 from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import forward
@@ -36,8 +36,8 @@ from footfix.stream.events import Event, Kind
 from footfix.stream.legs import Legs, Measure
 from footfix.stream.part import Part
 from footfix.stream.past import Past
-from footfix.stream.turns import correction
-from footfix.stream.window import BEFORE, Window
+from footfix.stream.turns import Turner
+from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
@@ -117,11 +117,12 @@ class Engine:
             look_ahead, settings.detect.auto,
         )  # fmt: skip
         moves = bool(part.skeleton.translates[self._rig.root])
-        self._window = Window(part.known, moves, frame_time, settings.enforce, shown)
         self._belt = Belt(part.known.belt, frame_time, self._rig.leg_length, settings.enforce.ground)
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
         self._joints = posed_joints(part.skeleton, self._rig)
         self._measure = Measure(part, self._joints)
+        self._turner = Turner(part, self._joints, self._measure.kinds, frame_time)
+        self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
         self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
         self._hop: list[Floats] = []
         self._work: Iterator[None] = iter(())  # parts that are left
@@ -186,21 +187,19 @@ class Engine:
             return
         seen = self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
         yield
-        first = max(self._settled - BEFORE, 0)
-        before = self._settled - first
-        found = seen.down[self._settled - seen.first :]
-        down = self._standing(found, stop - self._settled)
-        on = np.concatenate([self._told[BEFORE - before :], down])
+        settled, first = self._settled, max(self._settled - BEFORE, 0)
+        before, count = settled - first, stop - settled
+        found = seen.down[settled - seen.first :]
+        on = np.concatenate([self._told[BEFORE - before :], self._standing(found, count)])
         legs, lift = self._window.lifted(self._past.legs(first), first)
-        x, on = yield from self._window.solve(legs, on, first, stop, rounds, last=last)
-        self._learn(legs.frames(slice(before, stop - first)), found[: stop - self._settled])
-        events, settled = self._events(seen, on[: stop - first], first), self._settled
-        self._told = np.concatenate([self._told, on[before : stop - first]])[-BEFORE:]
+        done = yield from self._window.solve(legs, self._past.pose(settled, stop), on, first, rounds, last=last)
+        shown = slice(before, before + count)
+        self._learn(legs.frames(shown), found[:count])
+        events = self._events(seen, done.on)
+        self._told = np.concatenate([self._told, done.on])[-BEFORE:]
         self._settled = stop
         yield
-        shown = slice(before, stop - first)
-        shift = x[:ROOT, shown].T + lift[shown, None] * np.array([0.0, 1.0, 0.0])
-        self._write(settled, legs.frames(shown), x[:, shown], shift, on[shown], events)
+        self._write(settled, done, lift[shown], events)
 
     def _learn(self, legs: Legs, down: Bools) -> None:
         """Learn of the ground from the frames that are settled now, with contacts (n, 2 legs) as detected."""
@@ -215,25 +214,17 @@ class Engine:
         self._past.append(rows, legs, pose)
         self._detector.add(tracks)
 
-    def _write(self, first: int, legs: Legs, x: Floats, shift: Floats, on: Bools, events: Sequence[Event]) -> None:
-        """Make ready the rows of frames that are settled, n of them from number `first` on.
-
-        Args:
-            first: number of the first.
-            legs: in them.
-            x: (U, n) their state.
-            shift: (n, 3) [m] of the root.
-            on: (n, 2 legs) when heel and toe of each are planted.
-            events: what begins or ends there.
-        """
-        stop = first + len(on)
+    def _write(self, first: int, done: Settled, lift: Floats, events: Sequence[Event]) -> None:
+        """Make ready the rows of n frames that are settled, from number `first` on, raised by (n,) [m]."""
+        stop = first + len(lift)
         rows = self._past.rows.view(first, stop)
         clip = self._codec.read(rows)
-        done = correction(self._part, clip, self._past.pose(first, stop), legs, x, shift)
-        rows = self._codec.write(rows, clip, apply(clip, done)) if done.joints or np.any(shift) else rows.copy()
+        shift = done.shift + lift[:, None] * np.array([0.0, 1.0, 0.0])
+        change = self._turner.correction(clip, done.turned, shift)
+        rows = self._codec.write(rows, clip, apply(clip, change)) if change.joints or np.any(shift) else rows.copy()
         for k, number in enumerate(range(first, stop)):
             own = tuple(event for event in events if self._due_with(event, number, first, stop))
-            self._ready.append(Shown(number, rows[k], on[k, self._order], own))
+            self._ready.append(Shown(number, rows[k], done.on[k, self._order], own))
 
     @staticmethod
     def _due_with(event: Event, number: int, first: int, stop: int) -> bool:
@@ -258,9 +249,9 @@ class Engine:
                 self._window.left[k] = False
         return down
 
-    def _events(self, seen: Seen, on: Bools, first: int) -> list[Event]:
-        """What begins or ends in the frames that are settled now, by contacts (n, 2 legs) from frame `first` on."""
-        down = np.concatenate([self._told[-1:], on[self._settled - first :]])
+    def _events(self, seen: Seen, on: Bools) -> list[Event]:
+        """What begins or ends in the frames that are settled now, by their contacts (n, 2 legs)."""
+        down = np.concatenate([self._told[-1:], on])
         found = []
         for sole, column in zip(self._rig.soles, self._order, strict=True):
             for k in np.flatnonzero(down[1:, column] != down[:-1, column]).tolist():
