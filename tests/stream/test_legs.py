@@ -17,7 +17,7 @@ from footfix.enforce.whole_clip import correction as whole_correction
 from footfix.motion.clip import Floats
 from footfix.stream.legs import Measure, posed, turns_of
 from footfix.stream.past import Past
-from footfix.stream.turns import correction
+from footfix.stream.turns import Turner
 
 
 def alike(ours: LegTracks, known: LegTracks) -> bool:
@@ -86,7 +86,10 @@ def test_rotations_of_a_state_are_those_of_a_whole_clip(name: str) -> None:
     shift = x[:ROOT].T
     columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(legs.kinds.legs))]
     known = whole_correction(clip, part.known.rig, pose, legs.apart(), x, columns, shift)
-    found = correction(part, clip, pose, legs, x, shift)
+    turner = Turner(part, pose.joints, legs.kinds, frame_time=10.0)  # in which joints may turn as they like
+    turned = turner.turn(pose, legs, x)
+    assert not turned.late.any()
+    found = turner.correction(clip, turned, shift)
     assert set(found.joints) == set(known.joints)
     ours, theirs = apply(clip, found), apply(clip, known)
     assert np.allclose(np.abs(np.sum(ours.rotations * theirs.rotations, axis=-1)), 1.0, atol=1e-12)
