@@ -102,3 +102,19 @@ def test_a_belt_is_learnt_and_forgotten() -> None:
     assert np.allclose(belt.velocity, [0.0, 0.0, 1.1], atol=1e-9)
     walked(belt, 0.0, first, 10, dt)
     assert not belt.velocity.any()
+
+
+def test_a_foot_that_stands_for_a_second_is_on_no_belt() -> None:
+    dt = 1.0 / 60.0
+    belt = Belt(np.array([0.0, 0.0, 1.3]), dt, 0.9, GroundParams())
+    down = np.zeros((60, 4), dtype=np.bool_)
+    down[:, 1] = True
+    along, still = np.zeros((3, 2, 2, 60)), np.zeros((3, 2, 2, 60))
+    along[2] = 1.3 * dt * np.arange(60)
+    belt.follow(along, np.zeros((3, 60)), down, 0)
+    belt.follow(along[..., -1:] + np.zeros(60), np.zeros((3, 60)), down & False, 60)
+    assert belt.velocity.any()
+    belt.follow(still, np.zeros((3, 60)), down, 120)
+    assert belt.velocity.any()
+    belt.follow(still[..., :2], np.zeros((3, 2)), down[:2], 180)
+    assert not belt.velocity.any()
