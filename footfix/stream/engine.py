@@ -44,7 +44,7 @@ _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that 
 _PARTS = 8  # of the work that a hop makes
 _SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
 _SPARED = 5  # and a frame for as many of the look-ahead's
-_ROUNDS, _FIRST_ROUNDS, _LAST_ROUNDS = 2, 6, 6  # of a window's solution: most of them, the first one, and the last one
+_ROUNDS, _LAST_ROUNDS = 2, 6  # of a window's solution, and of the last one's
 _WORK = 0.012  # [s] that work and the ways in and out may take, of the time that a frame waits
 _OVER = object()  # no parts are left
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
@@ -104,7 +104,7 @@ class Engine:
             frame_time: [s].
             settings: how contacts are found and enforced.
             look_ahead: [s] that a frame waits for what follows it.
-            shown: how many of the first frames are given out by others, as they are.
+            shown: how many of the first frames are given out by others, as they are; they are to be recalled.
         """
         self._part, self._codec, self._columns, self._frame_time = part, codec, columns, frame_time
         self._rig = part.known.rig
@@ -132,10 +132,11 @@ class Engine:
         self._ready: deque[Shown] = deque()
 
     def recall(self, rows: Floats) -> None:
-        """Take rows (n, C) at once, of which the first ones were given out already."""
+        """Take rows (n, C) that were given out already."""
         self._arrived += len(rows)
-        for _ in self._parts(rows, _FIRST_ROUNDS):
-            pass
+        if len(rows):
+            self._take(rows)
+            self._detector.weigh()
 
     def push(self, rows: Floats) -> list[Shown]:
         """Take the next rows (n, C); give out those that are due."""

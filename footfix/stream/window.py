@@ -68,8 +68,6 @@ class Window:
             params: how contacts are enforced.
             first: number of the first frame that may be changed.
         """
-        import scipy.linalg.lapack  # noqa: F401  it takes a tenth of a second, which no frame is to wait for
-
         self._known, self._translates, self._frame_time, self._params = known, translates, frame_time, params
         self._turner = turner
         rig, heights = known.rig, params.heights == "floor"
