@@ -9,13 +9,12 @@ import pytest
 from streams import figure, legs_of, state
 
 from footfix.detect.tracks import tracks_of
-from footfix.enforce import posed as one_leg
 from footfix.enforce.correction import apply
 from footfix.enforce.leg import LEG, ROOT, LegTracks
 from footfix.enforce.leg import tracks as leg_tracks
 from footfix.enforce.whole_clip import correction as whole_correction
 from footfix.motion.clip import Floats
-from footfix.stream.legs import Measure, posed, turns_of
+from footfix.stream.legs import Measure, posed
 from footfix.stream.past import Past
 from footfix.stream.turns import Turner
 
@@ -52,14 +51,6 @@ def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
         assert all(alike(a, b) for a, b in zip(ours.apart(), theirs.apart(), strict=True))
     assert np.array_equal(past.pose(10, 30).rotations, pose.rotations[10:30])
     assert part.known.rig.legs == legs.kinds.legs
-
-
-@pytest.mark.parametrize("size", [0.0, 1e-6, 0.01, 0.5, 3.0])
-def test_turns_and_their_changes_are_those_of_rotation_vectors(size: float) -> None:
-    vectors = np.random.default_rng(1).normal(size=(3, 2, 7)) * size
-    turn, change = turns_of(vectors)
-    assert np.allclose(turn, one_leg.exponential(vectors), atol=1e-12)
-    assert np.allclose(change, one_leg.left_jacobian(vectors), atol=1e-8)
 
 
 def test_points_move_with_the_unknowns_as_differences_say() -> None:
