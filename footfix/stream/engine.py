@@ -36,6 +36,7 @@ from footfix.stream.events import Event, Kind
 from footfix.stream.legs import Legs, Measure
 from footfix.stream.part import Part
 from footfix.stream.past import Past
+from footfix.stream.spread import Spread
 from footfix.stream.turns import Turner
 from footfix.stream.window import BEFORE, Settled, Window
 
@@ -46,7 +47,6 @@ _SPREAD = 5  # frames over which they are spread at most, besides the hop's last
 _SPARED = 5  # and a frame for as many of the look-ahead's
 _ROUNDS, _LAST_ROUNDS = 2, 6  # of a window's solution, and of the last one's
 _WORK = 0.012  # [s] that work and the ways in and out may take, of the time that a frame waits
-_OVER = object()  # no parts are left
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
 
 
@@ -110,8 +110,8 @@ class Engine:
         self._rig = part.known.rig
         self.hop, self.delay = paced(look_ahead, frame_time)
         ahead = self.delay - self.hop + 1
-        self._spread = min(self.hop - 1, _SPREAD, ahead // _SPARED)  # frames that a hop's parts wait for at most
-        self._ahead = ahead - self._spread
+        spread = min(self.hop - 1, _SPREAD, ahead // _SPARED)  # frames that a hop's parts wait for at most
+        self._work, self._ahead = Spread(_PARTS, spread + 1), ahead - spread
         self._detector = Detector(
             [leg.side for leg in self._rig.legs], part.known.mates, part.known.jitter, self._rig.leg_length, frame_time,
             look_ahead, settings.detect.auto,
@@ -125,16 +125,14 @@ class Engine:
         self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
         self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
         self._hop: list[Floats] = []
-        self._work: Iterator[None] = iter(())  # parts that are left
-        self._done = self._since = 0  # parts of them that were done, and frames that came since they began
         self._arrived, self._settled = 0, shown
         self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled
         self._ready: deque[Shown] = deque()
 
     def recall(self, rows: Floats) -> None:
         """Take rows (n, C) that were given out already."""
-        self._arrived += len(rows)
         if len(rows):
+            self._arrived += len(rows)
             self._take(rows)
             self._detector.weigh()
 
@@ -144,20 +142,18 @@ class Engine:
         for row in rows:
             self._hop.append(row)
             self._arrived += 1
-            self._since += 1
             if len(self._hop) == self.hop:
-                self._work, self._done, self._since = self._parts(self._taken(), _ROUNDS), 0, 0
-            self._advance()
+                self._work.begin(self._parts(self._taken(), _ROUNDS))
+            self._work.advance()
             while self._ready and self._ready[0].number < self._arrived - self.delay:
                 out.append(self._ready.popleft())
         return out
 
     def close(self) -> list[Shown]:
         """Give out all that is left; no frames follow."""
-        for _ in self._work:
-            pass
-        for _ in self._parts(self._taken(), _LAST_ROUNDS, last=True):
-            pass
+        self._work.finish()
+        self._work.begin(self._parts(self._taken(), _LAST_ROUNDS, last=True))
+        self._work.finish()
         left = list(self._ready)
         self._ready.clear()
         return left
@@ -167,14 +163,6 @@ class Engine:
         rows = np.stack(self._hop) if self._hop else np.zeros((0, self._columns))
         self._hop.clear()
         return rows
-
-    def _advance(self) -> None:
-        """Do the parts that are due with this frame."""
-        due = _PARTS * (self._since + 1) // (self._spread + 1)
-        while self._done < due:
-            self._done += 1
-            if next(self._work, _OVER) is _OVER:
-                self._done = due
 
     def _parts(self, rows: Floats, rounds: int, *, last: bool = False) -> Iterator[None]:
         """Do the parts that rows (n, C) make, pausing after each; with `last`, settle all frames."""

@@ -63,7 +63,7 @@ class Turner:
         world = pose.rotations.transpose(1, 0, 2)[self._slots]  # (2, 4, L, n, 4)
         world[1][self._slots[1] < 0] = rotation.identity()
         captured = rotation.multiply(rotation.inverse(world[1]), world[0])
-        wanted = _local(*world, _world(legs, own.swapaxes(0, 1)))
+        wanted = _local(world, _world(legs, own.swapaxes(0, 1)))
         more = np.where(
             (changed & self._written[..., None])[..., None],
             rotation.multiply(wanted, rotation.inverse(captured)), rotation.identity(),
@@ -96,13 +96,13 @@ def _world(legs: Legs, x: Floats) -> Floats:
     return np.stack([swing, below[0], foot, below[1]])
 
 
-def _local(captured: Floats, parents: Floats, turns: Floats) -> Floats:
+def _local(captured: Floats, turns: Floats) -> Floats:
     """(4, L, n, 4) local rotations of joints turned in the world, each below a parent that is turned as the one above.
 
     Args:
-        captured, parents: (4, L, n, 4) rotations of the joints, and of their parents, in the world.
+        captured: (2, 4, L, n, 4) rotations of the joints, and of their parents, in the world.
         turns: (4, L, n, 4) of the joints.
     """
     above = np.concatenate([rotation.identity((1, *turns.shape[1:3])), turns[:3]])
-    world = rotation.multiply(np.stack([turns, above]), np.stack([captured, parents]))
+    world = rotation.multiply(np.stack([turns, above]), captured)
     return rotation.normalize(rotation.multiply(rotation.inverse(world[1]), world[0]))
