@@ -121,7 +121,7 @@ class Engine:
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
         self._joints = posed_joints(part.skeleton, self._rig)
         self._measure = Measure(part, self._joints)
-        self._turner = Turner(part, self._joints, self._measure.kinds, frame_time)
+        self._turner = Turner(part, self._joints, self._measure.kinds, frame_time, goes_on=shown > 0)
         self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
         self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
         self._hop: list[Floats] = []

@@ -35,14 +35,17 @@ class Turned:
 class Turner:
     """The joints of a figure's legs, that turn as states want, frame after frame, and never jump."""
 
-    def __init__(self, part: Part, joints: Sequence[int], kinds: Kinds, frame_time: float) -> None:
-        """Begin with a figure as captured.
+    def __init__(
+        self, part: Part, joints: Sequence[int], kinds: Kinds, frame_time: float, *, goes_on: bool = True
+    ) -> None:
+        """Begin with a figure.
 
         Args:
             part: the figure.
             joints: those that its poses are of.
             kinds: what its legs are like.
             frame_time: [s].
+            goes_on: whether frames went out before, as captured.
         """
         own = np.array(
             [[leg.hip, leg.knee, leg.ankle, leg.ankle if leg.toe is None else leg.toe] for leg in kinds.legs]
@@ -54,7 +57,7 @@ class Turner:
         self._written = np.ones(own.shape, dtype=np.bool_)
         self._written[3] = kinds.bends
         self._most = float(np.radians(FASTEST)) * frame_time
-        self._last = rotation.identity(own.shape)  # (4, L, 4) correction of each joint in the last frame
+        self._last = rotation.identity(own.shape) if goes_on else None  # (4, L, 4) correction in the last frame
 
     def turn(self, pose: Pose, legs: Legs, x: Floats) -> Turned:
         """Turn the joints in the next n frames, of which pose and legs are as captured, as a state (U, n) wants."""
@@ -68,7 +71,7 @@ class Turner:
             (changed & self._written[..., None])[..., None],
             rotation.multiply(wanted, rotation.inverse(captured)), rotation.identity(),
         )  # fmt: skip
-        more, late = limited(more, self._last, self._most)
+        more, late = limited(more, more[:, :, 0] if self._last is None else self._last, self._most)
         self._last = more[:, :, -1]
         rotations = np.where(late[..., None], rotation.multiply(more, captured), wanted)
         return Turned(rotations, changed | late, late)
