@@ -11,10 +11,12 @@ import numpy as np
 from footfix.errors import InputError, UsageError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_range
 from footfix.notes import Note
 from footfix.rig import soles
 from footfix.rig.figure import Figure, figures, joint
+from footfix.rig.mesh import FootMesh
 from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
 from footfix.rig.sample import Sample, sample
@@ -81,7 +83,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
     points, given = _points(seen, legs, feet, params.soles, () if fitted is None else fitted.points)
     on_zero = measured is not None and fitted is None
     level, others, floor_origin = _floor(
-        seen, points, figure.length, params.floor, on_zero=on_zero, skinned=fitted is not None
+        seen, points, figure.length, params.floor, on_zero=on_zero, meshes=() if fitted is None else fitted.meshes
     )  # fmt: skip
     root = _carrier(seen, figure) if params.root is None else _given_root(seen, params.root)
     origins = {
@@ -231,16 +233,19 @@ def _triple(vector: Floats) -> tuple[float, float, float]:
 
 def _floor(
     seen: Sample, points: Sequence[SolePoint], leg: float, asked: float | Literal["zero"] | None, *, on_zero: bool,
-    skinned: bool,
+    meshes: Sequence[FootMesh],
 ) -> tuple[float, tuple[float, ...], str]:  # fmt: skip
     """Find the height of the floor [m] and that of other levels on which soles often rest; say how it was found."""
     if asked is not None:
         return (0.0 if asked == "zero" else asked), (), "config"
     heights, velocities = _lowest(seen, points)
+    if meshes:  # a foot may lie on its side, or on its back
+        pose = Pose(tuple(range(len(seen.skeleton))), seen.places, seen.turns)
+        heights = np.stack([mesh.lowest(pose) for mesh in meshes], axis=1)
     level, others = soles.floor(heights, velocities, leg)
     if on_zero:
         return 0.0, others, "the file's zero plane, on which the toes rest"
-    if skinned and skin_on_zero_plane(heights, velocities, level, leg):
+    if meshes and skin_on_zero_plane(heights, velocities, level, leg):
         return 0.0, (), "the file's zero plane, on which the soles of the skin rest"
     return level, others, "where the soles rest most"
 
