@@ -63,6 +63,8 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]
     named = _by_names(skin, names, legs)
     own = named or _by_shape(skin, legs)
     soles = feet_of(skin, own)
+    if not soles[0].length > 0.0:
+        raise InputError("its legs have no length", file=skin.name)
     # Straight from hip to knee to ankle in both, whatever joints lie between.
     lengths = [seen.distance(leg.hip, leg.knee) + seen.distance(leg.knee, leg.ankle) for leg in legs]
     scale = float(np.mean(lengths)) / soles[0].length
@@ -92,7 +94,7 @@ def _by_names(skin: Skin, names: Sequence[str], legs: Sequence[Leg]) -> tuple[Sk
     found = []
     for leg in legs:
         hip, knee, ankle = (find(joint) for joint in (leg.hip, leg.knee, leg.ankle))
-        if hip is None or knee is None or ankle is None:
+        if hip is None or knee is None or ankle is None or len({hip, knee, ankle}) < 3:
             return None
         found.append(SkinLeg(leg.name, hip, knee, ankle, None if leg.toe is None else find(leg.toe)))
     return tuple(found)
