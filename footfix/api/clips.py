@@ -44,8 +44,8 @@ def find_rig(
     Args:
         clip: in metres, y up; positions parent-local.
         settings: what is known beforehand, as `settings.rig`.
-        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken; by default what
-            `settings.rig.skin` names.
+        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken, or the `.skin`
+            of a glTF file that was loaded; by default what `settings.rig.skin` names.
 
     Raises:
         ArgumentError: the clip is none, or not in metres.
@@ -63,8 +63,8 @@ def find_rigs(
     Args:
         clip: in metres, y up; positions parent-local.
         settings: what is known beforehand, as `settings.rig`.
-        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken; by default what
-            `settings.rig.skin` names.
+        skin: a glTF file of the character whose feet these are, from whose mesh the soles are taken, or the `.skin`
+            of a glTF file that was loaded; by default what `settings.rig.skin` names.
 
     Raises:
         ArgumentError: the clip is none, or not in metres.
@@ -76,9 +76,11 @@ def find_rigs(
     if not isinstance(skin, Skin):
         from footfix.batch.skins import skin_for
 
-        rig = settings.rig if skin is None else replace(settings.rig, skin=os.fspath(skin))
-        skin = skin_for(replace(settings, rig=rig))
-    rigs = find.find_rigs(clip, settings.rig, skin=skin)
+        params = settings.rig if skin is None else replace(settings.rig, skin=os.fspath(skin))
+        skin = skin_for(replace(settings, rig=params))
+    else:
+        params = replace(settings.rig, skin=skin.name)
+    rigs = find.find_rigs(clip, params, skin=skin)
     return tuple(check_rig(rig, clip) for rig in rigs)
 
 

@@ -15,6 +15,7 @@ from footfix.batch.task import CONTACTS, REPORT, FileResult
 from footfix.errors import FootfixError, InputError
 from footfix.formats.suffixes import in_file
 from footfix.report.again import Again, clean_again, clean_loop_again
+from footfix.rig.params import NO_SKIN
 from footfix.settings import Layer, ReportParams, Settings, compose
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def _skin(report: Mapping[str, Any], path: Path, source: Path | None) -> Skin | 
     """Find the character whose mesh the soles were taken from: where it was, or beside the clip or the report."""
     told = (report.get("settings") or {}).get("rig") or {}
     named = told.get("skin")
-    if not isinstance(named, str):
+    if not isinstance(named, str) or named == NO_SKIN:
         return None
     settings = compose([Layer("report", {"rig": {"skin": named}})])
     beside = [path.parent] if source is None else [source if source.is_dir() else source.parent, path.parent]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from footfix.batch.files import read_whole
 from footfix.errors import InputError
+from footfix.rig.params import NO_SKIN
 
 if TYPE_CHECKING:
     from footfix.rig.skin import Skin
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def skin_for(settings: Settings, folder: str | os.PathLike[str] = "") -> Skin | None:
-    """Read the character that `rig.skin` names; None where it names none.
+    """Read the character that `rig.skin` names; None where it names none, or says that there is none.
 
     Args:
         settings: the parameters of all steps.
@@ -25,9 +26,9 @@ def skin_for(settings: Settings, folder: str | os.PathLike[str] = "") -> Skin | 
     Raises:
         InputError: it can't be read, or shows no mesh.
     """
-    if settings.rig.skin is None:
+    if settings.rig.skin in (None, NO_SKIN):
         return None
-    path = Path(folder, settings.rig.skin)
+    path = Path(folder, str(settings.rig.skin))
     try:
         stamp = path.stat()
     except OSError as error:

@@ -11,6 +11,8 @@ from typing import Any, TypeVar, cast
 
 import click
 
+from footfix.rig.params import NO_SKIN
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -65,12 +67,12 @@ class Given:
     Args:
         labels: a label file, or a folder of them; None for none.
         order: effector names of the columns of an array, () for the usual ones.
-        skin: a character from whose mesh the soles are taken; None for none.
+        skin: a character from whose mesh the soles are taken, or "none"; None where nothing was said.
     """
 
     labels: Path | None = None
     order: tuple[str, ...] = ()
-    skin: Path | None = None
+    skin: str | None = None
 
 
 def given(purpose: str) -> Callable[[Command], Command]:
@@ -84,11 +86,18 @@ def given(purpose: str) -> Callable[[Command], Command]:
             click.option("--order", default="", metavar="NAMES", callback=_order,
                          help="Effectors of the columns of an array, left to right; by default "
                          "left_heel,left_toe,right_heel,right_toe, as HumanML3D and LAFAN1 have them."),
-            click.option("--skin", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CHARACTER",
-                         help="Take the soles from the mesh of this character: .glb, .gltf or .vrm (rig.skin)."),
+            click.option("--skin", metavar="CHARACTER", callback=_character,
+                         help="Take the soles from the mesh of this character: .glb, .gltf or .vrm; a glTF clip takes "
+                         "its own by default; none estimates them (rig.skin)."),
         )  # fmt: skip
 
     return decorate
+
+
+def _character(context: click.Context, option: click.Parameter, value: str | None) -> str | None:
+    if value is None or value == NO_SKIN:
+        return value
+    return str(click.Path(exists=True, dir_okay=False).convert(value, option, context))
 
 
 def _order(context: click.Context, option: click.Parameter, value: str) -> tuple[str, ...]:

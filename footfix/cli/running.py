@@ -95,7 +95,7 @@ def tasks_for(
     jobs: Sequence[Job], found: Sequence[Source], config: Config, given: Given | None = None
 ) -> list[Task]:  # fmt: skip
     labels = labels_for(given or Given(), found)
-    skin = None if given is None or given.skin is None else str(given.skin)
+    skin = None if given is None else given.skin
 
     def settings_for(job: Job) -> Settings:
         settings = config.settings(None if job.source == STDIN else Path(job.source))

@@ -10,12 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import PurePath
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from footfix.formats.bvh.text import Limits
 from footfix.formats.suffixes import MOTION, in_file
 from footfix.motion.clip import Clip, Ints
 from footfix.notes import Note
+from footfix.rig.params import RigParams
+
+if TYPE_CHECKING:
+    from footfix.rig.skin import Skin
 
 Beside = Callable[[str], bytes]  # the bytes of a file that another one names, relative to its folder
 
@@ -70,6 +74,10 @@ class Document(Protocol):
     def metric(self) -> bool:
         """Whether its format says metres and y up, so that the figure's size hardly counts against it."""
 
+    @property
+    def skin(self) -> Skin | None:
+        """The character whose meshes the file shows, from which its soles can be taken; None where it shows none."""
+
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
         """Give the same file another belief about its unit and its upward axis."""
 
@@ -91,6 +99,11 @@ def open_document(
     kind = _format(name)
     document: Document = kind.decode(data, name=name, limits=limits, **_fetching(kind, beside))
     return document
+
+
+def own_skin(document: Document, params: RigParams) -> Skin | None:
+    """Give the character whose meshes a document's own file shows, unless `params` name another one or none."""
+    return document.skin if params.skin is None else None
 
 
 def clips_of(

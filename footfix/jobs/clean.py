@@ -10,7 +10,7 @@ import numpy as np
 
 from footfix import version
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Beside, Document, rewrite
+from footfix.formats.document import Beside, Document, own_skin, rewrite
 from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
@@ -44,6 +44,7 @@ def clean_file(
         again: how the clip is cleaned again from edited contacts, for its page.
         leave: why the clip stays as it is, if it does: it is what a cleaning made, and `labels` are its contacts.
         beside: reads files that this one names.
+        skin: the character that `settings.rig.skin` names.
 
     Raises:
         InputError: the clip can't be used; says why.
@@ -56,6 +57,7 @@ def clean_file(
     if leave:
         settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
+        skin = skin or own_skin(document, settings.rig)
         prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         if leave:
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))

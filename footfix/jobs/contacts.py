@@ -9,7 +9,7 @@ from footfix import version
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Beside, Document
+from footfix.formats.document import Beside, Document, own_skin
 from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
@@ -51,7 +51,7 @@ def planted(
         labels: contacts given by hand.
         purpose: what this is for, as a message says it of a clip that is too short: "measure".
         beside: reads files that this one names.
-        skin: of the character, from whose mesh the soles are taken.
+        skin: the character that `settings.rig.skin` names.
 
     Returns:
         The document, its source entry, the clip with its figures, and their contacts.
@@ -64,6 +64,7 @@ def planted(
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
+        skin = skin or own_skin(document, settings.rig)
         prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
 

@@ -9,7 +9,7 @@ from typing import Any
 from footfix.enforce.task import ground_of
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
-from footfix.formats.document import Beside, open_document
+from footfix.formats.document import Beside, open_document, own_skin
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.report.again import Again
@@ -90,9 +90,10 @@ def redraw(
     except (KeyError, TypeError, ValueError):
         raise InputError("the report does not say the clip's unit and up axis") from None
     name = str((report.get("source") or {}).get("file", ""))
-    clip, after = (
-        open_document(data, name=name, beside=beside).placed(unit_m=unit_m, up=up).clip for data in (source, written)
+    document, corrected = (
+        open_document(data, name=name, beside=beside).placed(unit_m=unit_m, up=up) for data in (source, written)
     )
+    clip, after = document.clip, corrected.clip
     loop = report["loop"] if isinstance(report.get("loop"), Mapping) else None
     before = clip if loop is None else captured(clip, loop)
     if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
@@ -100,7 +101,7 @@ def redraw(
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params, again)[0]
     told = _told(report)
-    rigs = find_rigs(clip, told.rig, skin=skin)
+    rigs = find_rigs(clip, told.rig, skin=skin or own_skin(document, told.rig))
     whole = joined(rigs)
     belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
     if loop is not None:

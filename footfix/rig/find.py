@@ -13,7 +13,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_range
-from footfix.notes import Note
+from footfix.notes import Note, Severity
 from footfix.rig import soles
 from footfix.rig.figure import Figure, figures, joint
 from footfix.rig.mesh import FootMesh
@@ -79,7 +79,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
     seek_zero = not on_four and params.floor in (None, "zero")
     measured = on_zero_plane(seen, feet, joints, figure.length) if seek_zero else None
     feet = feet if measured is None else list(measured)
-    fitted, unfit = (None, ()) if skin is None else _fitted(skin, seen, legs, feet)
+    fitted, unfit = (None, ()) if skin is None else _fitted(skin, seen, legs, feet, named=params.skin is not None)
     points, given = _points(seen, legs, feet, params.soles, () if fitted is None else fitted.points)
     on_zero = measured is not None and fitted is None
     level, others, floor_origin = _floor(
@@ -112,13 +112,14 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
 
 
 def _fitted(
-    skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot]
+    skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], *, named: bool
 ) -> tuple[Fitted | None, tuple[Note, ...]]:
-    """Put the feet of a skin on the legs, if they go there; say what does not fit."""
+    """Put the feet of a skin on the legs, if they go there; say what does not fit, as a warning where it was named."""
     try:
         fitted = fit_skin(skin, seen, legs, feet)
     except InputError as error:
-        return None, (Note("skin-not-used", f"the skin of {skin.name} is not used: {error.what}", "warning"),)
+        severity: Severity = "warning" if named else "note"
+        return None, (Note("skin-not-used", f"the skin of {skin.name} is not used: {error.what}", severity),)
     return fitted, fitted.notes
 
 

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 
+NO_SKIN = "none"  # in place of a file: soles are estimated, whatever mesh there is
+
+
 @dataclass(frozen=True, kw_only=True)
 class LegParams:
     """One leg, by joint names.
@@ -53,7 +56,7 @@ class RigParams:
         legs: leg name -> its joints. Given legs stand in place of the found ones; there may be any number.
         soles: sole point name (`left_heel`) -> its place; the others are found.
         skin: a glTF file of the character whose feet these are (its own, or one it will be shown with): the soles are
-            taken from its mesh.
+            taken from its mesh. A glTF clip that shows a mesh takes its own where none is named; "none" estimates.
     """
 
     unit_m: float | None = None  # metres per unit of the file; none: from the length of the legs
@@ -62,4 +65,4 @@ class RigParams:
     root: str | None = None  # joint that carries the travel; none: found
     legs: Mapping[str, LegParams] = field(default_factory=dict)  # leg name -> joints; none: found
     soles: Mapping[str, SoleParams] = field(default_factory=dict)  # sole point name -> place; none: found
-    skin: str | None = None  # glTF file whose mesh has the soles; none: estimated from the clip
+    skin: str | None = None  # glTF file whose mesh has the soles; not set: a glTF clip's own; "none": estimated

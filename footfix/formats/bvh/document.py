@@ -53,6 +53,7 @@ class Document:
 
     metric = False  # nothing says what a BVH is in
     start = 0.0  # [s]
+    skin = None  # a BVH has no mesh
 
     @property
     def values(self) -> Floats:

@@ -13,6 +13,7 @@ from footfix.formats.bvh.channels import check_belief
 from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.gltf.container import Container
 from footfix.formats.gltf.grid import Grid
+from footfix.formats.gltf.mesh import skin_of
 from footfix.formats.gltf.nodes import Nodes
 from footfix.formats.gltf.tracks import WIDTHS, Track
 from footfix.motion.clip import Clip, Floats, Ints, Skeleton, constant_track
@@ -20,6 +21,7 @@ from footfix.notes import Note
 from footfix.rig.figure import figures
 from footfix.rig.params import RigParams
 from footfix.rig.sample import sample
+from footfix.rig.skin import Skin
 
 _UNEVEN = 1e-3  # of a scale, by which its axes or frames may differ
 _STILL = 5e-4  # of the figure's size: a joint that moves less in its parent's frame does not move there
@@ -71,6 +73,14 @@ class Document:
     def frame_time(self) -> float:
         """[s] of one frame."""
         return self.grid.step
+
+    @cached_property
+    def skin(self) -> Skin | None:
+        """The character whose meshes the file shows; None where it shows none, or none that can be read."""
+        try:
+            return skin_of(self.container, self.nodes)
+        except InputError:
+            return None
 
     @cached_property
     def scales(self) -> tuple[Floats, ...]:

@@ -9,6 +9,7 @@ of the skin with most joints, by the joints that they share.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -41,13 +42,24 @@ def read_skin(data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: 
     """
     container = open_container(data, name=name, limits=limits, beside=beside)
     try:
-        return _read(container, limits)
+        found = skin_of(container, read_nodes(container, limits))
     except InputError as error:
         raise (error if error.file else error.within(name)) from None
+    if found is None:
+        raise InputError("it shows no mesh", hint="--skin wants a character with its mesh", file=name)
+    return found
 
 
-def _read(container: Container, limits: Limits) -> Skin:
-    nodes = read_nodes(container, limits)
+def skin_of(container: Container, nodes: Nodes) -> Skin | None:
+    """Take the meshes of an open file, and the joints that move them; None where it shows none.
+
+    Args:
+        container: the file.
+        nodes: its nodes.
+
+    Raises:
+        InputError: the meshes are damaged.
+    """
     world = _world(nodes)
     skins = [_skin(container, k) for k in range(len(container.tables["skins"]))]
     frames = _bound(nodes, world, skins)
@@ -61,7 +73,7 @@ def _read(container: Container, limits: Limits) -> Skin:
             space = frames[k] if skin is None else spaces[skin]
             parts += _of_mesh(container, mesh, k, None if skin is None else skins[skin][0], space)
     if not parts:
-        raise InputError("it shows no mesh", hint="--skin wants a character with its mesh")
+        return None
     most = max(part[2].shape[1] for part in parts)
     joints = np.concatenate([np.pad(part[2], ((0, 0), (0, most - part[2].shape[1]))) for part in parts])
     weights = np.concatenate([np.pad(part[3], ((0, 0), (0, most - part[3].shape[1]))) for part in parts])
@@ -70,7 +82,7 @@ def _read(container: Container, limits: Limits) -> Skin:
     number[order] = np.arange(len(order))
     parents = nodes.parents[order]
     return Skin(
-        container.name, tuple(nodes.names[k] for k in order.tolist()),
+        PurePath(container.name).name, tuple(nodes.names[k] for k in order.tolist()),
         np.where(parents < 0, -1, number[np.maximum(parents, 0)]), frames[order],
         np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]),
         number[joints], weights,
