@@ -92,23 +92,27 @@ def character(
     _mesh(made, nodes, len(names), skins)
     made.tree |= {"nodes": nodes, "scenes": [{"nodes": [0]}], "scene": 0}
     made.tree["animations"] = [
-        _animation(made, name, clip, scale, z_up, first, mode, normalised, matrices, every)
+        animation_of(
+            made, name, clip, node=1, scale=scale, z_up=z_up, start=first, mode=mode, normalised=normalised,
+            matrices=matrices, every=every,
+        )
         for name, clip in clips.items()
     ]
     return made
 
 
-def _animation(
-    made: Writer, name: str, clip: Clip, scale: float, z_up: bool, first: float, mode: str, normalised: bool,
-    matrices: bool, every: int,
+def animation_of(
+    made: Writer, name: str, clip: Clip, *, node: int, scale: float = 1.0, z_up: bool = False, start: float = 0.0,
+    mode: str = "LINEAR", normalised: bool = False, matrices: bool = False, every: int = 1,
 ) -> dict[str, Any]:  # fmt: skip
+    """Write the channels of a clip; `node` is that of its first joint, `start` its first key, others as in `character`."""
     keys = np.arange(0, len(clip), every)
-    times = first + clip.frame_time * keys
+    times = start + clip.frame_time * keys
     both = made.add(times[[0, -1]], min=[float(times[0])], max=[float(times[-1])])
     all_of_them = made.add(times, min=[float(np.float32(times[0]))], max=[float(np.float32(times[-1]))])
     samplers, channels = [], []
 
-    def put(node: int, path: str, values: Floats, kind: str = mode) -> None:
+    def put(of: int, path: str, values: Floats, kind: str = mode) -> None:
         moves = not np.all(values == values[0])
         if not moves:
             values, kind = values[[0, -1]], "STEP"
@@ -119,15 +123,15 @@ def _animation(
         else:
             output = made.add(values)
         samplers.append({"input": all_of_them if moves else both, "output": output, "interpolation": kind})
-        channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
+        channels.append({"sampler": len(samplers) - 1, "target": {"node": of, "path": path}})
 
     for j in range(len(clip.skeleton)):
         if matrices and _still(clip, j):
             continue
         place, turn = _local(clip, j, clip.position(j), clip.rotation(j), scale, z_up)
-        put(j + 1, "translation", place[keys])
-        put(j + 1, "scale", np.ones((len(keys), 3)))
-        put(j + 1, "rotation", rotation.continuous(turn[keys]))
+        put(node + j, "translation", place[keys])
+        put(node + j, "scale", np.ones((len(keys), 3)))
+        put(node + j, "rotation", rotation.continuous(turn[keys]))
     return {"name": name, "samplers": samplers, "channels": channels}
 
 

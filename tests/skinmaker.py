@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from glbmaker import Writer
+from glbmaker import Writer, animation_of
 
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.skin import Skin
@@ -76,7 +76,10 @@ def skin_of(clip: Clip, *, turn: Floats | None = None, scale: float = 1.0, names
     )  # fmt: skip
 
 
-def file_of(clip: Clip, *, bound: str = "skin", weights: float = 1.0, normals: bool = True) -> bytes:
+def file_of(
+    clip: Clip, *, bound: str = "skin", weights: float = 1.0, normals: bool = True, animation: Clip | None = None,
+    feet: bool = True,
+) -> bytes:  # fmt: skip
     """The same walker as a GLB, in metres, y up.
 
     Args:
@@ -85,6 +88,8 @@ def file_of(clip: Clip, *, bound: str = "skin", weights: float = 1.0, normals: b
             toes without a skin, below their nodes.
         weights: what those of a vertex add up to.
         normals: whether they are written.
+        animation: of its joints; none without it.
+        feet: whether the boxes move with the feet, or with the root.
     """
     made, own, places = Writer(), clip.skeleton.names, zero_pose(clip)
     nodes: list[dict[str, Any]] = [
@@ -103,7 +108,7 @@ def file_of(clip: Clip, *, bound: str = "skin", weights: float = 1.0, normals: b
         made.tree["skins"].append({"joints": list(range(len(own))), "inverseBindMatrices": at})
     for name, vertices, facing in feet_boxes(clip):
         apart = bound if name.endswith("ToeBase") else "skin"
-        space, joint = spaces[apart == "shoes"], own.index(name)
+        space, joint = spaces[apart == "shoes"], own.index(name if feet else own[0])
         vertices = vertices - places[joint] if apart == "rigid" else vertices @ space[:3, :3].T
         attributes = {"POSITION": made.add(vertices)}
         if normals:
@@ -123,4 +128,6 @@ def file_of(clip: Clip, *, bound: str = "skin", weights: float = 1.0, normals: b
             node["skin"] = int(apart == "shoes")
         nodes.append(node)
     made.tree["nodes"] = nodes
+    if animation is not None:
+        made.tree["animations"] = [animation_of(made, "Walk", animation, node=0)]
     return made.glb()

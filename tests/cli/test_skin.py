@@ -82,3 +82,61 @@ def test_python_takes_the_same_soles(files: tuple[Path, Path]) -> None:
     assert rig.meshes and rig.soles == footfix.find_rig(motion, settings).soles
     assert rig.soles != footfix.find_rig(motion).soles
     assert footfix.clean(motion, settings).after.penetration_mm < 3.0
+
+
+@pytest.fixture(scope="module")
+def character(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A figure with boxes for feet, and its walk that skates, in one file."""
+    made = walk("walk", 30.0, 2.0).clip
+    path = tmp_path_factory.mktemp("character") / "figure.glb"
+    path.write_bytes(file_of(made, bound="shoes", animation=artefacts.drift(made, 0.05)))
+    return path
+
+
+def test_a_gltf_clip_takes_its_own_mesh_as_if_it_were_named(run: Run, character: Path, tmp_path: Path) -> None:
+    for folder, how in (("own", ()), ("named", ("--skin", character)), ("none", ("--skin", "none"))):
+        assert run("clean", character, *how, "-o", tmp_path / folder, "--report", "json", "-q")[0] == 0
+    for name in ("figure.glb", "figure.contacts.json"):
+        own, named, none = ((tmp_path / folder / name).read_bytes() for folder in ("own", "named", "none"))
+        assert own == named != none, name
+    own, named = (json.loads((tmp_path / f / "figure.report.json").read_text()) for f in ("own", "named"))
+    assert own["settings"]["rig"].pop("skin") is None and named["settings"]["rig"].pop("skin")
+    assert own.pop("fingerprint") != named.pop("fingerprint")  # of the settings
+    assert own == named and own["after"]["penetration_mm"] < 3.0
+
+
+def test_every_command_takes_the_mesh_of_a_gltf_clip(run: Run, character: Path) -> None:
+    for command in (("detect", "--json"), ("check", "--format", "json"), ("inspect", "--json")):
+        own, named, none = (
+            run(command[0], character, *command[1:], *how)[1]
+            for how in ((), ("--set", f"rig.skin={character}"), ("--set", "rig.skin=none"))
+        )
+        assert own == named != none, command
+
+
+def test_a_mesh_that_is_none_of_the_feet_is_no_error(run: Run, tmp_path: Path) -> None:
+    made = walk("walk", 30.0, 2.0).clip
+    path = tmp_path / "figure.glb"
+    path.write_bytes(file_of(made, animation=artefacts.drift(made, 0.05), feet=False))
+    outputs = []
+    for folder, how in (("own", ()), ("none", ("--set", "rig.skin=none"))):
+        code, _, said = run("clean", path, *how, "-o", tmp_path / folder, "--report", "json")
+        assert code == 0 and "skin" not in said
+        outputs.append((tmp_path / folder / "figure.glb").read_bytes())
+    assert outputs[0] == outputs[1] != path.read_bytes()
+    code, _, said = run("clean", path, "--skin", path, "-o", tmp_path / "named", "--report", "json")
+    assert code == 0 and "is not used" in said
+
+
+def test_pages_of_a_gltf_clip_are_drawn_anew_with_its_mesh(run: Run, character: Path, tmp_path: Path) -> None:
+    assert run("clean", character, "-o", tmp_path, "-q")[0] == 0
+    page = (tmp_path / "figure.report.html").read_bytes()
+    assert run("report", tmp_path / "figure.report.json", "--source", character, "--force")[0] == 0
+    assert (tmp_path / "figure.report.html").read_bytes().count(b'"outline"') == page.count(b'"outline"') > 0
+
+
+def test_python_has_the_mesh_of_a_gltf_clip_at_hand(character: Path) -> None:
+    document = footfix.load(character)
+    rig = footfix.find_rig(document.clip, skin=document.skin)
+    assert rig.meshes and rig.soles == footfix.find_rig(document.clip, skin=character).soles
+    assert not footfix.find_rig(document.clip, skin="none").meshes
