@@ -105,7 +105,7 @@ def animation_of(
     made: Writer, name: str, clip: Clip, *, node: int, scale: float = 1.0, z_up: bool = False, start: float = 0.0,
     mode: str = "LINEAR", normalised: bool = False, matrices: bool = False, every: int = 1,
 ) -> dict[str, Any]:  # fmt: skip
-    """Write the channels of a clip; `node` is that of its first joint, `start` its first key, others as in `character`."""
+    """Write the channels of a clip: `node` is its first joint's, `start` the first key, others as in `character`."""
     keys = np.arange(0, len(clip), every)
     times = start + clip.frame_time * keys
     both = made.add(times[[0, -1]], min=[float(times[0])], max=[float(times[-1])])

@@ -94,7 +94,9 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
     gait = gait_in_place(rig, pose, clip.frame_time)
     if gait is not None:  # planted feet stand on a ground that passes: over that they are looked at
         pose = rig.pose(carried(clip, rig, gait.passed))
-    finding = find(tracks_of(clip, rig, pose, mesh=params.method == "lyard"), params)
+    # Legs that stand on their toes have no heel that bears: the network knows them by soles that are estimated.
+    tracks = tracks_of(clip, rig, pose, mesh=params.method == "lyard", watched=params.method == "auto")
+    finding = find(tracks, params)
     # detectors answer heel, toe for each leg; the rig may list its sole points in another order
     order = [2 * sole.leg + (sole.part == "toe") for sole in rig.soles]
     confidence = None if finding.confidence is None else finding.confidence[:, order]

@@ -76,7 +76,9 @@ class Finding(NamedTuple):
     notes: tuple[Note, ...] = ()
 
 
-def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None, *, mesh: bool = False) -> Tracks:
+def tracks_of(
+    clip: Clip, rig: Rig, pose: Pose | None = None, *, mesh: bool = False, watched: bool = False
+) -> Tracks:  # fmt: skip
     """Compute the tracks of a clip by forward kinematics (or from a pose that is already known).
 
     Args:
@@ -84,9 +86,11 @@ def tracks_of(clip: Clip, rig: Rig, pose: Pose | None = None, *, mesh: bool = Fa
         rig: its legs and soles.
         pose: of it, where that is known.
         mesh: whether the vertices of soles are looked at, too, where the rig has some.
+        watched: whether heel and toe are those of `rig.watched`.
     """
     pose = rig.pose(clip) if pose is None else pose
-    soles = {(sole.leg, sole.part): pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles}
+    points = (rig.watched or rig.soles) if watched else rig.soles
+    soles = {(sole.leg, sole.part): pose.point(sole.joint, np.array(sole.offset)) for sole in points}
     meshes = {each.leg: each for each in rig.meshes if mesh and each.sole.any()}
     feet = tuple(
         Foot(

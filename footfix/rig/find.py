@@ -13,7 +13,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_range
-from footfix.notes import Note, Severity
+from footfix.notes import Note
 from footfix.rig import soles
 from footfix.rig.figure import Figure, figures, joint
 from footfix.rig.mesh import FootMesh
@@ -75,15 +75,15 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
         for leg in legs
     ]
     feet = soles.alike(feet, [leg.name.removesuffix(leg.side) for leg in legs])
-    joints = [(leg.ankle, leg.toe) for leg in legs]
     seek_zero = not on_four and params.floor in (None, "zero")
+    joints = [(leg.ankle, leg.toe) for leg in legs]
     measured = on_zero_plane(seen, feet, joints, figure.length) if seek_zero else None
     feet = feet if measured is None else list(measured)
     fitted, unfit = (None, ()) if skin is None else _fitted(skin, seen, legs, feet, named=params.skin is not None)
     points, given = _points(seen, legs, feet, params.soles, () if fitted is None else fitted.points)
-    on_zero = measured is not None and fitted is None
     level, others, floor_origin = _floor(
-        seen, points, figure.length, params.floor, on_zero=on_zero, meshes=() if fitted is None else fitted.meshes
+        seen, points, figure.length, params.floor, on_zero=measured is not None and fitted is None,
+        meshes=() if fitted is None else fitted.meshes,
     )  # fmt: skip
     root = _carrier(seen, figure) if params.root is None else _given_root(seen, params.root)
     origins = {
@@ -108,6 +108,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
         notes=_notes(legs, feet, level, others, given) + unfit + _fixed(seen, root),
         origins=origins,
         meshes=() if fitted is None else fitted.meshes,
+        watched=() if fitted is None else fitted.watched(points, _points(seen, legs, feet, params.soles)[0]),
     )
 
 
@@ -118,8 +119,8 @@ def _fitted(
     try:
         fitted = fit_skin(skin, seen, legs, feet)
     except InputError as error:
-        severity: Severity = "warning" if named else "note"
-        return None, (Note("skin-not-used", f"the skin of {skin.name} is not used: {error.what}", severity),)
+        text = f"the skin of {skin.name} is not used: {error.what}"
+        return None, (Note("skin-not-used", text, "warning" if named else "note"),)
     return fitted, fitted.notes
 
 
@@ -228,8 +229,7 @@ def _points(
 
 
 def _triple(vector: Floats) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in vector)
-    return x, y, z
+    return float(vector[0]), float(vector[1]), float(vector[2])
 
 
 def _floor(

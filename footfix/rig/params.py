@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-
 NO_SKIN = "none"  # in place of a file: soles are estimated, whatever mesh there is
 
 

@@ -69,6 +69,8 @@ class Rig:
         notes: how each of these was guessed, and what is doubtful.
         origins: where each was found.
         meshes: of each leg the foot of a character's skin, where one was given.
+        watched: `soles` for the eyes of a detector: those of legs that stand on their toes are as without a skin. Empty
+            where there is none.
     """
 
     root: int
@@ -80,6 +82,7 @@ class Rig:
     notes: tuple[Note, ...] = ()
     origins: Mapping[str, str] = field(default_factory=dict)
     meshes: tuple[FootMesh, ...] = ()
+    watched: tuple[SolePoint, ...] = ()
 
     def of_figure(self, number: int) -> Rig:
         """Name legs and soles for one of several figures (`figure2_left_heel`); the first keeps its names."""

@@ -24,7 +24,8 @@ _DOWN = 0.7  # cosine of a normal of the sole with down, at least
 _RIM = 0.3  # the same of the rim around it, whose normals are between those of the sole and of the sides
 _LAYER = 0.012  # [leg lengths] over the lowest vertex, up to which a sole reaches: 1 cm of a grown person
 _FEWEST = 3  # vertices that make a sole
-_PAW = 0.05  # share of the lowest vertices that a paw stands on
+_PAW = 0.05  # share of the lowest vertices that a paw stands on at least
+_ON_TOES = 0.2  # [leg lengths] height of an ankle above which no foot lies flat
 _BAND = 0.02  # [leg lengths] around a place, in which vertices say how thick the sole is there
 _UPRIGHT = float(np.cos(np.radians(35.0)))  # an axis of the mesh so near to the way from ankles to hips is up
 
@@ -259,8 +260,9 @@ def _foot(skin: Skin, leg: SkinLeg, up: Floats, length: float) -> SkinFoot:
     facing = skin.normals[own] @ up
     low = (height - level < _LAYER * length) & (facing < -_DOWN)
     rim = (height - level < _LAYER * length) & (facing < -_RIM)
-    if np.count_nonzero(low) < _FEWEST or (leg.toe is None and _on_toes(height, ankle @ up, length)):
-        low = height <= np.quantile(height, _PAW) if len(own) > _FEWEST / _PAW else height <= np.sort(height)[2]
+    if np.count_nonzero(low) < _FEWEST or (leg.toe is None and stands_on_toes(float(ankle @ up) - level, length)):
+        least = np.quantile(height, _PAW) if len(own) > _FEWEST / _PAW else np.sort(height)[_FEWEST - 1]
+        low = (height <= least) | (height - level < _LAYER * length)
         rim = low
     left, side = np.cross(up, ahead), (vertices - ankle) @ np.cross(up, ahead)
     toe = ankle if leg.toe is None else skin.places[leg.toe]
@@ -278,9 +280,9 @@ def _foot(skin: Skin, leg: SkinLeg, up: Floats, length: float) -> SkinFoot:
     return SkinFoot(leg, length, up, ahead, level, vertices, np.clip(toes / moved[own], 0.0, 1.0), low, *places)
 
 
-def _on_toes(height: Floats, ankle: float, length: float) -> bool:
-    """Tell whether an ankle is so high over the ground that no foot lies flat below it."""
-    return bool(ankle - float(height.min()) > 0.2 * length)
+def stands_on_toes(ankle: float, length: float) -> bool:
+    """Tell whether an ankle is so high over the ground, of a leg so long, that no foot lies flat below it."""
+    return ankle > _ON_TOES * length
 
 
 def _ahead(skin: Skin, leg: SkinLeg, up: Floats, vertices: Floats) -> Floats:

@@ -20,7 +20,7 @@ from footfix.rig.mesh import FootMesh
 from footfix.rig.names import bare
 from footfix.rig.rig import Leg, SolePoint
 from footfix.rig.sample import Sample
-from footfix.rig.skin import Skin, SkinFoot, SkinLeg, feet_of, legs_of
+from footfix.rig.skin import Skin, SkinFoot, SkinLeg, feet_of, legs_of, stands_on_toes
 from footfix.rig.skin_frames import shared_frames
 from footfix.rig.skin_vertices import LOW, kept, outline, spread, toes
 from footfix.rig.soles import Foot
@@ -35,6 +35,7 @@ class Fitted:
     Args:
         meshes: of each leg.
         points: heel and toe of each leg.
+        on_toes: of each leg whether it stands on its toes, so that its heel bears nothing.
         notes: what does not fit.
         name: of the skin, for people.
         how: by what the two skeletons were matched, for people.
@@ -42,9 +43,15 @@ class Fitted:
 
     meshes: tuple[FootMesh, ...]
     points: tuple[SolePoint, ...]
+    on_toes: tuple[bool, ...]
     notes: tuple[Note, ...]
     name: str
     how: str
+
+    def watched(self, points: Sequence[SolePoint], without: Sequence[SolePoint]) -> tuple[SolePoint, ...]:
+        """Give the sole points of legs that stand on their toes as they are without a skin, the others as with it."""
+        both = zip(points, without, strict=True)
+        return tuple(plain if self.on_toes[own.leg] else own for own, plain in both)
 
 
 def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]) -> Fitted:
@@ -79,7 +86,10 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]
         meshes.append(_mesh(k, sole, bound, scale))
         points += _points(k, leg, bound)
     notes += [_told(skin, soles, scale), *_mismatch(skin, seen, legs, soles, scale)]
-    return Fitted(tuple(meshes), tuple(points), tuple(notes), skin.name, how)
+    on_toes = tuple(
+        stands_on_toes(float(skin.places[sole.leg.ankle] @ sole.up) - sole.level, sole.length) for sole in soles
+    )
+    return Fitted(tuple(meshes), tuple(points), on_toes, tuple(notes), skin.name, how)
 
 
 def _by_names(skin: Skin, names: Sequence[str], legs: Sequence[Leg]) -> tuple[SkinLeg, ...] | None:
