@@ -9,6 +9,7 @@ import pytest
 from skinmaker import BEFORE, BEHIND, HALF, THICK, skin_of, zero_pose
 from walks import walk
 
+from footfix.detect.run import detect
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.find import find_rig
@@ -171,3 +172,22 @@ def test_legs_without_length_are_told_and_not_used(clip: Clip) -> None:
     rig = find_rig(clip, skin=replace(skin, frames=frames))
     assert not rig.meshes
     assert "skin-not-used" in [note.id for note in rig.notes]
+
+
+def test_a_paw_stands_on_the_whole_lowest_layer_wherever_its_normals_point(clip: Clip) -> None:
+    skin = skin_of(clip)
+    sloping = skin.vertices + np.outer(0.02 * skin.vertices[:, 2], [0.0, 1.0, 0.0])  # some millimetres from end to end
+    paws = replace(skin, vertices=sloping, normals=np.tile([0.0, 1.0, 0.0], (len(sloping), 1)))
+    at, places = clip.skeleton.names.index, zero_pose(clip)
+    for foot, side in zip(feet_of(paws, legs_of(paws)), ("Left", "Right"), strict=True):
+        assert foot.heel[2] == pytest.approx(places[at(side + "Foot")][2] - BEHIND)
+        assert foot.tip[2] == pytest.approx(places[at(side + "ToeBase")][2] + BEFORE)
+
+
+def test_a_detector_looks_at_legs_on_their_toes_as_without_a_skin(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
+    flat, plain = find_rig(clip, skin=skin_of(clip)), find_rig(clip)
+    assert flat.watched == flat.soles != plain.soles
+    monkeypatch.setattr("footfix.rig.skin._ON_TOES", 0.0)
+    tall = find_rig(clip, skin=skin_of(clip))
+    assert tall.watched == plain.soles and tall.soles == flat.soles
+    assert np.array_equal(detect(clip, tall).mask(), detect(clip, plain).mask())
