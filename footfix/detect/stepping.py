@@ -21,7 +21,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from footfix.detect.evidence import STEP, Sampled, floors
 from footfix.detect.network import HEEL, SWING
 from footfix.detect.tracks import Foot
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 
@@ -117,7 +117,7 @@ def from_rest_to_rest(leaves: Floats, rolls: Floats, planted: Floats) -> list[tu
 
     Args:
         leaves: (n,) [leg lengths/s] by how much faster it leaves the other than one at rest.
-        rolls: (n,) [leg lengths/s] what a foot that rests may creep as it rolls. A foot that looks planted all the while
+        rolls: (n,) [leg lengths/s] what a foot that rests may creep as it rolls. One that looks planted all the while
             does not roll.
         planted: (n,) how likely it looks planted.
 
