@@ -6,7 +6,8 @@ feet that look planted part, one of them steps: the one that is the faster over 
 
 Slow steps are told from what feet do at rest by their length: a foot that goes from one rest to another, planted all
 the while as it seems, has stepped where it ends far from where it began, more than it creeps at rest. A step lasts
-from rest to rest, also where only its middle is quick.
+from rest to rest, also where only its middle is quick, or high. Under a pelvis that travels, a foot that rests may
+creep: the sole rolls.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from footfix.detect.evidence import STEP, Sampled, floors
 from footfix.detect.network import HEEL, SWING
 from footfix.detect.tracks import Foot
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 
@@ -41,7 +42,8 @@ class SteppingParams:
         length: [leg lengths] of a step from rest to rest that is one as likely as not, of a foot that is still at rest.
         creeping: [factor] how much longer for each leg length that the foot would go meanwhile as it does at rest.
         still: [leg lengths/s] a foot that parts from the other more slowly than this rests,
-        calm: [factor] or than so many times as fast as it moves where it rests.
+        calm: [factor] or than so many times as fast as it moves where it rests,
+        rolling: [factor] and, where its step is seen by itself, for each leg length/s at which the pelvis travels.
         sharp: [factor] how steeply the odds rise with the speed; they are its power.
     """
 
@@ -54,6 +56,7 @@ class SteppingParams:
     creeping: float = 3.0
     still: float = 0.03
     calm: float = 2.0
+    rolling: float = 0.3
     sharp: float = 6.0
 
 
@@ -99,8 +102,9 @@ def by_velocities(
         parts = _probability(params.sharp * _log_ratio(apart, even))
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
-        moves = (apart > np.maximum(params.still, params.calm * rest)) & (speeds[k] > speeds[mate])
-        for a, b in from_rest_to_rest(moves, planted[k]):
+        least = np.maximum(params.still, params.calm * rest)
+        leaves = np.where(speeds[k] > speeds[mate], apart - least, 0.0)
+        for a, b in from_rest_to_rest(leaves, params.rolling * travel, planted[k]):
             whole = whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
             whole *= float(planted[mate][a:b].min())
             steps[a:b] = np.maximum(steps[a:b], max(whole, float(steps[a:b].max())))
@@ -108,14 +112,20 @@ def by_velocities(
     return tuple(out)
 
 
-def from_rest_to_rest(moves: Bools, planted: Floats) -> list[tuple[int, int]]:
-    """Find the stretches [start, end) in which a foot leaves the other, looks planted, and rests before and after.
+def from_rest_to_rest(leaves: Floats, rolls: Floats, planted: Floats) -> list[tuple[int, int]]:
+    """Find the stretches [start, end) in which a foot leaves the other, and rests before and after.
 
     Args:
-        moves: (n,) whether it leaves the other.
+        leaves: (n,) [leg lengths/s] by how much faster it leaves the other than one at rest.
+        rolls: (n,) [leg lengths/s] what a foot that rests may creep as it rolls. One that looks planted all the while
+            does not roll.
         planted: (n,) how likely it looks planted.
+
+    Returns:
+        Stretches in which it looks planted all the while, then others; some may lie within others.
     """
-    return [(a, b) for a, b in runs(moves) if a > 0 and b < len(moves) and planted[a - 1 : b + 1].min() > 0.5]
+    stretches = [(a, b) for a, b in runs(leaves > 0.0) if planted[a:b].min() > 0.5] + runs(leaves > rolls)
+    return [(a, b) for a, b in stretches if a > 0 and b < len(leaves) and min(planted[a - 1], planted[b]) > 0.5]
 
 
 def whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:
