@@ -1,4 +1,4 @@
-"""BVH files: read without loss, written with only those numbers new that had to change."""
+"""BVH files: read without loss; on writing, only the numbers that changed are replaced."""
 
 from footfix.formats.bvh.anew import with_motion
 from footfix.formats.bvh.compose import compose
