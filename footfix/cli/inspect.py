@@ -1,4 +1,4 @@
-"""`footfix inspect`: what a file holds, and what can be mended in it."""
+"""`footfix inspect`: describe files, or repair them."""
 
 from __future__ import annotations
 

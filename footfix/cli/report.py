@@ -1,4 +1,4 @@
-"""`footfix report`: pages drawn anew from what lies on disk."""
+"""`footfix report`: redraw pages from report files, contacts and clips."""
 
 from __future__ import annotations
 

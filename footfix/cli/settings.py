@@ -1,4 +1,4 @@
-"""`footfix settings`: the settings that hold, each with its origin."""
+"""`footfix settings`: the effective settings, each with its origin."""
 
 from __future__ import annotations
 

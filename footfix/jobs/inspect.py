@@ -1,4 +1,4 @@
-"""What there is to say of a file, and what can be mended in it. Nothing here touches a disk."""
+"""What a file holds, and its repair, from bytes to bytes. No file is read or written here."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from footfix.settings import Settings
 def repair_file(
     data: bytes, name: str, settings: Settings, *, beside: Beside | None = None
 ) -> tuple[bytes, list[dict[str, Any]]]:  # fmt: skip
-    """Write a file as a strict reader wants it, with a note for each change.
+    """Repair a file so that strict readers can read it, with a note for each change.
 
     Raises:
         InputError: it can't be read.
@@ -33,7 +33,7 @@ def repair_file(
 def inspect_file(
     data: bytes, name: str, settings: Settings, *, beside: Beside | None = None, skin: Skin | None = None
 ) -> dict[str, Any]:
-    """Look into a file: its frames, joints, rig, unit, axes, and everything odd about it.
+    """Describe a file: its frames, joints, rig, unit, axes, and everything odd about it.
 
     Raises:
         InputError: it can't be read.

@@ -1,4 +1,4 @@
-"""One loop, from the bytes of a clip's file to the bytes of its outputs. Nothing here touches a disk."""
+"""One loop, from the bytes of a clip's file to the bytes of its outputs. No file is read or written here."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def loop_file(
         prepared = prepare(clip, settings, rigs, frame_range)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)
-        # the file, and what it says when it is read again
+        # the bytes to write, and the clip that reading them again gives
         written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
     cycle = as_round(reread, loop.rig, loop.travel, settings.loop)
     every = Doubled(np.arange(len(cycle)), len(cycle))
@@ -88,7 +88,7 @@ def loop_file(
 
 
 def _contacts(contacts: Contacts, frames: int) -> Contacts:
-    """The contacts of what is written: without the last frame where that is left out."""
+    """Take the contacts of the frames that are written: without the last one where that is left out."""
     effectors = []
     for effector in contacts.effectors:
         own = (replace(c, end=min(c.end, frames)) for c in effector.contacts if c.start < frames)
@@ -121,7 +121,7 @@ def _report(
 
 
 def loop_entry(loop: Loop, settings: Settings) -> dict[str, Any]:
-    """Report a loop; each key carries its unit."""
+    """Describe a loop as the report's entry; each key carries its unit."""
     number, seam, asked = report_format.rounded, loop.seam, settings.loop
     return {
         "start": loop.start,
