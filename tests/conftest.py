@@ -8,7 +8,7 @@ import pickle
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import once
@@ -63,14 +63,17 @@ def need(paths: list[Path], folder: str) -> list[Path]:
 
 
 DRIVEN = ("api", "batch", "cli", "report")  # rooms whose tests are of what happens around the numeric steps
+MANY_PROCESSES = ("test_dask.py", "test_processes.py")  # whose law is that each process makes the same
 
 
-@pytest.fixture(autouse=True)
-def each_clip_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(autouse=True, scope="module")
+def each_clip_once(request: pytest.FixtureRequest) -> Iterator[None]:
     """Detect and correct the same clip with the same settings once a process, where numbers are not what is tested."""
-    if request.path.relative_to(ROOT / "tests").parts[0] in DRIVEN:
-        for module, name in ((pipeline, "detect_over"), (pipeline, "enforce"), (loop_run, "make_loop")):
-            monkeypatch.setattr(module, name, _remembering(getattr(module, name)))
+    with pytest.MonkeyPatch.context() as patch:
+        if request.path.parent.name in DRIVEN and request.path.name not in MANY_PROCESSES:
+            for module, name in ((pipeline, "detect_over"), (pipeline, "enforce"), (loop_run, "make_loop")):
+                patch.setattr(module, name, _remembering(getattr(module, name)))
+        yield
 
 
 _MADE: dict[bytes, object] = {}
