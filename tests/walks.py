@@ -16,7 +16,6 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Leg, Rig, SolePoint
 
-
 _CLEANED: dict[bytes, tuple[Clip, Enforcement]] = {}
 
 
