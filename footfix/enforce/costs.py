@@ -14,7 +14,7 @@ GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults are
 # Bounds, as standard deviations of what is beyond them.
 FLOOR, PLACE, FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
 KNEE, SPEED, FAR_TURN = 0.3, 0.15, 0.5  # [degrees]
-TOES = 1.3  # times as far as other joints toes bend for what is not noticed
+TOES = 1.15  # times as far as other joints toes bend for what is not noticed
 CUT, CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 
