@@ -16,7 +16,7 @@ from footfix.motion.contacts import Contact
 from footfix.version import __version__
 
 
-def contacts_it_was_cleaned_by(task: Task, data: bytes) -> Labels | None:
+def contacts_of_cleaning(task: Task, data: bytes) -> Labels | None:
     """Find the contacts of a clip that a cleaning with the same settings and version wrote, identical to the byte.
 
     Such a clip is left as it is: contacts detected on a cleaned clip end some frames earlier or later, and plants that

@@ -74,7 +74,7 @@ def file_names(names: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def together(task: Task, parts: Sequence[FileResult]) -> FileResult:
+def joined_result(task: Task, parts: Sequence[FileResult]) -> FileResult:
     """Join the results of the clips of a file to the result of the file."""
     states = [part.status for part in parts]
     order = ("over", "cleaned", "done", "unchanged", "failed")

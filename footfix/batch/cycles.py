@@ -148,10 +148,10 @@ def _made(
     plan = plan_of(rows, model)
     line = None
     if path is not None:
-        from footfix.batch.follow import drawn
+        from footfix.batch.follow import read_path
         from footfix.locomotion.follow.path import make_path
 
-        line = make_path(drawn(path).metres(settings.follow.unit))
+        line = make_path(read_path(path).metres(settings.follow.unit))
         if seconds is None and len(rows) == 1:
             seconds = line.length / max(float(plan.speed[0]), 0.05)
     if seconds is None:

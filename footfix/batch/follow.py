@@ -44,7 +44,7 @@ def named(text: str) -> tuple[str, str | None]:
     raise UsageError(f"{found[1] if found else text}: no such file")
 
 
-def drawn(text: str) -> DrawnPath:
+def read_path(text: str) -> DrawnPath:
     """Read a path from a file, or make the shape that a text names.
 
     Raises:
@@ -89,7 +89,7 @@ def run_follow(
     for name, _ in clips:
         if name != STDIN and Path(name).is_dir():
             raise UsageError(f"{name} is a folder; name clips")
-    drawing = drawn(path)
+    drawing = read_path(path)
     source = Source(clips[0][0], Path(clips[0][0] if clips[0][0] != STDIN else STDIN_NAME))
     inputs = {os.path.realpath(name) for name, _ in clips} | {os.path.realpath(path)}
     if os.path.realpath(output) in inputs:

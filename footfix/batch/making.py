@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from footfix.batch.clips import beside_of, parts_of, together
+from footfix.batch.clips import beside_of, joined_result, parts_of
 from footfix.batch.ending import ended
 from footfix.batch.files import sync_folder, write_whole
 from footfix.batch.outputs import is_within
@@ -51,7 +51,7 @@ def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "
     done = [_finished(part, key) if task.resume else None for part, key in zip(tasks, keys, strict=True)]
     found = [each for each in done if each is not None]
     if len(found) == len(tasks):
-        return found[0] if parts is None else together(task, found)
+        return found[0] if parts is None else joined_result(task, found)
     if parts is None:
         return _written(task, data, [task], [make(task)], keys)[0]
     _refuse_what_is_there(task, parts)
@@ -62,7 +62,7 @@ def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "
         written = _written(task, data, [parts[k] for k in good], outputs, [keys[k] for k in good])
         for k, result in zip(good, written, strict=True):
             results[k] = result
-    return together(task, [each for each in results if isinstance(each, FileResult)])
+    return joined_result(task, [each for each in results if isinstance(each, FileResult)])
 
 
 def write_outputs(task: Task, outputs: Outputs, key: str) -> FileResult:

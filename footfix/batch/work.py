@@ -10,8 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from footfix.batch.cleanings import contacts_it_was_cleaned_by
-from footfix.batch.clips import beside_of, parts_of, spread, together
+from footfix.batch.cleanings import contacts_of_cleaning
+from footfix.batch.clips import beside_of, joined_result, parts_of, spread
 from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_clip
 from footfix.batch.making import made, write
@@ -92,7 +92,7 @@ def _each(work: Work) -> Work:
         parts = parts_of(task, data)
         if parts is None:
             return work(task, data)
-        return together(task, [ended(part, partial(work, part, data)) for part in parts])
+        return joined_result(task, [ended(part, partial(work, part, data)) for part in parts])
 
     return done
 
@@ -107,7 +107,7 @@ def _clean(task: Task, data: bytes) -> FileResult:
     from footfix.jobs.clean import clean_file
 
     def make(part: Task) -> Outputs:
-        own, leave, labels = contacts_it_was_cleaned_by(part, data), "", part.labels
+        own, leave, labels = contacts_of_cleaning(part, data), "", part.labels
         if own is not None:
             labels = own
             leave = f"footfix wrote this file, as {own.source} says, so it stays as it is; --anew cleans it again"

@@ -70,9 +70,9 @@ def main() -> None:
     """Run the command line and end the process: the entry point."""
     try:
         code = run()
-        _hear_no_more()
+        _ignore_interrupts()
     except KeyboardInterrupt:  # a further interrupt while ending
-        _hear_no_more()
+        _ignore_interrupts()
         code = ExitCode.INTERRUPTED
     # Python itself would end as killed, had it been at code from a string, as dataclasses are.
     if code == ExitCode.INTERRUPTED:
@@ -83,7 +83,7 @@ def main() -> None:
     sys.exit(code)
 
 
-def _hear_no_more() -> None:
+def _ignore_interrupts() -> None:
     """Ignore interrupts: all is written, and during Python's shutdown one would only change the exit code."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
@@ -91,7 +91,7 @@ def _hear_no_more() -> None:
 def run() -> int:
     """Run the command line and return its exit code."""
     _open_streams()
-    _bytes_through()
+    _escape_what_consoles_lack()
     # One thread a process: batches run as many processes, and sums come out the same to the last bit.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
@@ -144,7 +144,7 @@ def _open_streams() -> None:
         sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
 
 
-def _bytes_through() -> None:
+def _escape_what_consoles_lack() -> None:
     """Make output streams escape characters that the console can't encode, such as in file names, and never fail."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

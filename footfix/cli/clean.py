@@ -89,13 +89,13 @@ def clean(
         options["report"] = {"kind": report}
     if png:
         options.setdefault("report", {})["png"] = True
-    return cleaned(
+    return run_clips(
         src, output=output, in_place=in_place, options=options, given=given, writing=writing, anew=anew, many=many,
         common=common,
     )  # fmt: skip
 
 
-def cleaned(
+def run_clips(
     src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], given: Given,
     writing: Writing, many: Many, common: Common,
     work: Callable[[Task], FileResult] = clean_one, ending: str = "clean", anew: bool = False,

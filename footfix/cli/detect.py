@@ -58,13 +58,13 @@ def detect(
     up in a table: plants of each effector, and the share of its frames in which an effector is planted.
     """
     options = {"detect": {"method": method}} if method else {}
-    return detected(
+    return run_detect(
         src, output=output, kind=kind, options=options, given=given, force=force, many=many, common=common,
         events=events,
     )  # fmt: skip
 
 
-def detected(
+def run_detect(
     src: tuple[str, ...], *, output: Path | None, kind: str | None, options: Mapping[str, Any], given: Given,
     force: bool, many: Many, common: Common, events: bool = False,
 ) -> int:  # fmt: skip

@@ -6,7 +6,7 @@ import hashlib
 from typing import Any
 
 from footfix.errors import InputError
-from footfix.formats.document import Beside, legible, open_document, repair
+from footfix.formats.document import Beside, open_document, repair, separate_numbers
 from footfix.formats.suffixes import bare
 from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.source import placed
@@ -25,7 +25,7 @@ def repair_file(
     Raises:
         InputError: it can't be read.
     """
-    data, first = legible(data, name=name)
+    data, first = separate_numbers(data, name=name)
     mended, notes = repair(open_document(data, name=name, limits=settings.limits, beside=beside))
     return mended, report_format.notes((*first, *notes))
 

@@ -24,7 +24,7 @@ from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
 from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
-from footfix.report.loops import seen_as
+from footfix.report.loops import in_place_if_written_so
 from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.skin import Skin
@@ -81,7 +81,7 @@ def loop_file(
     clip_in_it = in_file(name)[1]
     made["file"] = PurePath(output).name + (f"#{clip_in_it}" if clip_in_it else "") if output else source["file"]
     contacts_file = contacts_json(contacts, made, report["rig"], settings)
-    before = seen_as(loop.captured.frames(slice(0, len(reread))), loop.rig, report["loop"])
+    before = in_place_if_written_so(loop.captured.frames(slice(0, len(reread))), loop.rig, report["loop"])
     ground = loop.ground[: len(reread)]
     pages, offenders = draw(before, reread, loop.rig, report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)

@@ -33,7 +33,7 @@ def round_of(report: Report) -> dict[str, Any] | None:
     return {"yaw": 0.0 if still else yaw, "travel": [0.0, 0.0] if still else [x, z], "closed": bool(loop.get("closed"))}
 
 
-def captured(clip: Clip, loop: Report) -> Clip:
+def captured_frames(clip: Clip, loop: Report) -> Clip:
     """Take the captured frames that a loop was made from, one for each of its frames.
 
     Raises:
@@ -45,7 +45,7 @@ def captured(clip: Clip, loop: Report) -> Clip:
     return clip.frames((start + np.arange(count)) % len(clip))
 
 
-def seen_as(clip: Clip, rig: Rig, loop: Report) -> Clip:
+def in_place_if_written_so(clip: Clip, rig: Rig, loop: Report) -> Clip:
     """Take the travel out of the captured frames of a loop that was written in place."""
     turn = Travel(math.radians(_value(loop, "turn_deg")))
     travel = loop.get("travel_m")

@@ -13,7 +13,7 @@ from footfix.formats.document import Beside, open_document
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.report.again import Again
-from footfix.report.loops import captured, seen_as
+from footfix.report.loops import captured_frames, in_place_if_written_so
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
@@ -94,7 +94,7 @@ def redraw(
         open_document(data, name=name, beside=beside).placed(unit_m=unit_m, up=up).clip for data in (source, written)
     )
     loop = report["loop"] if isinstance(report.get("loop"), Mapping) else None
-    before = clip if loop is None else captured(clip, loop)
+    before = clip if loop is None else captured_frames(clip, loop)
     if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
@@ -104,7 +104,7 @@ def redraw(
     whole = joined(rigs)
     belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
     if loop is not None:
-        before = seen_as(before, whole, loop)
+        before = in_place_if_written_so(before, whole, loop)
     return draw(before, after, whole, report, contacts, params, again, belt)[0]
 
 

@@ -38,7 +38,7 @@ def with_motion(document: Document, frames: Ints, clip: Clip) -> bytes:
         axes = "".join("XYZ"[axis] for _, axis in columns)
         own = [column for column, _ in columns]
         if columns:
-            values[:, own] = going_on(values[:, own], sorted(axes) == ["X", "Y", "Z"])
+            values[:, own] = continuous_angles(values[:, own], sorted(axes) == ["X", "Y", "Z"])
     head, newline = header_for(document, len(frames))
     text = head + b"".join(_lines(np.nan_to_num(values), _places(document), newline))
     if document.rows.comma:
@@ -46,7 +46,7 @@ def with_motion(document: Document, frames: Ints, clip: Clip) -> bytes:
     return text.decode("utf-8").encode(document.encoding) if document.encoding else text
 
 
-def going_on(angles: Floats, three: bool) -> Floats:
+def continuous_angles(angles: Floats, three: bool) -> Floats:
     """Find Euler angles (F, n) [degrees] of the same rotations that are continuous from frame to frame.
 
     About three different axes a rotation has two sets of angles; the set nearer to the previous frame's is taken.

@@ -110,7 +110,7 @@ def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int]
     out[group, 3, span] = cacc * cb - sasc * sb_p
 
 
-def check_belief(unit_m: float, up: str) -> None:
+def check_unit_and_up(unit_m: float, up: str) -> None:
     """Check that the unit [m] and the upward axis are valid.
 
     Raises:

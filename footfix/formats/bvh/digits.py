@@ -82,7 +82,7 @@ def fixed(values: Floats, places: int) -> Bytes:
     return letters
 
 
-def meant(values: Floats, places: int) -> Floats:
+def read_back(values: Floats, places: int) -> Floats:
     """Find the numbers (N,) that a reader gets from the text that `fixed` makes of values (N,)."""
     if not 0 < places <= _NINE:
         return _read(fixed(values, places))

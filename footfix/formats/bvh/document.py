@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.formats.bvh.channels import check_belief, displaced, to_clip
+from footfix.formats.bvh.channels import check_unit_and_up, displaced, to_clip
 from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.tree import Channel
@@ -96,7 +96,7 @@ class Document:
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
         """Return the same file read with another unit [m] and upward axis."""
         unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
-        check_belief(unit_m, up)
+        check_unit_and_up(unit_m, up)
         document = replace(self, unit_m=unit_m, up=up)
         if "file_clip" in self.__dict__:
             document.__dict__["file_clip"] = self.file_clip

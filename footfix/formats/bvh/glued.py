@@ -20,12 +20,12 @@ _CHANNELS = re.compile(rb"\bCHANNELS[ \t]+(\d+)", re.IGNORECASE)
 _LINE = re.compile(rb"[^\r\n]+")
 
 
-def apart(word: bytes) -> list[bytes]:
+def split_numbers(word: bytes) -> list[bytes]:
     """Split a word of numbers that run together, before each sign; any other word is returned as it is, alone."""
     return _SEAM.split(word) if _GLUED.fullmatch(word) else [word]
 
 
-def legible(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
+def separate_numbers(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
     """Put blanks between numbers that run together, in rows that then have a number for each channel.
 
     Args:
@@ -43,11 +43,11 @@ def legible(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
         if not _ANY.search(line[0]):
             continue
         words = line[0].split()
-        count = sum(len(apart(word)) for word in words)
+        count = sum(len(split_numbers(word)) for word in words)
         if count != columns or count == len(words):
             continue
         first = first or line.start()
-        parts += [data[done : line.start()], re.sub(rb"\S+", lambda word: b" ".join(apart(word[0])), line[0])]
+        parts += [data[done : line.start()], re.sub(rb"\S+", lambda word: b" ".join(split_numbers(word[0])), line[0])]
         done, rows, numbers = line.end(), rows + 1, numbers + count - len(words)
     if not rows:
         return data, ()
@@ -58,6 +58,6 @@ def legible(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
 
 def said(word: bytes) -> tuple[str, str]:
     """Describe a word of numbers that run together: what is wrong, and what to do next."""
-    first, second, *_ = (each.decode("ascii", "replace") for each in apart(word))
+    first, second, *_ = (each.decode("ascii", "replace") for each in split_numbers(word))
     what = f"two numbers run together, '{readable(word)}': a blank is missing between {first} and {second}"
     return what, "`footfix inspect --repair` puts such numbers apart"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.formats.bvh.glued import apart, said
+from footfix.formats.bvh.glued import said, split_numbers
 from footfix.formats.bvh.numbers import foreign, number, tokens, words
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor, Notes, readable
@@ -121,7 +121,7 @@ def _refuse_glued(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange:
     more = np.zeros_like(counts)
     first: dict[int, int] = {}
     for k in np.flatnonzero(strange).tolist():
-        extra = len(apart(cursor.text[starts[k] : ends[k]])) - 1
+        extra = len(split_numbers(cursor.text[starts[k] : ends[k]])) - 1
         if extra:
             more[line[k]] += extra
             first.setdefault(int(line[k]), k)

@@ -13,7 +13,7 @@ from footfix.formats.bvh.hierarchy import read_hierarchy
 from footfix.formats.bvh.motion import Headings, read_headings, read_rows
 from footfix.formats.bvh.numbers import number
 from footfix.formats.bvh.rows import Rows
-from footfix.formats.bvh.text import Cursor, Limits, Notes, refuse_strangers, unmask
+from footfix.formats.bvh.text import Cursor, Limits, Notes, refuse_other_formats, searchable_text
 from footfix.formats.bvh.tree import Hierarchy
 from footfix.motion.clip import frozen
 
@@ -48,7 +48,7 @@ def glance(head: bytes, *, limits: Limits = _LIMITS) -> None:
     Raises:
         InputError: the file will be refused, whatever follows.
     """
-    refuse_strangers(head)
+    refuse_other_formats(head)
     wide = head.startswith((b"\xff\xfe", b"\xfe\xff"))
     if len(head) >= limits.header and not wide and not _MOTION.search(head):
         raise InputError(f"there is no MOTION in the first {limits.header} bytes", hint="limits.header allows more")
@@ -59,7 +59,7 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
         raise InputError(f"{len(data)} bytes, more than {limits.bytes}", hint="limits.bytes allows more")
     notes = Notes()
     notes.text = data
-    text, encoding = unmask(data, notes)
+    text, encoding = searchable_text(data, notes)
     notes.text = text
     cursor = Cursor(text, notes)
     tree = read_hierarchy(cursor, limits)

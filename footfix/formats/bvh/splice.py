@@ -10,7 +10,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from footfix.formats.bvh.channels import Change
-from footfix.formats.bvh.digits import Bytes, fixed, meant
+from footfix.formats.bvh.digits import Bytes, fixed, read_back
 from footfix.formats.bvh.numbers import decimals, token_chunks, tokens
 from footfix.formats.bvh.rows import Rows, consecutive
 from footfix.motion.clip import Bools, Floats, Ints
@@ -105,7 +105,7 @@ def _splice_block(
         return b"", done
     if len(used) < len(starts):
         starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
-    _note_down(numbers, columns, span.start + used, mask, meant(values[mask], places))
+    _note_down(numbers, columns, span.start + used, mask, read_back(values[mask], places))
     low, high = int(starts[0, 0]), int(ends[-1, -1])
     if (ends - starts).max() > _LONGEST or any(text.find(own, low, high) >= 0 for own in (b"\0", _ROW_END)):
         return _one_by_one(text, rows.comma, starts[mask], ends[mask], fixed(values[mask], places), done)

@@ -15,7 +15,7 @@ _WORD = re.compile(rb"[{}]|[^\s{}]+")
 _COMMENT = re.compile(rb"(?:#|//|;)[^\r\n]*")
 
 # Other formats that are found under the name .bvh: first bytes, what it is, what to do.
-_STRANGERS = (
+_OTHER_FORMATS = (
     (b"version https://git-lfs", "this is a Git LFS pointer, not the file itself", "fetch it with `git lfs pull`"),
     (b"Kaydara FBX Binary", "this is a binary FBX file under the name of a BVH", "export it as BVH"),
     (b"; FBX", "this is an FBX text file under the name of a BVH", "export it as BVH"),
@@ -33,19 +33,19 @@ _STRANGERS = (
 )
 
 
-def refuse_strangers(head: bytes) -> None:
+def refuse_other_formats(head: bytes) -> None:
     """Refuse files of other formats under the name of a BVH, told by their first bytes.
 
     Raises:
         InputError: it is one of those; says which, and what to do.
     """
     start_of_text = head[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    for start, what, hint in _STRANGERS:
+    for start, what, hint in _OTHER_FORMATS:
         if start_of_text[: len(start)].lower() == start.lower():
             raise InputError(what, hint=hint)
 
 
-def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
+def searchable_text(data: bytes, notes: Notes) -> tuple[bytes, str]:
     """Decode a file to ASCII-compatible bytes, in which words can be searched for; return the encoding to write in.
 
     Args:
@@ -62,7 +62,7 @@ def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
     if not data[:4096].strip(blank) and not data.strip(blank):  # stripping copies: not of sound files
         what = "the file is empty" if not data else "the file holds nothing but blanks"
         raise InputError(what, hint="export or download it again")
-    refuse_strangers(data)
+    refuse_other_formats(data)
     for bom, encoding in ((b"\xff\xfe\0\0", "utf-32"), (b"\0\0\xfe\xff", "utf-32"),
                           (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be")):  # fmt: skip
         if data.startswith(bom):
