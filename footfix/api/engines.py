@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,21 +17,15 @@ from footfix.formats.models import encode_model
 from footfix.formats.plans import PlanRow
 from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
 from footfix.jobs.make import plan_of
-from footfix.locomotion.cycles.engine import changed, changed_plan, foresee, postures
+from footfix.locomotion.cycles.live import Live
 from footfix.locomotion.cycles.model import CycleModel
-from footfix.locomotion.cycles.plan import Plan, Point
-from footfix.locomotion.cycles.postures import Led, Postures, held
+from footfix.locomotion.cycles.plan import Plan
 from footfix.locomotion.follow.path import make_path
 from footfix.motion.clip import Clip, Floats, Skeleton, frozen
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
 __all__ = ["Ahead", "Engine", "Frame", "fit_cycles", "load_model", "save_model"]
-
-_KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
-_LEAST = 0.45  # [s] and when this is left, foreseen anew,
-_LONG = 3.0  # [s] and farther, since nothing else was asked for
-_PAST = 0.3  # [s] in which it is remembered what was asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,15 +83,14 @@ class Engine:
         turn: float = 0.0, style: str | Mapping[str, float] | None = None, path: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         self.model = model if isinstance(model, CycleModel) else load_model(model)
-        self.time = 0.0
         line = None if path is None else make_path(np.asarray(path, dtype=np.float64))
-        self._plan = self._row(speed, run, turn, style)
-        self._until = _KNOWN
-        self._foreseen = foresee(self.model, self._plan, line, Point(), self._until)
-        self._led: Floats | None = None  # how the feet are led off the cycle now, if that is known
-        self._point = Point()  # where the course is
-        self._asked = False  # whether something else is, that is not foreseen yet
+        self._live = Live(self.model, self._row(speed, run, turn, style), line)
         self._at_rest = frozen(self.model.skeleton.offsets)
+
+    @property
+    def time(self) -> float:
+        """[s] since it began."""
+        return self._live.time
 
     @property
     def skeleton(self) -> Skeleton:
@@ -113,7 +106,7 @@ class Engine:
         self, *, speed: float | None = None, run: float | None = None, turn: float | None = None,
         style: str | Mapping[str, float] | None = None, over: float = 1.0,
     ) -> None:  # fmt: skip
-        """Ask for something else, from now on; what is not named goes to where it was going.
+        """Ask for something else, from now on; what is not named goes on as it was asked for before.
 
         To ask for the same again, and no sooner, changes nothing.
 
@@ -123,34 +116,21 @@ class Engine:
             turn: [degrees/s] to the left.
             style: a name, or weights by name; "" for the plain one.
             over: [s] how long the change takes: a quarter of a second at least, and as long as feet need to follow,
-                which is a second for 150 degrees/s, 1.5 m/s (of legs of 0.9 m), or from a walk to a run.
+                which is a second for 150 degrees/s or 1.5 m/s (of legs of 0.9 m), and 1.4 s from a walk to a run.
         """
         if not np.isfinite(over) or over < 0.0:
             raise ArgumentError(f"over must be the seconds that a change takes, not {over!r}")
-        last = self._plan.some(slice(-1, None))
-        new = self._row(last.speed[0] if speed is None else speed, run, turn, style)
-        names = ("speed", "run", "turn", "style")
-        given = {n: getattr(new, n) for n, v in zip(names, (speed, run, turn, style), strict=True) if v is not None}
-        target = replace(last, **given)
-        plan = changed_plan(self.model, self._plan, self.time, over, target)
-        same = all(np.array_equal(getattr(target, n), getattr(last, n)) for n in given)
-        if not same or plan.times[-1] < self._plan.times[-1]:
-            self._plan, self._asked = plan, True
+        target = self._row(speed, run, turn, style)
+        named = [speed is not None, run is not None, turn is not None] + [style is not None] * len(self.model.styles)
+        self._live.ask(target, np.array(named), over)
 
     def step(self, dt: float) -> Frame:
         """Go on by `dt` [s], and give the posture then."""
         if not 0.0 <= dt < 10.0:
             raise ArgumentError(f"dt must be the seconds since the last frame, not {dt!r}")
-        now, self.time = self.time, self.time + dt
-        times = np.array([self.time])
-        if self._asked or self._until - self.time < _LEAST:
-            led = self._foresee(now, max(_KNOWN if self._asked else _LONG, dt + _LEAST), times)
-            found = held(self.model, self._foreseen.feet, led)
-        else:
-            found = postures(self.model, self._foreseen, times)
-        self._led, self._point = found.led[0], found.point
-        down = dict(zip(found.names, found.contacts[0].tolist(), strict=True))
-        return Frame(self.time, self._places(found)[0], frozen(found.turns[0]), down)
+        found, k = self._live.step(dt)
+        down = dict(zip(found.names, found.contacts[k].tolist(), strict=True))
+        return Frame(self.time, self._places(found.place[k]), frozen(found.turns[k]), down)
 
     def ahead(self, seconds: float, *, frames: int = 25) -> Ahead:
         """Foresee what comes next: postures from now on, and where the feet are going to stand.
@@ -161,13 +141,9 @@ class Engine:
         """
         if not 0.0 < seconds <= 60.0 or frames < 1:
             raise ArgumentError(f"ahead needs up to 60 seconds and a frame at least, not {seconds!r} and {frames!r}")
-        if self._asked or self._until < self.time + seconds:
-            self._foresee(self.time, seconds + _LEAST, np.zeros(0))
-        times = np.linspace(self.time, self.time + seconds, frames)
-        found = postures(self.model, self._foreseen, times)
-        return Ahead(
-            times, self._places(found), frozen(found.turns), found.contacts, found.names, self._plants(seconds)
-        )  # fmt: skip
+        found = self._live.ahead(seconds, frames)
+        places, turns = self._places(found.place), frozen(found.turns)
+        return Ahead(found.times, places, turns, found.contacts, found.names, self._plants(seconds))
 
     def clip(self, frames: Sequence[Frame], frame_time: float) -> Clip:
         """Make a clip of frames that were stepped through."""
@@ -184,25 +160,18 @@ class Engine:
         weights = ({style: 1.0} if style else {}) if isinstance(style, str) else style
         return plan_of([PlanRow(0.0, speed, run, turn, weights)], self.model)
 
-    def _foresee(self, now: float, seconds: float, times: Floats) -> Led:
-        """Foresee anew from a time on, up to which nothing changes, and lead the feet at some times."""
-        self._until, self._asked = now + seconds, False
-        self._plan = self._plan.since(now - _PAST)
-        self._foreseen, led = changed(
-            self.model, self._foreseen, self._plan, self._point, self._until, times, self._led
-        )  # fmt: skip
-        return led
-
-    def _places(self, found: Postures) -> Floats:
-        places = np.tile(self._at_rest, (len(found), 1, 1))
-        places[:, self.rig.root] = found.place
+    def _places(self, root: Floats) -> Floats:
+        """(..., J, 3) [m] of the root's place (..., 3)."""
+        places = np.empty((*root.shape[:-1], *self._at_rest.shape))
+        places[:] = self._at_rest
+        places[..., self.rig.root, :] = root
         return frozen(places)
 
     def _plants(self, seconds: float) -> dict[str, tuple[tuple[float, float, tuple[float, float, float]], ...]]:
         out = {}
         for sole in self.rig.soles:
             own, part = [], int(sole.part == "toe")
-            for stance in self._foreseen.feet.stances[sole.leg]:
+            for stance in self._live.foreseen.feet.stances[sole.leg]:
                 span = stance.spans[part]
                 if span is not None and span[1] > self.time and span[0] <= self.time + seconds:
                     x, y, z = stance.points[part].tolist()

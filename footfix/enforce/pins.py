@@ -202,10 +202,13 @@ def _pins(
 
 
 def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParams) -> Floats:
-    """(n - 1,) weights of a contact's steps, less where the foot lands or leaves; not so at the clip's own ends."""
+    """(n - 1,) weights of a contact's steps, less where the foot lands or leaves; not so at the clip's own ends.
+
+    The step in the middle counts in full, however few there are: at 30 fps a run's stance is of two steps.
+    """
     steps = np.arange(end - start - 1)
     soft = max(1, round(params.edge / frame_time))
-    soft = min(soft, len(steps) // 2)
+    soft = min(soft, max(len(steps) - 1, 0) // 2)
     ramp = np.ones(len(steps))
     if soft:
         ease = (np.arange(soft) + 0.5) / max(1, round(params.edge / frame_time))

@@ -102,7 +102,7 @@ def floor_levels(heights: Floats, plants: Segments, rig: Rig) -> Floats:
     """Find (S,) [m] the height of the floor under each plant.
 
     Args:
-        heights: (F,) [m] of the sole point.
+        heights: (F,) [m] of the sole point; with a skin, of the lowest vertex of the foot.
         plants: its plants.
         rig: its floor; a plant that is far from it (on a stair, a box) has a floor of its own.
     """
@@ -154,7 +154,7 @@ def _columns(
         frame_time: [s].
     """
     plants = seen.plants
-    level = floor_levels(heights, plants, rig)[plants.owner]  # (N,) [m]
+    level = floor_levels(deepest, plants, rig)[plants.owner]  # (N,) [m]
     above, below = heights[plants.frames] - level, level - deepest[plants.frames]  # (N,) [m]
     mean, peak = speeds(seen.track, seen.parts, frame_time)  # [m/s]
     columns = [

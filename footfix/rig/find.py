@@ -11,18 +11,18 @@ import numpy as np
 from footfix.errors import InputError, UsageError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import Pose
 from footfix.motion.leadin import motion_range
 from footfix.notes import Note
 from footfix.rig import soles
 from footfix.rig.figure import Figure, figures, joint
+from footfix.rig.mesh import FootMesh
 from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
 from footfix.rig.sample import Sample, sample
 from footfix.rig.skin import Skin
 from footfix.rig.skin_fit import Fitted, fit_skin
-from footfix.rig.zero_plane import on_zero_plane
-
-_ON_ZERO = 0.012  # [leg lengths] from the file's zero plane, up to which soles of a skin that rest rest on it
+from footfix.rig.zero_plane import on_zero_plane, skin_on_zero_plane
 
 
 def find_rig(
@@ -82,9 +82,9 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
     fitted, unfit = (None, ()) if skin is None else _fitted(skin, seen, legs, feet)
     points, given = _points(seen, legs, feet, params.soles, () if fitted is None else fitted.points)
     on_zero = measured is not None and fitted is None
-    level, others, floor_origin = _floor(seen, points, figure.length, params.floor, on_zero)
-    if fitted is not None and params.floor is None and abs(level) < _ON_ZERO * figure.length:
-        level, floor_origin = 0.0, "the file's zero plane, on which the soles of the skin rest"
+    level, others, floor_origin = _floor(
+        seen, points, figure.length, params.floor, on_zero=on_zero, meshes=() if fitted is None else fitted.meshes
+    )  # fmt: skip
     root = _carrier(seen, figure) if params.root is None else _given_root(seen, params.root)
     origins = {
         "root": "geometry" if params.root is None else "config",
@@ -232,18 +232,26 @@ def _triple(vector: Floats) -> tuple[float, float, float]:
 
 
 def _floor(
-    seen: Sample, points: Sequence[SolePoint], leg: float, asked: float | Literal["zero"] | None, on_zero: bool
-) -> tuple[float, tuple[float, ...], str]:
+    seen: Sample, points: Sequence[SolePoint], leg: float, asked: float | Literal["zero"] | None, *, on_zero: bool,
+    meshes: Sequence[FootMesh],
+) -> tuple[float, tuple[float, ...], str]:  # fmt: skip
     """Find the height of the floor [m] and that of other levels on which soles often rest; say how it was found."""
     if asked is not None:
         return (0.0 if asked == "zero" else asked), (), "config"
-    level, others = _levels(seen, points, leg)
+    heights, velocities = _lowest(seen, points)
+    if meshes:  # a foot may lie on its side, or on its back
+        pose = Pose(tuple(range(len(seen.skeleton))), seen.places, seen.turns)
+        heights = np.stack([mesh.lowest(pose) for mesh in meshes], axis=1)
+    level, others = soles.floor(heights, velocities, leg)
     if on_zero:
         return 0.0, others, "the file's zero plane, on which the toes rest"
+    if meshes and skin_on_zero_plane(heights, velocities, level, leg):
+        return 0.0, (), "the file's zero plane, on which the soles of the skin rest"
     return level, others, "where the soles rest most"
 
 
-def _levels(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[float, tuple[float, ...]]:
+def _lowest(seen: Sample, points: Sequence[SolePoint]) -> tuple[Floats, Floats]:
+    """Find (S, L) [m] the height of each leg's lower sole point, and (S, L, 3) [m/s] how its joint moves."""
     lowest, velocities = [], []
     for index in {point.leg for point in points}:
         own = [point for point in points if point.leg == index]
@@ -256,7 +264,7 @@ def _levels(seen: Sample, points: Sequence[SolePoint], leg: float) -> tuple[floa
         rows = np.arange(len(seen))
         lowest.append(heights[rows, which])
         velocities.append(seen.velocities[:, [point.joint for point in own]][rows, which])
-    return soles.floor(np.stack(lowest, axis=1), np.stack(velocities, axis=1), leg)
+    return np.stack(lowest, axis=1), np.stack(velocities, axis=1)
 
 
 def _fixed(seen: Sample, root: int) -> tuple[Note, ...]:

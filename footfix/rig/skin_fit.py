@@ -63,6 +63,8 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]
     named = _by_names(skin, names, legs)
     own = named or _by_shape(skin, legs)
     soles = feet_of(skin, own)
+    if not soles[0].length > 0.0:
+        raise InputError("its legs have no length", file=skin.name)
     # Straight from hip to knee to ankle in both, whatever joints lie between.
     lengths = [seen.distance(leg.hip, leg.knee) + seen.distance(leg.knee, leg.ankle) for leg in legs]
     scale = float(np.mean(lengths)) / soles[0].length
@@ -76,7 +78,7 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]
             bound = _by_frames(skin, sole, leg, frames, names, scale, named=bool(named))
         meshes.append(_mesh(k, sole, bound, scale))
         points += _points(k, leg, bound)
-    notes += _mismatch(skin, seen, legs, soles, scale)
+    notes += [_told(skin, soles, scale), *_mismatch(skin, seen, legs, soles, scale)]
     return Fitted(tuple(meshes), tuple(points), tuple(notes), skin.name, how)
 
 
@@ -92,7 +94,7 @@ def _by_names(skin: Skin, names: Sequence[str], legs: Sequence[Leg]) -> tuple[Sk
     found = []
     for leg in legs:
         hip, knee, ankle = (find(joint) for joint in (leg.hip, leg.knee, leg.ankle))
-        if hip is None or knee is None or ankle is None:
+        if hip is None or knee is None or ankle is None or len({hip, knee, ankle}) < 3:
             return None
         found.append(SkinLeg(leg.name, hip, knee, ankle, None if leg.toe is None else find(leg.toe)))
     return tuple(found)
@@ -232,6 +234,23 @@ def _points(number: int, leg: Leg, bound: _Bound) -> list[SolePoint]:
         SolePoint(f"{leg.name}_heel", number, "heel", leg.ankle, triple(bound.heel)),
         SolePoint(f"{leg.name}_toe", number, "toe", toe, triple(bound.ball)),
     ]
+
+
+def _told(skin: Skin, soles: Sequence[SkinFoot], scale: float) -> Note:
+    """Say where heel, ball and tip of each foot are, and how thick its sole is there."""
+    feet = []
+    for sole in soles:
+        ankle, toe = skin.places[sole.leg.ankle], None if sole.leg.toe is None else skin.places[sole.leg.toe]
+        front = ankle if toe is None else toe
+        unit = 1000.0 * scale  # mm of the clip's figure
+        back, ahead = unit * float((ankle - sole.heel) @ sole.ahead), unit * float((sole.tip - front) @ sole.ahead)
+        thick, low = unit * sole.thickness(sole.heel, ankle), unit * sole.thickness(sole.ball, front)
+        at = "the ankle" if toe is None else "the toe joint"
+        feet.append(
+            f"{sole.leg.name.replace('_', ' ')}: heel {back:.0f} mm behind and {thick:.0f} mm below the ankle, "
+            f"ball {low:.0f} mm below {at}, tip {ahead:.0f} mm ahead of it"
+        )
+    return Note("skin-soles", f"soles of {skin.name}: {'; '.join(feet)}")
 
 
 def _mismatch(

@@ -23,6 +23,9 @@ _ONE_LEVEL = 0.06  # heights nearer to each other are of one level; stairs and b
 _UNEVEN = 0.05  # of feet that rest farther apart in height, one stands on something
 _MOST_ANKLE = 0.16  # height of an ankle over its sole, as on shoes with heels; what seems higher never stood flat
 _LEAST_DROP = 0.02  # a tip that is hardly below its ankle is no sign of where the sole is
+_SKIN = 0.02  # from the plane, up to which soles of a skin that rest rest on it
+_SUNK = 0.15  # below the plane, up to which the mesh of a foot is in the floor; stairs are farther down
+_WHILE = 0.8  # of the frames with a foot at rest, in which another one rests on the plane
 
 
 def on_zero_plane(
@@ -50,6 +53,25 @@ def on_zero_plane(
     if not _LEAST * leg <= rest <= most:
         return None
     return tuple(_measured(foot, rest, leg) for foot in feet)
+
+
+def skin_on_zero_plane(heights: Floats, velocities: Floats, level: float, leg: float) -> bool:
+    """Tell whether the feet of a skin stand on the file's zero plane.
+
+    They do where they rest on it; and where one rests on it nearly always while another is a little below: an animal
+    that sits has its hind feet in the ground, and no floor under its fore feet is there.
+
+    Args:
+        heights: (S, L) [m] of the lowest point of each foot's sole.
+        velocities: (S, L, 3) [m/s].
+        level: [m] on which soles rest most.
+        leg: leg length [m].
+    """
+    if abs(level) < _SKIN * leg:
+        return True
+    rest = resting(heights, velocities, leg)
+    on_plane = (rest & (np.abs(heights) < _SKIN * leg)).any(axis=1)
+    return bool(-_SUNK * leg < level < 0.0 and on_plane.sum() >= _WHILE * rest.any(axis=1).sum())
 
 
 def _measured(foot: Foot, rest: float, leg: float) -> Foot:

@@ -61,9 +61,21 @@ class Belt:
                         plant = self._plants[column] = _Plant(first + t, hips[:, t])
                     if len(plant.track) <= self._longest:
                         plant.track.append(soles[:, column % 2, column // 2, t])
+                        if len(plant.track) > self._longest:
+                            self._stays(plant, column // 2)
                 elif plant is not None:
                     del self._plants[column]
                     self._ended(plant, column // 2, hips[:, t])
+
+    def _stays(self, plant: _Plant, leg: int) -> None:
+        """Forget the belt where a foot stands long and does not go along."""
+        if self._rests(Drift.of(leg, plant.start, np.stack(plant.track), self._frame_time)):
+            self.velocity = np.zeros(3)
+            self._lately.clear()
+
+    def _rests(self, drift: Drift) -> bool:
+        """Whether a plant goes along with the floor rather than with the belt."""
+        return bool(2.0 * drift.velocity @ self.velocity < self.velocity @ self.velocity)
 
     def _ended(self, plant: _Plant, leg: int, hips: Floats) -> None:
         """Judge anew with one plant more."""
@@ -77,8 +89,7 @@ class Belt:
             self.velocity = usual_step(drifts, along)
         elif np.any(self.velocity):
             lately = drifts[-OUTLIERS - 1 :]
-            rests = [2.0 * each.velocity @ self.velocity < self.velocity @ self.velocity for each in lately]
-            if len(rests) > OUTLIERS and all(rests):  # they go along with the floor rather than with the belt
+            if len(lately) > OUTLIERS and all(self._rests(each) for each in lately):
                 self.velocity = np.zeros(3)
 
     def _along(self, drifts: list[Drift]) -> Bools | None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
+from scipy.linalg.lapack import dpbsv
 
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import DAMPING, EPS, STATIC
@@ -65,8 +66,6 @@ def descend(
 
 def _step(found: Normal, fixed: Fixed, past: int) -> Floats:
     """(n, F - past) the step of the free unknowns, by a banded Cholesky decomposition; none where there is none."""
-    from scipy.linalg.lapack import dpbsv
-
     gradient, main, next_ = found.gradient[past:], found.main[past:], found.next[past:]
     own, bands = fixed.free, found.near[:, fixed.free, past:]
     if len(own) < gradient.shape[1]:

@@ -25,7 +25,7 @@ from typing import Protocol
 import numpy as np
 
 from footfix.enforce.correction import apply
-from footfix.enforce.leg import ANKLE, ROOT
+from footfix.enforce.leg import ANKLE
 from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import forward
@@ -36,17 +36,17 @@ from footfix.stream.events import Event, Kind
 from footfix.stream.legs import Legs, Measure
 from footfix.stream.part import Part
 from footfix.stream.past import Past
-from footfix.stream.turns import correction
-from footfix.stream.window import BEFORE, Window
+from footfix.stream.spread import Spread
+from footfix.stream.turns import Turner
+from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
 _PARTS = 8  # of the work that a hop makes
 _SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
 _SPARED = 5  # and a frame for as many of the look-ahead's
-_ROUNDS, _FIRST_ROUNDS, _LAST_ROUNDS = 2, 6, 6  # of a window's solution: most of them, the first one, and the last one
+_ROUNDS, _LAST_ROUNDS = 2, 6  # of a window's solution, and of the last one's
 _WORK = 0.012  # [s] that work and the ways in and out may take, of the time that a frame waits
-_OVER = object()  # no parts are left
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
 
 
@@ -104,37 +104,37 @@ class Engine:
             frame_time: [s].
             settings: how contacts are found and enforced.
             look_ahead: [s] that a frame waits for what follows it.
-            shown: how many of the first frames are given out by others, as they are.
+            shown: how many of the first frames are given out by others, as they are; they are to be recalled.
         """
         self._part, self._codec, self._columns, self._frame_time = part, codec, columns, frame_time
         self._rig = part.known.rig
         self.hop, self.delay = paced(look_ahead, frame_time)
         ahead = self.delay - self.hop + 1
-        self._spread = min(self.hop - 1, _SPREAD, ahead // _SPARED)  # frames that a hop's parts wait for at most
-        self._ahead = ahead - self._spread
+        spread = min(self.hop - 1, _SPREAD, ahead // _SPARED)  # frames that a hop's parts wait for at most
+        self._work, self._ahead = Spread(_PARTS, spread + 1), ahead - spread
         self._detector = Detector(
             [leg.side for leg in self._rig.legs], part.known.mates, part.known.jitter, self._rig.leg_length, frame_time,
             look_ahead, settings.detect.auto,
         )  # fmt: skip
         moves = bool(part.skeleton.translates[self._rig.root])
-        self._window = Window(part.known, moves, frame_time, settings.enforce, shown)
         self._belt = Belt(part.known.belt, frame_time, self._rig.leg_length, settings.enforce.ground)
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
         self._joints = posed_joints(part.skeleton, self._rig)
         self._measure = Measure(part, self._joints)
+        self._turner = Turner(part, self._joints, self._measure.kinds, frame_time, goes_on=shown > 0)
+        self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
         self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
         self._hop: list[Floats] = []
-        self._work: Iterator[None] = iter(())  # parts that are left
-        self._done = self._since = 0  # parts of them that were done, and frames that came since they began
         self._arrived, self._settled = 0, shown
         self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled
         self._ready: deque[Shown] = deque()
 
     def recall(self, rows: Floats) -> None:
-        """Take rows (n, C) at once, of which the first ones were given out already."""
-        self._arrived += len(rows)
-        for _ in self._parts(rows, _FIRST_ROUNDS):
-            pass
+        """Take rows (n, C) that were given out already."""
+        if len(rows):
+            self._arrived += len(rows)
+            self._take(rows)
+            self._detector.weigh()
 
     def push(self, rows: Floats) -> list[Shown]:
         """Take the next rows (n, C); give out those that are due."""
@@ -142,20 +142,18 @@ class Engine:
         for row in rows:
             self._hop.append(row)
             self._arrived += 1
-            self._since += 1
             if len(self._hop) == self.hop:
-                self._work, self._done, self._since = self._parts(self._taken(), _ROUNDS), 0, 0
-            self._advance()
+                self._work.begin(self._parts(self._taken(), _ROUNDS))
+            self._work.advance()
             while self._ready and self._ready[0].number < self._arrived - self.delay:
                 out.append(self._ready.popleft())
         return out
 
     def close(self) -> list[Shown]:
         """Give out all that is left; no frames follow."""
-        for _ in self._work:
-            pass
-        for _ in self._parts(self._taken(), _LAST_ROUNDS, last=True):
-            pass
+        self._work.finish()
+        self._work.begin(self._parts(self._taken(), _LAST_ROUNDS, last=True))
+        self._work.finish()
         left = list(self._ready)
         self._ready.clear()
         return left
@@ -165,14 +163,6 @@ class Engine:
         rows = np.stack(self._hop) if self._hop else np.zeros((0, self._columns))
         self._hop.clear()
         return rows
-
-    def _advance(self) -> None:
-        """Do the parts that are due with this frame."""
-        due = _PARTS * (self._since + 1) // (self._spread + 1)
-        while self._done < due:
-            self._done += 1
-            if next(self._work, _OVER) is _OVER:
-                self._done = due
 
     def _parts(self, rows: Floats, rounds: int, *, last: bool = False) -> Iterator[None]:
         """Do the parts that rows (n, C) make, pausing after each; with `last`, settle all frames."""
@@ -186,21 +176,19 @@ class Engine:
             return
         seen = self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
         yield
-        first = max(self._settled - BEFORE, 0)
-        before = self._settled - first
-        found = seen.down[self._settled - seen.first :]
-        down = self._standing(found, stop - self._settled)
-        on = np.concatenate([self._told[BEFORE - before :], down])
+        settled, first = self._settled, max(self._settled - BEFORE, 0)
+        before, count = settled - first, stop - settled
+        found = seen.down[settled - seen.first :]
+        on = np.concatenate([self._told[BEFORE - before :], self._standing(found, count)])
         legs, lift = self._window.lifted(self._past.legs(first), first)
-        x, on = yield from self._window.solve(legs, on, first, stop, rounds, last=last)
-        self._learn(legs.frames(slice(before, stop - first)), found[: stop - self._settled])
-        events, settled = self._events(seen, on[: stop - first], first), self._settled
-        self._told = np.concatenate([self._told, on[before : stop - first]])[-BEFORE:]
+        done = yield from self._window.solve(legs, self._past.pose(settled, stop), on, first, rounds, last=last)
+        shown = slice(before, before + count)
+        self._learn(legs.frames(shown), found[:count])
+        events = self._events(seen, done.on)
+        self._told = np.concatenate([self._told, done.on])[-BEFORE:]
         self._settled = stop
         yield
-        shown = slice(before, stop - first)
-        shift = x[:ROOT, shown].T + lift[shown, None] * np.array([0.0, 1.0, 0.0])
-        self._write(settled, legs.frames(shown), x[:, shown], shift, on[shown], events)
+        self._write(settled, done, lift[shown], events)
 
     def _learn(self, legs: Legs, down: Bools) -> None:
         """Learn of the ground from the frames that are settled now, with contacts (n, 2 legs) as detected."""
@@ -215,25 +203,17 @@ class Engine:
         self._past.append(rows, legs, pose)
         self._detector.add(tracks)
 
-    def _write(self, first: int, legs: Legs, x: Floats, shift: Floats, on: Bools, events: Sequence[Event]) -> None:
-        """Make ready the rows of frames that are settled, n of them from number `first` on.
-
-        Args:
-            first: number of the first.
-            legs: in them.
-            x: (U, n) their state.
-            shift: (n, 3) [m] of the root.
-            on: (n, 2 legs) when heel and toe of each are planted.
-            events: what begins or ends there.
-        """
-        stop = first + len(on)
+    def _write(self, first: int, done: Settled, lift: Floats, events: Sequence[Event]) -> None:
+        """Make ready the rows of n frames that are settled, from number `first` on, raised by (n,) [m]."""
+        stop = first + len(lift)
         rows = self._past.rows.view(first, stop)
         clip = self._codec.read(rows)
-        done = correction(self._part, clip, self._past.pose(first, stop), legs, x, shift)
-        rows = self._codec.write(rows, clip, apply(clip, done)) if done.joints or np.any(shift) else rows.copy()
+        shift = done.shift + lift[:, None] * np.array([0.0, 1.0, 0.0])
+        change = self._turner.correction(clip, done.turned, shift)
+        rows = self._codec.write(rows, clip, apply(clip, change)) if change.joints or np.any(shift) else rows.copy()
         for k, number in enumerate(range(first, stop)):
             own = tuple(event for event in events if self._due_with(event, number, first, stop))
-            self._ready.append(Shown(number, rows[k], on[k, self._order], own))
+            self._ready.append(Shown(number, rows[k], done.on[k, self._order], own))
 
     @staticmethod
     def _due_with(event: Event, number: int, first: int, stop: int) -> bool:
@@ -258,9 +238,9 @@ class Engine:
                 self._window.left[k] = False
         return down
 
-    def _events(self, seen: Seen, on: Bools, first: int) -> list[Event]:
-        """What begins or ends in the frames that are settled now, by contacts (n, 2 legs) from frame `first` on."""
-        down = np.concatenate([self._told[-1:], on[self._settled - first :]])
+    def _events(self, seen: Seen, on: Bools) -> list[Event]:
+        """What begins or ends in the frames that are settled now, by their contacts (n, 2 legs)."""
+        down = np.concatenate([self._told[-1:], on])
         found = []
         for sole, column in zip(self._rig.soles, self._order, strict=True):
             for k in np.flatnonzero(down[1:, column] != down[:-1, column]).tolist():

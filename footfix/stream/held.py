@@ -13,7 +13,7 @@ from footfix.motion.clip import Bools, Floats, Ints
 
 STANDING = (HEEL, TOE, ANKLE)  # the points that have plants; the ankle stands while heel and toe do
 _SETTLES = 0.2  # [s] in which a plant comes down to its floor
-_STRAYS = 0.25  # [leg lengths] a foot whose capture has gone so far from its place is let go
+_STRAYS = 0.5  # [leg lengths] a foot whose capture has gone so far from its place is let go
 _LANDS = 0.1  # [s] before that none is
 _SLIPS = 0.005  # [leg lengths] and so is one that could not be held
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.detect.tracks import Foot, Tracks
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, LegTracks, Q, W, knee_of, tip_of
-from footfix.enforce.posed import cross, rotated
+from footfix.enforce.posed import cross, exponential, left_jacobian, rotated
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.kinematics import Pose
@@ -188,40 +188,18 @@ class Posed:
     jacobian: Floats
 
 
-def turns_of(vector: Floats) -> tuple[Floats, Floats]:
-    """Convert rotation vectors (3, ...) [rad] to `enforce.posed`'s `exponential` and `left_jacobian`, (3, 3, ...)."""
-    square = vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2
-    small = square < 1e-8
-    safe = np.where(small, 1.0, square)
-    angle = np.sqrt(safe)
-    half = np.sin(0.5 * angle) / angle
-    first = np.where(small, 1.0 - square / 6.0, np.sin(angle) / angle)
-    second = np.where(small, 0.5 - square / 24.0, 2.0 * half * half)
-    third = np.where(small, 1.0 / 6.0, (1.0 - first) / safe)
-    outer = vector[:, None] * vector[None]  # (3, 3, ...)
-    weights = np.stack([second, third])
-    both = weights[:, None, None] * outer  # of the rotation, then of its derivative
-    once = np.stack([first, second])[:, None] * vector
-    diagonal = 1.0 - weights * square
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        both[:, i, i] += diagonal
-        both[:, i, j] -= once[:, k]
-        both[:, j, i] += once[:, k]
-    return both[0], both[1]
-
-
 def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     """Put the points where a state has them, with derivatives: root (3, F) [m], and the legs' unknowns (8, L, F)."""
-    places, thrust, bent, arms, swing, twist, hinge = _points(legs, root, x)
+    places, thrust, bent, arms, hinge = _points(legs, root, x)
+    swept = left_jacobian(np.stack([x[Q], x[W]], axis=1))  # (3, 3, 2, L, F)
     n = places.shape[2:]
     out = np.zeros((*n, 3, POINTS, ROOT + LEG))
     for c in range(3):
         out[..., c, :, c] = 1.0
     rest = out[..., ROOT:]
-    rest[..., Q] = cross(swing, thrust[:, None]).transpose(2, 3, 0, 1)[..., None, :]
+    rest[..., Q] = cross(swept[:, :, 0], thrust[:, None]).transpose(2, 3, 0, 1)[..., None, :]
     rest[..., K] = bent.transpose(1, 2, 0)[..., None]
-    rest[..., W] = cross(twist[:, :, None], arms[:, None]).transpose(3, 4, 0, 2, 1)
+    rest[..., W] = cross(swept[:, :, 1, None], arms[:, None]).transpose(3, 4, 0, 2, 1)
     rest[..., TIP, B] = hinge.transpose(1, 2, 0)
     return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
 
@@ -235,13 +213,13 @@ def _points(legs: Legs, root: Floats, x: Floats) -> tuple[Floats, ...]:
     """Work out points (3, P, L, F) [m], and what their derivatives are made of.
 
     Besides the points: from hip to ankle, and its change by the knee's flexion (3, L, F); arms from the ankle to the
-    points (3, P, L, F); how hip and foot turn as their unknowns change (3, 3, L, F); the tip's change as toes bend.
+    points (3, P, L, F); the tip's change as toes bend (3, L, F).
     """
     k = x[K]
     c0, c1, c2 = legs.reach
     cos, sin = np.cos(k), np.sin(k)
     distance = np.sqrt(np.maximum(c0 + c1 * cos + c2 * sin, 1e-12))
-    turn, change = turns_of(np.stack([x[Q], x[W], x[B] * legs.toe_hinge], axis=1))  # (3, 3, 3, L, F)
+    turn = exponential(np.stack([x[Q], x[W], x[B] * legs.toe_hinge], axis=1))  # (3, 3, 3, L, F)
     line = rotated(turn[:, :, 0], legs.line)
     thrust, bent = line * distance, line * ((c2 * cos - c1 * sin) / (2.0 * distance))
     in_foot = np.concatenate(
@@ -251,4 +229,4 @@ def _points(legs: Legs, root: Floats, x: Floats) -> tuple[Floats, ...]:
     arms = np.empty((3, POINTS, *k.shape))
     arms[:, :2], arms[:, 2], arms[:, TIP] = by_foot[:, :2], 0.0, by_foot[:, TOE] + by_foot[:, 3]
     places = (legs.hip + root[:, None] + thrust)[:, None] + arms
-    return places, thrust, bent, arms, change[:, :, 0], change[:, :, 1], cross(by_foot[:, 2], by_foot[:, 3])
+    return places, thrust, bent, arms, cross(by_foot[:, 2], by_foot[:, 3])

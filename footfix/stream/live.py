@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -24,6 +25,7 @@ Before = Literal["pass", "wait"]
 MOST = 5.0  # [s] of look-ahead; for more, wait for the end and clean the whole
 _FEWEST = 12  # frames of which a figure can be told
 _REMEMBERED = 2.0  # [s] that detection looks back
+_MEANWHILE = 0.5  # [s] in which frames pass while their figure is calibrated
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,12 +35,27 @@ class StreamParams:
     Args:
         look_ahead: for how long a frame waits for what follows it [s].
         calibration: of the figure's first motion by which legs, floor and unit are told [s].
-        before: frames before that "pass" as they are, or "wait" and are corrected, too.
+        before: frames before that "pass" as they are and at once, or "wait" and are corrected, too.
     """
 
     look_ahead: float = 0.15
     calibration: float = 2.0
     before: Before = "pass"
+
+
+@dataclass(frozen=True, eq=False)
+class _Figure:
+    """A figure that is known.
+
+    Args:
+        part: its legs.
+        source: what its rows are of, with the unit, axis and bones it is found to have.
+        notes: what calibration has to tell.
+    """
+
+    part: Part
+    source: Document | Skeleton
+    notes: tuple[Note, ...] = ()
 
 
 class Live:
@@ -73,19 +90,25 @@ class Live:
         self._columns = len(source.channels) if isinstance(source, Document) else 7 * len(source)
         self.effectors: tuple[str, ...] = ()
         self._engine: Engine | None = None
-        self._figure: tuple[Part, Document | Skeleton] | None = None
-        self._held: list[Floats] = []  # rows before calibration, those that were given out among them
-        self._given = 0  # of these
+        self._figure: _Figure | None = None
+        self._coming: Future[_Figure] | None = None  # the figure, while it is calibrated
+        self._held: list[Floats] = []  # rows before calibration; those that pass were given out already
         self._out = 0  # frames that were given out, in all
         self._base = self._offset = 0  # numbers of the first frame since the last start, and of the engine's
         self._paced()
         if known is not None:
-            self._begin(*self._measured(known))
+            self._start(self._measured(known))
 
     def _paced(self) -> None:
         """Count waits in frames of the rate there is."""
         _, self.delay = paced(self._params.look_ahead, self._frame_time)
         self._wanted = max(_FEWEST, round(self._params.calibration / self._frame_time))
+        self._last = self._wanted + (round(_MEANWHILE / self._frame_time) if self._passes else 0)
+
+    @property
+    def _passes(self) -> bool:
+        """Whether frames before calibration pass."""
+        return self._params.before == "pass"
 
     def push(self, rows: Floats) -> list[Shown]:
         """Take the next rows (n, C); give out those that are due."""
@@ -105,22 +128,22 @@ class Live:
         out: list[Shown] = []
         for k, row in enumerate(rows):
             self._held.append(np.array(row))
-            if len(self._held) >= self._wanted:
+            if self._passes:
+                out.append(self._as_it_is(len(self._held) - 1))
+                if len(self._held) == self._wanted:
+                    self._coming = _meanwhile(self._found, np.stack(self._held))
+            if len(self._held) >= self._last:
                 return out + self._calibrated() + self._pushed(rows[k + 1 :])
-            if self._params.before == "pass" and len(self._held) - self._given > self.delay:
-                out.append(self._as_it_is(self._given))
-                self._given += 1
         return out
 
     def _closed(self) -> list[Shown]:
-        out: list[Shown] = []
         if self._engine is None and len(self._held) >= max(_FEWEST, LEAST / self._frame_time):
-            out += self._calibrated()
-        if self._engine is not None:
+            out = self._calibrated()
+            assert self._engine is not None
             return out + self._counted(self._engine.close())
-        out += [self._as_it_is(number) for number in range(self._given, len(self._held))]
-        self._given = len(self._held)
-        return out
+        if self._engine is not None:
+            return self._counted(self._engine.close())
+        return [] if self._passes else [self._as_it_is(number) for number in range(len(self._held))]
 
     def restart(self, frame_time: float) -> list[Shown]:
         """Give out all that is left, and go on with what is no continuation of it: another take, or another rate.
@@ -129,73 +152,74 @@ class Live:
             frame_time: [s] from now on.
         """
         out = self.close()
-        self._base, self._given, self._frame_time = self._out, 0, frame_time
+        self._base, self._frame_time, self._coming = self._out, frame_time, None
         self._held.clear()
         self._paced()
         if self._figure is not None:
-            self._start(*self._figure)
+            self._start(self._figure)
         return out
 
     def _as_it_is(self, number: int) -> Shown:
         return Shown(self._base + number, self._held[number], np.zeros(len(self.effectors), dtype=np.bool_), ())
 
     def _calibrated(self) -> list[Shown]:
-        """Calibrate on the rows that are held, and let the engine go on from there."""
+        """Let the engine go on from the rows that are held, calibrated on them."""
         rows = np.stack(self._held)
-        clip, source = self._clip(rows)
-        since = max(self._given - round(_REMEMBERED / self._frame_time), 0)
-        self._begin(clip, source, since)
+        figure = self._found(rows) if self._coming is None else self._coming.result()
+        given = len(rows) if self._passes else 0
+        since = max(given - round(_REMEMBERED / self._frame_time), 0)
+        self._start(figure, since=since, given=given)
         self._held.clear()
+        self._coming = None
         assert self._engine is not None
-        if not self._given:
-            return self._counted(self._engine.push(rows))
-        self._engine.recall(rows[since:])
-        return self._counted(self._engine.push(rows[:0]))
+        self._engine.recall(rows[since:given])
+        return self._counted(self._engine.push(rows[given:]))
 
-    def _clip(self, rows: Floats) -> tuple[Clip, Document | Skeleton]:
-        """The motion of rows [m], y up, and the source with the unit, axis and bones it is found to have."""
+    def _found(self, rows: Floats) -> _Figure:
+        """Calibrate on the first rows."""
         source = self._source
         if isinstance(source, Skeleton):
-            joints = len(source)
+            joints, n = len(source), len(rows)
             places, turns = rows[:, : 3 * joints], rows[:, 3 * joints :]
-            n = len(rows)
-            return Clip(source, places.reshape(n, joints, 3), turns.reshape(n, joints, 4), self._frame_time), source
+            return self._of(
+                Clip(source, places.reshape(n, joints, 3), turns.reshape(n, joints, 4), self._frame_time), source
+            )
         base = position_base(source.skeleton, source.channels, lambda column: rows[:, column], len(rows))
         in_file = to_clip(source.skeleton, source.channels, rows, base, self._frame_time)
         found = infer_units(in_file, self._settings.rig)
-        for note in found.notes:
-            self._told(note)
         document = replace(source, base=frozen(base)).placed(unit_m=found.unit_m, up=found.up)
-        return placed(in_file, document.unit_m, document.up), document
+        return self._of(placed(in_file, document.unit_m, document.up), document, found.notes)
 
-    def _measured(self, known: Document | Clip) -> tuple[Clip, Document | Skeleton]:
-        """The motion of another recording of the figure, and the source with unit, axis and bones as there."""
+    def _measured(self, known: Document | Clip) -> _Figure:
+        """Calibrate on another recording of the figure, and take unit, axis and bones as there."""
         if isinstance(known, Clip):
-            return known, self._source
+            return self._of(known, self._source)
         if not isinstance(self._source, Document):
-            return known.clip, self._source
+            return self._of(known.clip, self._source)
         found = infer_units(known.clip, self._settings.rig) if known.unit_m == 1.0 and known.up == "y" else known
         document = known.placed(unit_m=found.unit_m, up=found.up)
-        return document.clip, replace(self._source, base=document.base).placed(unit_m=found.unit_m, up=found.up)
+        source = replace(self._source, base=document.base).placed(unit_m=found.unit_m, up=found.up)
+        return self._of(document.clip, source)
 
-    def _begin(self, clip: Clip, source: Document | Skeleton, since: int = 0) -> None:
-        """Begin with the frames from `since` on, of a figure that moves as in a clip."""
+    def _of(self, clip: Clip, source: Document | Skeleton, notes: Sequence[Note] = ()) -> _Figure:
+        """Calibrate on a clip of the figure, with notes that are made of it already."""
         found = calibrate(clip, self._settings)
-        for note in found.notes:
-            self._told(note)
-        self.effectors = tuple(sole.name for sole in found.rig.soles)
-        self._figure = part_of(clip.skeleton, found), source
-        self._start(*self._figure, since=since)
+        return _Figure(part_of(clip.skeleton, found), source, (*notes, *found.notes))
 
-    def _start(self, part: Part, source: Document | Skeleton, *, since: int = 0) -> None:
-        """Begin with the frames from `since` on of those that are held."""
+    def _start(self, figure: _Figure, *, since: int = 0, given: int = 0) -> None:
+        """Begin with the frames from `since` on of those that are held, of which some were given out as they are."""
+        if figure is not self._figure:
+            for note in figure.notes:
+                self._told(note)
+        self._figure, part = figure, figure.part
+        self.effectors = tuple(sole.name for sole in part.known.rig.soles)
         codec: Channels | Arrays
-        if isinstance(source, Document):
-            codec = Channels(source, part, self._frame_time)
+        if isinstance(figure.source, Document):
+            codec = Channels(figure.source, part, self._frame_time)
         else:
-            codec = Arrays(source, part, self._frame_time)
+            codec = Arrays(figure.source, part, self._frame_time)
         self._engine = Engine(
-            part, codec, self._columns, self._frame_time, self._settings, self._params.look_ahead, self._given - since
+            part, codec, self._columns, self._frame_time, self._settings, self._params.look_ahead, given - since
         )
         self._offset = self._base + since
 
@@ -210,3 +234,11 @@ class Live:
             )
             for each in shown
         ]  # fmt: skip
+
+
+def _meanwhile(find: Callable[[Floats], _Figure], rows: Floats) -> Future[_Figure]:
+    """Calibrate on rows while more of them come in."""
+    worker = ThreadPoolExecutor(1)
+    coming = worker.submit(find, rows)
+    worker.shutdown(wait=False)
+    return coming

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from footfix.enforce.correction import Correction
@@ -9,48 +12,80 @@ from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
-from footfix.stream.legs import Legs
+from footfix.stream.legs import Kinds, Legs
+from footfix.stream.limits import FASTEST, limited
 from footfix.stream.part import Part
 
 
-def correction(part: Part, clip: Clip, pose: Pose, legs: Legs, x: Floats, shift: Floats) -> Correction:
-    """Turn a state of some frames into a correction of them.
+@dataclass(frozen=True, eq=False)
+class Turned:
+    """How the joints of all legs are to turn in some frames.
 
     Args:
-        part: the figure.
-        clip: n frames of it, as captured.
-        pose: of them.
-        legs: in them.
-        x: (U, n) the state.
-        shift: (n, 3) [m] of the root.
+        rotations: (4, L, n, 4) new local rotations of hip, knee, ankle and toe.
+        changed: (L, n) where a leg's differ from those captured.
+        late: (L, n) where a leg could not turn as quickly as its state asks.
     """
-    L, n = len(legs.kinds.legs), len(clip)
-    own = np.asarray(x[ROOT:]).reshape(L, LEG, n)
-    changed = np.any(own != 0.0, axis=1)  # (L, n)
-    if not changed.any():
-        return Correction(part.known.rig.root, shift, (), np.zeros((n, 0, 4)), part.known.followers)
-    joints, slots, turned = _joints(part, pose, legs)
-    local = _local(pose, slots, _world(legs, own.transpose(1, 0, 2)))  # (4, L, n, 4)
-    which, rotations = [], []
-    for k in np.flatnonzero(changed.any(axis=1)).tolist():
-        for at in np.flatnonzero(turned[:, k]).tolist():
-            joint = int(joints[at, k])
-            which.append(joint)
-            rotations.append(np.where(changed[k][:, None], local[at, k], clip.rotation(joint)))
-    return Correction(part.known.rig.root, shift, tuple(which), np.stack(rotations, axis=1), part.known.followers)
+
+    rotations: Floats
+    changed: Bools
+    late: Bools
 
 
-def _joints(part: Part, pose: Pose, legs: Legs) -> tuple[Ints, Ints, Bools]:
-    """(4, L) hip, knee, ankle and toe; (2, 4, L) where the pose has them and their parents; (4, L) which are turned."""
-    parents, kinds = part.skeleton.parents, legs.kinds
-    joints = np.array(
-        [[leg.hip, leg.knee, leg.ankle, leg.ankle if leg.toe is None else leg.toe] for leg in kinds.legs]
-    ).T
-    slot = {joint: k for k, joint in enumerate(pose.joints)} | {-1: -1}
-    slots = np.array([[[slot[joint] for joint in row] for row in some.tolist()] for some in (joints, parents[joints])])
-    turned = np.ones(joints.shape, dtype=np.bool_)
-    turned[3] = kinds.bends
-    return joints, slots, turned
+class Turner:
+    """The joints of a figure's legs, that turn as states want, frame after frame, and never jump."""
+
+    def __init__(
+        self, part: Part, joints: Sequence[int], kinds: Kinds, frame_time: float, *, goes_on: bool = True
+    ) -> None:
+        """Begin with a figure.
+
+        Args:
+            part: the figure.
+            joints: those that its poses are of.
+            kinds: what its legs are like.
+            frame_time: [s].
+            goes_on: whether frames went out before, as captured.
+        """
+        own = np.array(
+            [[leg.hip, leg.knee, leg.ankle, leg.ankle if leg.toe is None else leg.toe] for leg in kinds.legs]
+        ).T
+        slot = {joint: k for k, joint in enumerate(joints)} | {-1: -1}
+        both = (own, part.skeleton.parents[own])
+        self._slots: Ints = np.array([[[slot[joint] for joint in row] for row in each.tolist()] for each in both])
+        self._joints, self._part = own, part
+        self._written = np.ones(own.shape, dtype=np.bool_)
+        self._written[3] = kinds.bends
+        self._most = float(np.radians(FASTEST)) * frame_time
+        self._last = rotation.identity(own.shape) if goes_on else None  # (4, L, 4) correction in the last frame
+
+    def turn(self, pose: Pose, legs: Legs, x: Floats) -> Turned:
+        """Turn the joints in the next n frames, of which pose and legs are as captured, as a state (U, n) wants."""
+        own = x[ROOT:].reshape(-1, LEG, x.shape[1])
+        changed = np.any(own != 0.0, axis=1)  # (L, n)
+        world = pose.rotations.transpose(1, 0, 2)[self._slots]  # (2, 4, L, n, 4)
+        world[1][self._slots[1] < 0] = rotation.identity()
+        captured = rotation.multiply(rotation.inverse(world[1]), world[0])
+        wanted = _local(world, _world(legs, own.swapaxes(0, 1)))
+        more = np.where(
+            (changed & self._written[..., None])[..., None],
+            rotation.multiply(wanted, rotation.inverse(captured)), rotation.identity(),
+        )  # fmt: skip
+        more, late = limited(more, more[:, :, 0] if self._last is None else self._last, self._most)
+        self._last = more[:, :, -1]
+        rotations = np.where(late[..., None], rotation.multiply(more, captured), wanted)
+        return Turned(rotations, changed | late, late)
+
+    def correction(self, clip: Clip, turned: Turned, shift: Floats) -> Correction:
+        """Lay out as a correction what is to change in n frames of the figure, its root shifted by (n, 3) [m], too."""
+        joints, rotations = [], []
+        for k, changed in enumerate(turned.changed):
+            for at in np.flatnonzero(self._written[:, k] & changed.any()).tolist():
+                joint = int(self._joints[at, k])
+                joints.append(joint)
+                rotations.append(np.where(changed[:, None], turned.rotations[at, k], clip.rotation(joint)))
+        stacked = np.stack(rotations, axis=1) if rotations else np.zeros((len(clip), 0, 4))
+        return Correction(self._part.known.rig.root, shift, tuple(joints), stacked, self._part.known.followers)
 
 
 def _world(legs: Legs, x: Floats) -> Floats:
@@ -64,16 +99,13 @@ def _world(legs: Legs, x: Floats) -> Floats:
     return np.stack([swing, below[0], foot, below[1]])
 
 
-def _local(pose: Pose, slots: Ints, turns: Floats) -> Floats:
+def _local(captured: Floats, turns: Floats) -> Floats:
     """(4, L, n, 4) local rotations of joints turned in the world, each below a parent that is turned as the one above.
 
     Args:
-        pose: as captured.
-        slots: (2, 4, L) where it has the joints, and their parents.
+        captured: (2, 4, L, n, 4) rotations of the joints, and of their parents, in the world.
         turns: (4, L, n, 4) of the joints.
     """
-    captured = pose.rotations.transpose(1, 0, 2)[slots]  # (2, 4, L, n, 4)
-    captured[1][slots[1] < 0] = rotation.identity()
-    still = rotation.identity(turns.shape[1:3])
-    world = rotation.multiply(np.stack([turns, np.concatenate([still[None], turns[:3]])]), captured)
+    above = np.concatenate([rotation.identity((1, *turns.shape[1:3])), turns[:3]])
+    world = rotation.multiply(np.stack([turns, above]), captured)
     return rotation.normalize(rotation.multiply(rotation.inverse(world[1]), world[0]))

@@ -9,7 +9,7 @@ begins anew from where the foot is by then, at the speed it has (what G eq. 11 d
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,13 +21,14 @@ from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
 from footfix.enforce.whole_clip import costs_of, faded
 from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.kinematics import Pose
 from footfix.stream.calibration import Calibration
 from footfix.stream.descent import Fixed, descend
 from footfix.stream.exact import exact
 from footfix.stream.held import Foot, Ground, follow
 from footfix.stream.legs import Legs, places_of
-from footfix.stream.limits import limited
 from footfix.stream.pins import Asked, Stacked, pins_of
+from footfix.stream.turns import Turned, Turner
 
 _FIRST = 8e-4  # [m/s] of slip below which its price is a parabola, in the first round of the last window
 BEFORE = 2  # frames that were shown, in a window
@@ -36,24 +37,39 @@ _CAUGHT_UP = 0.01  # [leg lengths] a foot that was let go stands anew where it i
 _RAISED = 0.5  # [s] in which a figure is raised to its floor
 
 
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """What becomes of n frames.
+
+    Args:
+        shift: (n, 3) [m] of the root.
+        turned: the legs' joints.
+        on: (n, 2 legs) when heel and toe of each are planted, without feet that could not get there in time.
+    """
+
+    shift: Floats
+    turned: Turned
+    on: Bools
+
+
 class Window:
     """The enforcement of one figure in a stream."""
 
     def __init__(
-        self, known: Calibration, translates: bool, frame_time: float, params: EnforceParams, first: int
+        self, known: Calibration, translates: bool, turner: Turner, frame_time: float, params: EnforceParams, first: int
     ) -> None:
         """Begin with frame number `first`; nothing was shown yet.
 
         Args:
             known: the figure.
             translates: whether its root can be moved.
+            turner: what turns its joints.
             frame_time: [s].
             params: how contacts are enforced.
             first: number of the first frame that may be changed.
         """
-        import scipy.linalg.lapack  # noqa: F401  it takes a tenth of a second, which no frame is to wait for
-
         self._known, self._translates, self._frame_time, self._params = known, translates, frame_time, params
+        self._turner = turner
         rig, heights = known.rig, params.heights == "floor"
         at_floor = np.array([nominal(rig, e) for e in range(len(rig.soles))])
         order = [next(e for e, s in enumerate(rig.soles) if (s.leg, s.part) == (k, part))
@@ -94,25 +110,22 @@ class Window:
         return legs.raised(lift), lift
 
     def solve(
-        self, legs: Legs, on: Bools, first: int, stop: int, rounds: int, *, last: bool = False
-    ) -> Generator[None, None, tuple[Floats, Bools]]:
-        """Find the state of the newest frames, and keep that of those that are shown now; pause about each round.
+        self, legs: Legs, pose: Pose, on: Bools, first: int, rounds: int, *, last: bool = False
+    ) -> Generator[None, None, Settled]:
+        """Find the state of the newest frames, and settle those that go out now; pause about each round.
 
         Args:
             legs: as captured and lifted, n frames.
+            pose: as captured, of those frames that go out now.
             on: (n, 2 legs) when heel and toe of each are planted.
             first: number of the first frame: at most two before the first that was not shown.
-            stop: number of the first frame that is not to be shown.
             rounds: how many.
             last: whether no frames follow.
-
-        Returns:
-            (U, n) the state, without what is too small to be seen; what is beyond `stop` is only a plan. And (n, 2
-            legs) the contacts without those of feet that could not get there in time.
         """
         n = len(on)
         window = first + np.arange(n)
         past = min(max(self._shown - first, 0), n)
+        shown = slice(past, past + len(pose.positions))
         x = self._started(first, n)
         captured = legs.places()
         asked = Asked(
@@ -129,26 +142,16 @@ class Window:
                 yield
                 x = descend(problem, x, past, last=k == rounds - 1, legs=legs, pins=pins, fixed=fixed)
             yield
-        shown = slice(past, stop - first)
-        x, on = self._shown_so(legs, x, pins, on, shown)
-        self._follow(pins, on, shown, self._places(legs, x), asked)
-        self._x, self._begin, self._shown = x, first, stop
-        return faded(x, problem), on
-
-    def _shown_so(self, legs: Legs, x: Floats, pins: Stacked, on: Bools, shown: slice) -> tuple[Floats, Bools]:
-        """The state as it is shown, with toes where they stand and joints that don't jump, and who stands then."""
         x[:, shown] = exact(
             legs.frames(shown), x[:, shown], pins.place[:, TOE, :, shown], pins.placed[TOE, :, shown] > 0.0,
             [foot.stands(TOE) for foot in self._feet], self._ground.leg_length, self._frame_time,
         )  # fmt: skip
-        begin = max(shown.start - 1, 0)
-        some = slice(begin, shown.stop)
-        x[:, some], late = limited(legs.frames(some), x[:, some], shown.start - begin, self._frame_time)
-        if late.any():
-            on = on.copy()
-            for k in np.flatnonzero(late.any(axis=1)).tolist():
-                on[begin + int(np.argmax(late[k])) : shown.stop, 2 * k : 2 * k + 2] = False
-        return x, on
+        state = faded(x, problem)[:, shown]
+        turned = self._turner.turn(pose, legs.frames(shown), state)
+        on = _in_time(on, turned.late, past)
+        self._follow(pins, on, shown, self._places(legs, x), asked)
+        self._x, self._begin, self._shown = x, first, first + shown.stop
+        return Settled(state[:ROOT].T, turned, on[shown])
 
     def _follow(self, pins: Stacked, on: Bools, shown: slice, places: Floats, asked: Asked) -> None:
         """Keep account of plants after frames were shown, with their points at places (3, P, L, n) [m]."""
@@ -203,3 +206,12 @@ class Window:
         self._seen = last + 1
         self._fault = max(now, self._known.fault + (self._fault - self._known.fault) * kept)
         return self._fault
+
+
+def _in_time(on: Bools, late: Bools, past: int) -> Bools:
+    """(n, 2 legs) contacts without those of legs (L, m) that are behind, in the frames from `past` on."""
+    on = on.copy()
+    for k in np.flatnonzero(late.any(axis=1)).tolist():
+        behind = past + np.flatnonzero(late[k])
+        on[behind[0] : behind[-1] + 1, 2 * k : 2 * k + 2] = False
+    return on

@@ -34,7 +34,7 @@ def test_clean_takes_the_soles_from_the_skin(run: Run, files: tuple[Path, Path],
     report = json.loads((tmp_path / "out" / "walk.report.json").read_text())
     assert report["settings"]["rig"]["skin"] == str(skin)
     assert report["after"]["penetration_mm"] < 3.0 and report["after"]["slide_mm"] < report["before"]["slide_mm"]
-    assert not [note for note in report["notes"] if note["id"].startswith("skin")]
+    assert [note["id"] for note in report["notes"] if note["id"].startswith("skin")] == ["skin-soles"]
     page = (tmp_path / "out" / "walk.report.html").read_text()
     meshes = json.loads(re.search(r'"meshes": ?(\[.*?\]\}\])', page)[1])  # type: ignore[index]
     assert len(meshes) == 4 and all(len(part["outline"]) >= 4 for part in meshes)

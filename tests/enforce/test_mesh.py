@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from skinmaker import skin_of
@@ -9,12 +11,15 @@ from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.leg import calibrate, tracks
+from footfix.enforce.mesh import sunk
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.run import enforce
+from footfix.enforce.task import task_of
 from footfix.enforce.vertices import vertices_of
 from footfix.measure.clip import measure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
+from footfix.motion.contacts import Contact
 from footfix.rig.find import find_rig
 from footfix.rig.rig import Rig
 
@@ -50,6 +55,36 @@ def test_penetration_is_that_of_the_deepest_vertex() -> None:
             trim = 1 if contact.end - contact.start >= 5 else 0
             deepest = max(deepest, float(rig.floor - heights[contact.start + trim : contact.end - trim].min()))
     assert measure(clip, rig, contacts)[0].penetration_mm == pytest.approx(1000.0 * deepest, abs=1e-6)
+
+
+def test_a_heel_that_is_high_over_its_toes_has_no_floor_of_its_own() -> None:
+    clip, rig = spoiled(0.6)
+    name = "left_heel"
+    contacts = walk().contacts
+    heel = next(each for each in contacts.effectors if each.name == name)
+    own = replace(heel, contacts=(Contact(heel.contacts[1].start, heel.contacts[1].start + 12),))
+    contacts = replace(contacts, effectors=tuple(own if each.name == name else each for each in contacts.effectors))
+    # the floor is under the toes, which a foot that is pitched so far stands on
+    deep = rig.meshes[0].lowest(rig.pose(clip))[own.contacts[0].start + 1 : own.contacts[0].end - 1]
+    found = next(
+        each for each in measure(clip, replace(rig, floor=float(deep.min())), contacts)[1] if each.effector == name
+    )
+    assert found.penetration_mm == pytest.approx(0.0, abs=1e-6)
+    assert found.float_mm > 60.0
+
+
+@pytest.mark.parametrize("size", [1.0, 2.0])
+def test_a_mesh_deeper_than_two_millimetres_of_a_grown_up_does_not_stay(size: float) -> None:
+    clip, rig = spoiled(0.0)
+    task = task_of(clip, rig, walk().contacts, EnforceParams())
+    one = max(task.plants, key=lambda plant: plant.end - plant.start)
+    lowest = rig.lowest(task.pose)[one.effector][one.frames].min()
+    for share, deep in ((0.0022, False), (0.0028, True)):  # leg lengths
+        leg = size * rig.leg_length
+        sized = replace(rig, floor=float(lowest) + share * leg, leg_length=leg)
+        assert bool(sunk(task.plants, sized, task.pose, 0.0, task.floors, near=1.0)[one.id]) is deep
+        # raised by as much, it is not in the floor
+        assert not sunk(task.plants, sized, task.pose, share * leg, task.floors, near=1.0)[one.id]
 
 
 def test_root_alone_puts_vertices_at_their_floor() -> None:

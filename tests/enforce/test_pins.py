@@ -155,6 +155,16 @@ def test_short_contacts_have_edges_that_fit(length: int) -> None:
     own = hold[50 : 49 + length]
     assert np.count_nonzero(hold) == np.count_nonzero(own) == length - 1
     assert np.allclose(own, own[::-1])
+    assert length == 1 or own.max() == 1.0
+
+
+@pytest.mark.parametrize("length", [3, 4, 5, 6])
+def test_the_stance_of_a_run_at_30_fps_is_held_in_full(length: int) -> None:
+    made = figure("plain", "stand", 30.0, 2.0)
+    own = laid_out(made, contacts_of(made, left_toe=[Contact(20, 20 + length, 1.0)]))[0][TOE].hold[20 : 19 + length]
+    soft = np.zeros(length - 1, dtype=np.bool_)
+    soft[[0, -1]] = length > 3  # two steps are all there is of a short stance
+    assert np.array_equal(own < 1.0, soft)
 
 
 def test_what_is_forced_counts_a_hundredfold() -> None:

@@ -141,3 +141,33 @@ def test_of_many_vertices_those_are_kept_that_can_be_the_lowest(clip: Clip, monk
     assert len(few.meshes[0]) < len(whole.meshes[0])
     for one, other in zip(whole.meshes, few.meshes, strict=True):
         assert other.lowest(few.pose(clip)) == pytest.approx(one.lowest(whole.pose(clip)), abs=1e-9)
+
+
+def test_heel_ball_tip_and_thickness_of_each_foot_are_told(clip: Clip) -> None:
+    skin = skin_of(clip)
+    text = next(note.text for note in find_rig(clip, skin=skin).notes if note.id == "skin-soles")
+    at, places = clip.skeleton.names.index, zero_pose(clip)
+    for side in ("left", "right"):
+        ankle, toe = places[at(side.title() + "Foot")], places[at(side.title() + "ToeBase")]
+        thick = 1000 * (ankle[1] - toe[1] + THICK)
+        assert (
+            f"{side}: heel {1000 * BEHIND:.0f} mm behind and {thick:.0f} mm below the ankle, "
+            f"ball {1000 * THICK:.0f} mm below the toe joint, tip {1000 * BEFORE:.0f} mm ahead of it"
+        ) in text
+
+
+def test_joints_that_all_have_one_name_are_matched_by_shape(clip: Clip) -> None:
+    names = ("joint",) * len(clip.skeleton)
+    alike = replace(clip, skeleton=replace(clip.skeleton, names=names))
+    found = find_rig(alike, skin=skin_of(clip, names=list(names)))
+    assert "shape" in found.origins["sole.left_heel"]
+    assert offsets(found) == pytest.approx(offsets(find_rig(clip, skin=skin_of(clip))), abs=1e-9)
+
+
+def test_legs_without_length_are_told_and_not_used(clip: Clip) -> None:
+    skin = skin_of(clip)
+    frames = np.array(skin.frames)
+    frames[:, :3, 3] = 0.0
+    rig = find_rig(clip, skin=replace(skin, frames=frames))
+    assert not rig.meshes
+    assert "skin-not-used" in [note.id for note in rig.notes]

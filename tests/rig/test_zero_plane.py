@@ -8,19 +8,21 @@ import numpy as np
 import pytest
 from exports import without_toes
 from rigmaker import mirrored, moved, nameless, scaled, with_up
+from skinmaker import skin_of
 from walker import Walk, make
 from walker_plan import Gait
 
 from footfix.config import load_config
 from footfix.errors import UsageError
-from footfix.motion.clip import Clip, Skeleton
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.rig.find import find_rig
 from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig
 from footfix.rig.sample import Sample
 from footfix.rig.soles import Foot
 from footfix.rig.units import infer_units
-from footfix.rig.zero_plane import on_zero_plane
+from footfix.rig.zero_plane import on_zero_plane, skin_on_zero_plane
 
 LEG = 0.88  # [m]
 ON_ZERO = "the file's zero plane, on which the toes rest"
@@ -219,3 +221,33 @@ def test_heights_of_feet_at_rest(levels: list[tuple[float, float]], ball: float 
         assert foot.ball_height == pytest.approx(ball, abs=1e-12)
         assert foot.ankle_height == pytest.approx(rest + 0.05, abs=1e-12)
         assert foot.measured
+
+
+def stood(*heights: float) -> Floats:
+    """(S, L) [m] feet that stand at some heights."""
+    return np.tile(np.asarray(heights), (60, 1))
+
+
+@pytest.mark.parametrize(
+    ("fore", "hind", "on"),
+    [(0.0, 0.0, True), (0.006, -0.054, True), (0.03, -0.054, False), (0.005, -0.2, False), (0.1, 0.1, False)],
+)
+def test_feet_of_a_skin_that_are_in_the_plane_stand_on_it_if_others_do(fore: float, hind: float, on: bool) -> None:
+    heights = stood(fore, fore, hind, hind)
+    assert skin_on_zero_plane(heights, np.zeros((60, 4, 3)), min(fore, hind), 0.9) is on
+
+
+def test_a_skin_that_comes_down_from_the_plane_stands_below_it() -> None:
+    heights = stood(0.0, 0.0)
+    heights[20:] = -0.1
+    assert not skin_on_zero_plane(heights, np.zeros((60, 2, 3)), -0.1, 0.9)
+
+
+def test_a_figure_that_lies_on_the_backs_of_its_feet_has_its_floor_below_them() -> None:
+    clip = walk("stand").clip
+    lying = rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.array(1.2))
+    own = find_rig(clip, skin=skin_of(clip))
+    pitched = clip.with_joints({}, {leg.ankle: rotation.multiply(clip.rotation(leg.ankle), lying) for leg in own.legs})
+    rig = find_rig(pitched, skin=skin_of(clip))
+    lowest = np.min([mesh.lowest(rig.pose(pitched)) for mesh in rig.meshes], axis=0)
+    assert rig.floor == pytest.approx(float(np.median(lowest)), abs=0.002)

@@ -9,15 +9,14 @@ import pytest
 from streams import figure, legs_of, state
 
 from footfix.detect.tracks import tracks_of
-from footfix.enforce import posed as one_leg
 from footfix.enforce.correction import apply
 from footfix.enforce.leg import LEG, ROOT, LegTracks
 from footfix.enforce.leg import tracks as leg_tracks
 from footfix.enforce.whole_clip import correction as whole_correction
 from footfix.motion.clip import Floats
-from footfix.stream.legs import Measure, posed, turns_of
+from footfix.stream.legs import Measure, posed
 from footfix.stream.past import Past
-from footfix.stream.turns import correction
+from footfix.stream.turns import Turner
 
 
 def alike(ours: LegTracks, known: LegTracks) -> bool:
@@ -54,14 +53,6 @@ def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
     assert part.known.rig.legs == legs.kinds.legs
 
 
-@pytest.mark.parametrize("size", [0.0, 1e-6, 0.01, 0.5, 3.0])
-def test_turns_and_their_changes_are_those_of_rotation_vectors(size: float) -> None:
-    vectors = np.random.default_rng(1).normal(size=(3, 2, 7)) * size
-    turn, change = turns_of(vectors)
-    assert np.allclose(turn, one_leg.exponential(vectors), atol=1e-12)
-    assert np.allclose(change, one_leg.left_jacobian(vectors), atol=1e-8)
-
-
 def test_points_move_with_the_unknowns_as_differences_say() -> None:
     _, _, _, legs = figure("walk_skate")
     x, step = state(legs, 0.1), 1e-6
@@ -86,7 +77,10 @@ def test_rotations_of_a_state_are_those_of_a_whole_clip(name: str) -> None:
     shift = x[:ROOT].T
     columns = [slice(ROOT + LEG * k, ROOT + LEG * (k + 1)) for k in range(len(legs.kinds.legs))]
     known = whole_correction(clip, part.known.rig, pose, legs.apart(), x, columns, shift)
-    found = correction(part, clip, pose, legs, x, shift)
+    turner = Turner(part, pose.joints, legs.kinds, frame_time=10.0)  # in which joints may turn as they like
+    turned = turner.turn(pose, legs, x)
+    assert not turned.late.any()
+    found = turner.correction(clip, turned, shift)
     assert set(found.joints) == set(known.joints)
     ours, theirs = apply(clip, found), apply(clip, known)
     assert np.allclose(np.abs(np.sum(ours.rotations * theirs.rotations, axis=-1)), 1.0, atol=1e-12)

@@ -92,9 +92,9 @@ def test_no_frame_takes_more_than_its_share_of_a_hops_parts() -> None:
     assert engine is not None
     done = []
     for row in rows[40:80]:
-        before = 0 if len(engine._hop) == engine.hop - 1 else engine._done
+        before = 0 if len(engine._hop) == engine.hop - 1 else engine._work.done
         stream.push(row[None])
-        done.append(engine._done - before)
+        done.append(engine._work.done - before)
     assert max(done) <= 2
     assert sum(done) == 8 * 10
 

@@ -42,7 +42,7 @@ class Code:
 
     def turns(self, rows: Floats) -> Floats:
         """(..., J, 4) rotations of rows (..., 3 + 3 J)."""
-        vectors = rows[..., 3:].reshape(*rows.shape[:-1], -1, 3)
+        vectors = rows[..., 3:].reshape(*rows.shape[:-1], len(self.middle), 3)
         return rotation.multiply(self.middle, rotation.from_rotation_vector(vectors))
 
     @property

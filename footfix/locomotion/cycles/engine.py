@@ -23,8 +23,9 @@ from footfix.motion.clip import Floats
 _SOONEST = 0.25  # [s] within which parameters change at the soonest,
 _TURNED = np.radians(150.0)  # [rad/s^2] and turns,
 _HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
-_RAN = 1.0  # [1/s] and the share of running: quicker than this no foot on the floor can follow
-_COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more
+_RAN = 0.7  # [1/s] and the share of running: quicker than this no foot on the floor can follow
+_COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more,
+_SETTLING = 0.2  # [s] and before that changes less and less
 _BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
 _PAST = 0.25  # [s] that are told of the past where what stands is known
 _RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
@@ -84,7 +85,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     course = _course(model, plan, line, start, until, slow)
     stances = [each for own in timetable(model, course, until) for each in own]
     poses = leg_poses(model, course, sample_times(stances).ravel())
-    return Foreseen(course, _feet(model, settled(stances, [False] * len(stances), poses, model)))
+    return Foreseen(course, _feet(model, settled(stances, [0.0] * len(stances), poses, model)))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
@@ -98,63 +99,107 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
     return make_feet([sorted((s for s in stances if s.leg == k), key=lambda s: s.count) for k in legs])
 
 
-def changed_plan(model: CycleModel, plan: Plan, now: float, over: float, target: Plan) -> Plan:
-    """Make the plan that from now on goes to a target (one row) within `over` [s], or as soon as feet can follow."""
+def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target: Plan) -> Plan:
+    """Make the plan whose parameters go to a target (one row), each by a time, or as soon as feet can follow.
+
+    Args:
+        model: the figure and its cycles.
+        plan: what was asked for.
+        now: [s].
+        ends: (3 + S,) [s] when speed, run, turn and styles are to have got there; nan for those that go on as planned.
+        target: what they are to become.
+    """
     here = plan.at(np.array([now]))
-    needed = (
-        (target.turn - here.turn) / _TURNED,
-        (target.speed - here.speed) / (_HASTENED * model.froude),
-        (target.run - here.run) / _RAN,
-    )
-    return plan.changed(now, max(over, _SOONEST, *(abs(float(each[0])) for each in needed)), target)
+    needed = np.zeros(len(ends))
+    needed[0] = (target.speed[0] - here.speed[0]) / (_HASTENED * model.froude)
+    needed[1] = (target.run[0] - here.run[0]) / _RAN
+    needed[2] = (target.turn[0] - here.turn[0]) / _TURNED
+    return plan.changed(now, np.maximum(ends, now + np.maximum(np.abs(needed), _SOONEST)), target)
 
 
-def changed(
-    model: CycleModel, old: Foreseen, plan: Plan, now: Point, until: float, times: Floats, led: Floats | None = None
-) -> tuple[Foreseen, Led]:
-    """Foresee anew from a time on, at which another plan holds, or more of it is wanted.
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """The first third of the work of foreseeing anew: the course, and when feet are going to stand on it.
 
-    What stands stays, and a foot about to be set down comes down where it was to. Others get new places; what leads
-    them there now, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+    Args:
+        now: [s] the time from which on it holds.
+        course: phase, place and heading.
+        over: stances that are over, but still lead a foot.
+        stances: those that are or come, without the places of new ones.
+        stays: (n,) share of its known place that each of them keeps.
+    """
+
+    now: float
+    course: Course
+    over: Sequence[Stance]
+    stances: Sequence[Stance]
+    stays: Sequence[float]
+
+
+def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Begun:
+    """Begin to foresee anew from a time on, at which another plan holds, or more of it is wanted.
+
+    What stands stays, and a foot about to be set down comes down where it was to. Others get new places.
 
     Args:
         model: the figure and its cycles.
         old: what was going to happen.
         plan: what is asked for; up to now it is what it was.
-        now: where the course is.
-        until: [s].
-        times: (T,) [s] at which feet are led right away, from now on.
-        led: (L, Q, 3) how the feet are led off the cycle now, if that is known.
+        now, until: [s].
+    """
+    course = _course(model, plan, old.course.line, old.course.point(now), until, _PAST)
+    over, stances, stays = _coming(old.feet, timetable(model, course, until), now)
+    return Begun(now, course, over, stances, stays)
+
+
+def placed(model: CycleModel, begun: Begun) -> Feet:
+    """Go on, with the places of the feet."""
+    poses = leg_poses(model, begun.course, sample_times(begun.stances).ravel())
+    return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
+
+
+def finish(model: CycleModel, old: Foreseen, begun: Begun, feet: Feet, times: Floats) -> tuple[Foreseen, Led]:
+    """Foresee anew what was begun.
+
+    What led feet then to other places, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+
+    Args:
+        model: the figure and its cycles.
+        old: what was going to happen.
+        begun: what is to.
+        feet: `placed`.
+        times: (T,) [s] at which feet are led right away, from then on.
 
     Returns:
         What is going to happen, and the feet led at the times.
     """
-    course = _course(model, plan, old.course.line, now, until, _PAST)
-    over, stances, stays = _coming(old.feet, timetable(model, course, until), now.time)
-    samples = sample_times(stances).ravel() if stances else times[:0]
-    n = len(samples)
-    soon = np.concatenate([[now.time], times])
-    free = free_postures(model, course, np.concatenate([samples, soon]), n + 1 if len(times) else n)
-    found = settled(stances, stays, free.legs, model) if stances else []
-    feet, legs = _feet(model, [*over, *found]), free.legs.some(slice(n, None))
-    off = feet.led_off(soon, legs)
-    was = old.led_off(soon[:1], legs.some(slice(0, 1)))[0] if led is None else led
-    residual = _residual(was - off[0], feet, now.time)
-    free = replace(free, legs=legs.some(slice(1, None)))
-    return Foreseen(course, feet, residual), Led(times, free, residual.faded(off[1:], times))
+    soon = np.concatenate([[begun.now], times])
+    free = free_postures(model, begun.course, soon, 1)
+    off = feet.led_off(soon, free.legs)
+    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0]
+    residual = _residual(was - off[0], feet, begun.now)
+    free = replace(free, legs=free.legs.some(slice(1, None)))
+    return Foreseen(begun.course, feet, residual), Led(times, free, residual.faded(off[1:], times))
 
 
 def _coming(
     feet: Feet, expected: Sequence[Sequence[Stance]], now: float
-) -> tuple[list[Stance], list[Stance], list[bool]]:
-    """Tell stances that are over but still lead a foot, those that are or come, and which of these were known."""
-    over, stances, stays = list[Stance](), list[Stance](), list[bool]()
+) -> tuple[list[Stance], list[Stance], list[float]]:
+    """Tell stances that are over but still lead a foot, those that are or come, and how far these keep their places."""
+    over, stances, stays = list[Stance](), list[Stance](), list[float]()
     for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
-        before = {each.count: each for each in known if each.start <= now + _COMMITTED}
-        coming = [s for s in coming if before.get(s.count, s).end > now]
-        stances += [_kept(before[each.count], each, now) if each.count in before else each for each in coming]
-        stays += [each.count in before for each in coming]
+        before = {each.count: each for each in known}
+        for each in coming:
+            old = before.get(each.count)
+            left = np.inf if old is None else old.start - now - _COMMITTED
+            if old is not None and left <= 0.0:
+                if old.end > now:
+                    stances.append(_kept(old, each, now))
+                    stays.append(1.0)
+            elif each.end > now:
+                stances.append(each if old is None else replace(each, points=old.points, frames=old.frames))
+                stays.append(max(1.0 - left / _SETTLING, 0.0))
     return over, stances, stays
 
 
@@ -199,9 +244,12 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
 def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
     """Keep what is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
     until = np.empty(gap.shape[:2])
-    for leg, stances in enumerate(feet.stances):
-        for q, k in enumerate((0, 1, 2, 3, 0, 0)):  # the last two as the heel
-            coming = min((s[0] for each in stances if (s := each.spans[k]) is not None and s[0] > now), default=np.inf)
+    for leg, own in enumerate(feet.stances):
+        begins = [[span[0] for each in own if (span := each.spans[k]) is not None] for k in range(4)]
+        # by which end a foot is led makes no difference while both are planted, and only then
+        alone = [each.start for each in own] + [each.flat[1] for each in own if each.flat is not None]
+        for q, times in enumerate((*begins, alone, begins[0], ())):
+            coming = min((time for time in times if time > now), default=np.inf)
             until[leg, q] = now + min(max(coming - now, _SOON), _RESIDUAL)
     return Residual(now, until, gap)
 

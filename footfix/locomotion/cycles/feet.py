@@ -13,16 +13,16 @@ from functools import cached_property
 import numpy as np
 
 from footfix.locomotion.cycles.eased import Row, Timelines, held_rows, through_rows, timelines
-from footfix.locomotion.cycles.leg_pose import LegPoses, reach, turned_by, turns_between
+from footfix.locomotion.cycles.leg_pose import LegPoses, reach, too_short, turned_by, turns_between
 from footfix.locomotion.cycles.stance import HELD, UP, Span, Stance
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.vectors import cross, norm, unit
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
-_PEEL = 0.08  # [s] after the heel has left the floor, and before the foot is set down, in which it becomes free to turn
-_SOFT = 0.01  # [leg lengths] that a leg may lack, from which on it is noticed
+_PEEL = 0.12  # [s] after the heel has left the floor, and before it is set down, in which it becomes free to turn
 _LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
-_LED = (*HELD, "share", "free")
+_DOWN = 0.3  # [s] before and after a heel is set down, in which the figure comes down for it, and up again
+_LED = (*HELD, "share", "free", "down")
 _TWO = np.arange(2)
 
 
@@ -33,8 +33,8 @@ class Feet:
     Args:
         stances: of each foot, in order of time.
         lines: how the feet are led off the cycle: for each foot the four of `HELD`; by which of its ends it is led, 0
-            by the heel, 1 by the toe (while both are planted they say the same); and how free it is to turn about its
-            toe, 0 while its heel is planted.
+            by the heel, 1 by the toe (while both are planted they say the same); how free it is to turn about its toe,
+            0 while its heel is planted; and how far the figure comes down for it [m].
     """
 
     stances: tuple[tuple[Stance, ...], ...]
@@ -55,7 +55,7 @@ class Feet:
         return np.array([each.points for each in every]), np.array([each.frames for each in every])
 
     def led_off(self, times: Floats, pose: LegPoses) -> Floats:
-        """(T, L, 6, 3) how the feet are led off the cycle (G eq. 9); the last two are numbers, the first of three.
+        """(T, L, 7, 3) how the feet are led off the cycle (G eq. 9); the last three are numbers, the first of three.
 
         Args:
             times: (T,) [s].
@@ -100,10 +100,14 @@ def make_feet(stances: Sequence[Sequence[Stance]]) -> Feet:
     return Feet(tuple(map(tuple, stances)), timelines(rows, some))
 
 
-def _knots(stances: Sequence[Stance]) -> tuple[list[Span], list[Span]]:
-    """By which of its ends a foot is led, and how free it is to turn about its toe, at some times."""
-    share, free = list[Span](), list[Span]()
+def _knots(stances: Sequence[Stance]) -> tuple[list[Span], list[Span], list[Span]]:
+    """By which of its ends a foot is led, how free it is to turn about its toe, and how far the figure comes down."""
+    share, free, down = list[Span](), list[Span](), list[Span]()
     for each in stances:
+        if each.heel is not None and each.down > 0.0:
+            strike = each.heel[0]
+            before = max(strike - _DOWN, down[-1][0] if down else -np.inf)
+            down += [(before, 0.0), (strike, each.down), (strike + _DOWN, 0.0)]
         if free and free[-1][1] == 1.0 and each.start - _PEEL > free[-1][0]:
             free.append((each.start - _PEEL, 1.0))
         if each.heel is None or each.toe is None:
@@ -118,56 +122,57 @@ def _knots(stances: Sequence[Stance]) -> tuple[list[Span], list[Span]]:
         if each.end > each.heel[1]:
             peel = min(_PEEL, each.end - each.heel[1])
             free += [(each.heel[1] + peel, 1.0), (max(each.end, each.heel[1] + peel), 1.0)]
-    return share, free
+    return share, free, down
 
 
-def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats]:
-    """Where feet are to be: (T, L, 3) [m] the ankles, (T, L, 3, 3) the frames of ankles and toe joints.
+def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Where feet are to be.
 
     Args:
         pose: the legs as the cycle has them.
-        off: (T, L, 6, 3) from `Feet.led_off`.
+        off: (T, L, 7, 3) from `Feet.led_off`.
+
+    Returns:
+        (T, L, 3) [m] the hips, (T, L, 3) the ankles, and (T, L, 3, 3) the frames of ankles and toe joints.
     """
     by_heel, by_toe, part = off[:, :, 0], off[:, :, 1], off[:, :, 4, :1]
     turns = turned_by(off[:, :, 2:4])
     turn, heading = turns[:, :, 0], turns[:, :, 1]
+    hip = np.array(pose.hip)
+    hip[..., 1] -= np.sum(off[:, :, 6, 0], axis=1, keepdims=True)
     pivot = pose.heel + part * (pose.toe - pose.heel)
     goal = pivot + (1.0 - part) * by_heel + part * by_toe
     arms = np.stack([pose.ankle - pivot, pose.toe - pivot], axis=-1)  # (T, L, 3, 2)
     both = goal[..., None] + turn @ arms
-    ankle, peel = _peeled(pose, both[..., 0], both[..., 1], off[:, :, 5, 0])
-    return ankle, peel @ (turn @ pose.foot), heading @ pose.toes
+    ankle, peel = _peeled(pose, hip, both[..., 0], both[..., 1], off[:, :, 5, 0])
+    return hip, ankle, peel @ (turn @ pose.foot), heading @ pose.toes
 
 
-def lowered(pose: LegPoses, ankle: Floats, free: Floats, size: float) -> Floats:
-    """Tell by how much (T,) [m] the figure has to come down for its legs to reach planted feet: hardly ever anything.
+def lowered(pose: LegPoses, line: Floats, free: Floats, size: float) -> Floats:
+    """Tell by how much more (T,) [m] the figure has to come down for its legs to reach planted feet: hardly ever.
 
     Args:
         pose: the legs as the cycle has them.
-        ankle: (T, L, 3) [m] where the ankles are to be.
+        line: (T, L, 3) [m] from the hips to where the ankles are to be.
         free: (T, L) how free feet are to turn about their toes instead.
         size: [m] of a leg.
     """
-    line = ankle - pose.hip
-    flat = line[..., 0] ** 2 + line[..., 2] ** 2
-    short = -line[..., 1] - np.sqrt(np.maximum(reach(pose) ** 2 - flat, 0.0))
-    soft = _SOFT * size
-    rounded = np.where(np.abs(short) < soft, (short + soft) ** 2 / (4.0 * soft), np.maximum(short, 0.0))
-    return np.asarray(np.minimum(np.max((1.0 - free) * rounded, axis=1), _LOWEST * size))
+    down = np.max((1.0 - free) * too_short(line, reach(pose), size), axis=1)
+    return np.asarray(np.minimum(down, _LOWEST * size))
 
 
-def _peeled(pose: LegPoses, ankle: Floats, toe: Floats, free: Floats) -> tuple[Floats, Floats]:
+def _peeled(pose: LegPoses, hip: Floats, ankle: Floats, toe: Floats, free: Floats) -> tuple[Floats, Floats]:
     """Turn feet about their toes where a leg would be stretched farther than in the cycle: the heel comes up instead.
 
     Returns:
         (T, L, 3) [m] the ankles, and (T, L, 3, 3) the turns.
     """
-    limit, was, now = reach(pose), norm(pose.ankle - pose.hip), norm(ankle - pose.hip)
+    limit, was, now = reach(pose), norm(pose.ankle - pose.hip), norm(ankle - hip)
     room = np.maximum(limit - was, 1e-6)
     beyond = np.maximum(now - was, 0.0)
     wanted = now - free * (beyond - room * (1.0 - np.exp(-beyond / room)))
     # in the triangle of hip, toe and ankle the angle at the toe tells how far the ankle is from the hip
-    arm, line = ankle - toe, pose.hip - toe
+    arm, line = ankle - toe, hip - toe
     r, d = norm(arm), norm(line)
     lever = np.maximum(2.0 * r * d, 1e-9)
     cosines = (r * r + d * d - np.stack([now, wanted]) ** 2) / lever

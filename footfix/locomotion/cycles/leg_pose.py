@@ -17,6 +17,7 @@ from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
 _STILL = np.eye(3)
+_SOFT = 0.01  # [leg lengths] that a leg may lack, from which on it is noticed
 _LONGEST = 0.9998  # share of a leg's length to which it is stretched at most
 
 
@@ -227,6 +228,17 @@ def reach(pose: LegPoses) -> Floats:
     """(T, L) [m] how far ankles can be from their hips: what the legs are long, or what they were posed at."""
     bones = norm(pose.knee - pose.hip) + norm(pose.ankle - pose.knee)
     return np.maximum(_LONGEST * bones, norm(pose.ankle - pose.hip))
+
+
+def too_short(line: Floats, limit: Floats, size: float) -> Floats:
+    """Tell by how much (...) [m] hips have to come down for ankles, (..., 3) [m] from them, to be within reach.
+
+    Near to the limit the answer is rounded, so that it changes without a kink.
+    """
+    flat = line[..., 0] ** 2 + line[..., 2] ** 2
+    short = -line[..., 1] - np.sqrt(np.maximum(limit**2 - flat, 0.0))
+    soft = _SOFT * size
+    return np.where(np.abs(short) < soft, (short + soft) ** 2 / (4.0 * soft), np.maximum(short, 0.0))
 
 
 def _back(frames: Floats) -> Floats:

@@ -154,6 +154,8 @@ class CycleModel:
 
     def leg_rows(self, phases: Floats, asked: Plan, first: int) -> tuple[Floats, Floats]:
         """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`; and rows from `first` on."""
+        if first == len(phases):
+            return self._rows(phases, asked, ((1, 0),))[0], np.empty((0, 3 + 3 * len(self.skeleton)))
         legs, every = self._rows(phases, asked, ((1, 0), (0, first)))
         return legs, every
 

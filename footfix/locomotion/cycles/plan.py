@@ -23,7 +23,7 @@ _AT = np.concatenate([[0.0], 1.0 + _NODES])
 class Line(Protocol):
     """A path over the floor by its arc length, as `Path` is."""
 
-    def place(self, s: Floats) -> Floats:
+    def position(self, s: Floats) -> Floats:
         """(..., 2) [m] x and z."""
 
     def heading(self, s: Floats) -> Floats:
@@ -54,16 +54,22 @@ class Plan:
             if value.flags.writeable:  # of a part of what is read-only nothing need be done
                 object.__setattr__(self, name, frozen(value))
 
+    @classmethod
+    def of_table(cls, times: Floats, table: Floats) -> Plan:
+        """The plan of times (K,) and a `table` (K, 3 + S), which is not to be written to any more."""
+        table.flags.writeable = False
+        return cls(times, table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
+
     @cached_property
-    def _table(self) -> Floats:
-        """(K, 3 + S) all of it."""
+    def table(self) -> Floats:
+        """(K, 3 + S) speed, run, turn and styles."""
         table = np.empty((len(self.times), 3 + self.style.shape[1]))
         table[:, 0], table[:, 1], table[:, 2], table[:, 3:] = self.speed, self.run, self.turn, self.style
         return table
 
     def at(self, times: Floats) -> Plan:
         """The parameters at other times (T,)."""
-        known, table = self.times, self._table
+        known, table = self.times, self.table
         if len(known) == 1:
             rows = np.empty((len(times), table.shape[1]))
             rows[:] = table[0]
@@ -72,8 +78,7 @@ class Plan:
             low = known[k]
             share = np.minimum(np.maximum((times - low) / (known[k + 1] - low), 0.0), 1.0)[:, None]
             rows = (1.0 - share) * table[k] + share * table[k + 1]
-        rows.flags.writeable = False
-        return Plan(times, rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3:])
+        return Plan.of_table(times, rows)
 
     def of_speeds(self, speed: Floats) -> Plan:
         """The same with other speeds (K,) [m/s]."""
@@ -88,19 +93,37 @@ class Plan:
         first = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
         return self if first == 0 else self.some(slice(first, None))
 
-    def changed(self, now: float, over: float, target: Plan) -> Plan:
-        """The plan as it was up to a time, from which on its parameters go to others within `over` [s].
+    def ends(self) -> Floats:
+        """(3 + S,) [s] the times at which speed, run, turn and styles are what they stay; -inf where always."""
+        moving = self.table != self.table[-1]
+        last = len(moving) - 1 - np.argmax(moving[::-1], axis=0)
+        return np.where(moving.any(axis=0), self.times[np.minimum(last + 1, len(moving) - 1)], -np.inf)
+
+    def changed(self, now: float, ends: Floats, target: Plan) -> Plan:
+        """The plan as it was up to a time, from which on some parameters go to others.
 
         Args:
             now: [s] the time of the change.
-            over: [s] how long it takes.
+            ends: (3 + S,) [s] when speed, run, turn and styles have got there; nan for those that go on as planned.
             target: one row, what they are to become.
         """
-        kept = int(self.times.searchsorted(now - 1e-9))
-        here = self.at(np.array([now]))
-        parts = [[getattr(each, name)[:k] for each, k in ((self, kept), (here, 1), (target, 1))] for name in _ROWS[1:]]
-        times = np.concatenate([self.times[:kept], [now, now + over]])
-        return Plan(times, *(np.concatenate(each) for each in parts))
+        others = bool(np.isnan(ends).any())
+        times = np.unique(np.concatenate([[now], ends[~np.isnan(ends)], self.times[(self.times > now) & others]]))
+        was = self.at(times).table
+        share = np.minimum((times[:, None] - now) / (ends - now), 1.0)
+        rows = np.where(np.isnan(share), was, was[0] + share * (target.table[0] - was[0]))
+        bends = np.abs(np.diff(np.diff(rows, axis=0) / np.diff(times)[:, None], axis=0)).max(axis=1, initial=0.0) > 1e-9
+        kept = np.concatenate([[True], bends, [True]])
+        past = int(self.times.searchsorted(now - 1e-9))
+        rows = np.concatenate([self.table[:past], rows[kept]])
+        return Plan.of_table(np.concatenate([self.times[:past], times[kept]]), rows)
+
+    def joined(self, now: float, over: float, other: Plan) -> Plan:
+        """The plan that it was up to a time, and `over` [s] later is another one."""
+        past, later = int(self.times.searchsorted(now - 1e-9)), int(other.times.searchsorted(now + over, side="right"))
+        here, there = self.at(np.array([now])), other.at(np.array([now + over]))
+        parts = (self.some(slice(past)), here, there, other.some(slice(later, None)))
+        return Plan.of_table(np.concatenate([p.times for p in parts]), np.concatenate([p.table for p in parts]))
 
 
 _ROWS = ("times", "speed", "run", "turn", "style")
@@ -146,7 +169,7 @@ class Course:
         known = self.known[k]
         out = known + _headed(_steps(self.plan, self.frequency, self.grid[k], times), known[:, 2])
         if self.line is not None:
-            out[:, 2], out[:, 3:] = self.line.heading(out[:, 1]), self.line.place(out[:, 1])
+            out[:, 2], out[:, 3:] = self.line.heading(out[:, 1]), self.line.position(out[:, 1])
         return np.asarray(out)
 
     def phases(self, times: Floats) -> Floats:

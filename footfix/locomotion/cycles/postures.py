@@ -13,7 +13,7 @@ import numpy as np
 from footfix.locomotion.cycles.feet import Feet, goals, lowered
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
-from footfix.locomotion.cycles.plan import Course, Point
+from footfix.locomotion.cycles.plan import Course
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 
@@ -28,8 +28,6 @@ class Postures:
         turns: (T, J, 4) xyzw each joint's rotation in its parent's frame.
         contacts: (T, E) whether each effector is planted.
         names: of the effectors.
-        led: (T, L, Q, 3) how the feet are led off the cycle.
-        point: where the course is at the last of the times.
     """
 
     times: Floats
@@ -37,8 +35,6 @@ class Postures:
     turns: Floats
     contacts: Bools
     names: tuple[str, ...]
-    led: Floats
-    point: Point
 
     def __len__(self) -> int:
         return len(self.times)
@@ -56,13 +52,11 @@ class Free:
     """Postures as the cycles have them, no foot held.
 
     Args:
-        point: where the course is at the last of T times.
         place: (T, 3) [m] the root.
         turns: (T, J, 4) xyzw all rotations.
         legs: the legs, at these times and maybe some before.
     """
 
-    point: Point
     place: Floats
     turns: Floats
     legs: LegPoses
@@ -101,24 +95,25 @@ def free_postures(model: CycleModel, course: Course, times: Floats, first: int =
     place[:, 2] += at[:, 4]
     legs = model.legs.poses(place, front, own_legs)
     turns[:, root] = front[first:]
-    return Free(Point(float(times[-1]), *at[-1].tolist()), place[first:], turns, legs)
+    return Free(place[first:], turns, legs)
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
     """Pose the legs as the cycles have them at times (T,) [s]."""
-    return free_postures(model, course, times, len(times) - 1).legs
+    return free_postures(model, course, times, len(times)).legs
 
 
 def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
     """Make the postures in which feet are where they are led."""
     pose, off, rig = led.free.legs, led.off, model.rig
     place, turns = np.array(led.free.place), np.array(led.free.turns)
-    ankle, foot, toes = goals(pose, off)
-    down = lowered(pose, ankle, off[:, :, 5, 0], rig.leg_length)
+    hip, ankle, foot, toes = goals(pose, off)
+    more = lowered(pose, ankle - hip, off[:, :, 5, 0], rig.leg_length)
+    down = pose.hip[:, 0, 1] - hip[:, 0, 1] + more
     place[:, 1] -= down
     ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
     turns[:, model.legs.turned] = model.legs.bent(pose, model.knees, ankle, foot, toes)
     contacts = np.empty((len(led.times), len(rig.soles)), dtype=np.bool_)
     for e, sole in enumerate(rig.soles):
         contacts[:, e] = feet.planted(sole.leg, sole.part, led.times)
-    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles), off, led.free.point)
+    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles))

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.leg_pose import LegPoses, between, reach, turns_between
+from footfix.locomotion.cycles.leg_pose import LegPoses, between, reach, too_short, turns_between
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.motion.clip import Floats, Ints, frozen
 from footfix.motion.vectors import dot, norm, unit
@@ -28,6 +28,7 @@ _DELTA = 0.004  # [s] over which slopes are told
 _FLAT = np.array([1.0, 0.0, 1.0])
 UP = np.array([0.0, 1.0, 0.0])
 _EVENLY, _ON_HEEL = np.linspace(0.0, 1.0, _INSIDE), np.linspace(0.0, 1.0, _REACHED)
+_EARLY = (1.0 - _ON_HEEL) / np.sum(1.0 - _ON_HEEL)
 _BESIDE = np.array([_DELTA, -_DELTA])
 _WAY = np.array([[1.0], [-1.0]]) / _DELTA
 _WHERE = _INSIDE + 2 * np.arange(4)[:, None] + np.array([0, 1, _ENDS, _ENDS + 1])  # (4, 4) the samples of `HELD`
@@ -50,6 +51,7 @@ class Stance:
         frames: (2, 3, 3) those of ankle and toe joint while both are planted.
         ends, slopes: (4, 2, 3) how far off the cycle each of `HELD` is when it begins to be held and when it ends, [m]
             or [rad], and how that changes then [1/s].
+        down: [m] by how much the figure has to come down for the leg to reach the floor when the heel is set down.
     """
 
     leg: int
@@ -60,6 +62,7 @@ class Stance:
     frames: Floats = field(default_factory=lambda: _AS_IT_IS)
     ends: Floats = field(default_factory=lambda: _NO_ENDS)
     slopes: Floats = field(default_factory=lambda: _NO_ENDS)
+    down: float = 0.0
 
     @cached_property
     def flat(self) -> Span | None:
@@ -91,6 +94,8 @@ class Stance:
 
 def sample_times(stances: Sequence[Stance]) -> Floats:
     """(n, M) [s] the times at which the cycle is looked at for each stance."""
+    if not stances:
+        return np.zeros((0, _SAMPLES))
     rows = []
     for each in stances:
         own = each.flat or each.toe or each.heel
@@ -108,25 +113,33 @@ def _spread(spans: Floats, shares: Floats) -> Floats:
     return np.asarray(spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * shares)
 
 
-def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, model: CycleModel) -> list[Stance]:
-    """Give stances their places, and tell how far off the cycle they are; those that stay keep their places.
+def settled(stances: Sequence[Stance], stays: Sequence[float], poses: LegPoses, model: CycleModel) -> list[Stance]:
+    """Give stances their places, and tell how far off the cycle they are; those that stay keep theirs.
 
-    A foot stands where the cycle has it, in the mean of the time in which heel and toe are planted, at the height at
-    which it does in the cycles (G 5.1), and so near that the leg reaches it.
+    A foot stands as the cycle has it in the mean of the time in which heel and toe are planted (G 5.1), where the heel
+    was in the beginning of its contact, at the height at which it stands in the cycles, and so near that the leg
+    reaches it.
 
     Args:
         stances: n of them.
-        stays: for each whether it has a place.
+        stays: for each what share of the place that it has it keeps.
         poses: the legs as the cycle has them at the n x M `sample_times`.
         model: the figure.
     """
+    if not stances:
+        return []
     rows = np.arange(len(stances) * _SAMPLES).reshape(-1, _SAMPLES)
     legs = np.array([each.leg for each in stances])
     soles, frames = poses.soles[rows, legs[:, None]], poses.ends[rows, legs[:, None]]  # (n, M, 2, 3), and 3 x 3
     points, turned = _places(stances, legs, soles, frames, model)
+    points += _where_set_down(stances, points, soles[:, -_REACHED:, 0])[:, None]
     points += _nearer(stances, poses, rows[:, -_REACHED:], legs, points[:, 0])[:, None]
     for k in np.flatnonzero(stays).tolist():
-        points[k], turned[k] = stances[k].points, stances[k].frames
+        if stays[k] == 1.0:
+            points[k], turned[k] = stances[k].points, stances[k].frames
+        else:
+            points[k] += stays[k] * np.mean(stances[k].points - points[k], axis=0)
+    down = _down(stances, poses, rows[:, -_REACHED], legs, points[:, 0], model)
     off = np.empty((len(stances), 4, 4, 3))  # of each of `HELD` at its start, its end, and beside them
     two = np.arange(2)
     off[:, :2] = points[:, :, None] - soles[:, _WHERE[:2], two[:, None]]
@@ -135,7 +148,7 @@ def settled(stances: Sequence[Stance], stays: Sequence[bool], poses: LegPoses, m
     ends = off[:, :, :2]
     slopes = (off[:, :, 2:] - ends) * _WAY
     return [
-        Stance(each.leg, each.count, each.heel, each.toe, points[k], turned[k], ends[k], slopes[k])
+        Stance(each.leg, each.count, each.heel, each.toe, points[k], turned[k], ends[k], slopes[k], down[k])
         for k, each in enumerate(stances)
     ]
 
@@ -159,6 +172,16 @@ def _places(
     return points, turned
 
 
+def _where_set_down(stances: Sequence[Stance], points: Floats, heel: Floats) -> Floats:
+    """Move places (n, 2, 3) over the floor, by (n, 3) [m], towards where the cycle has the heels (n, M, 3) early on.
+
+    While the speed changes, the cycle's foot does not stay where it was set down. The leg is straight then, and what it
+    lacks is missed at once; later the knee gives way, or the heel is lifted.
+    """
+    early = np.where([[each.heel is not None] for each in stances], _EARLY, 0.0)
+    return np.asarray(np.einsum("nm,nmi->ni", early, heel - points[:, None, 0]) * _FLAT)
+
+
 def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats) -> Floats:
     """Draw places (n, 3) nearer over the floor, by (n, 3) [m], for legs to reach the heels all the time."""
     hip, ankle, heel = (each[rows, legs[:, None]] for each in (poses.hip, poses.ankle, poses.heel))
@@ -171,3 +194,12 @@ def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, 
     stands = np.array([stance.heel is not None for stance in stances])
     by = np.minimum(np.maximum(short[each, worst], 0.0), _FARTHEST * limit[each, worst]) * stands
     return np.asarray(-by[:, None] * unit(line[each, worst] * _FLAT))
+
+
+def _down(
+    stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats, model: CycleModel
+) -> list[float]:
+    """Tell by how much (n,) [m] the figure has to come down for legs to reach the floor when heels are set down."""
+    hip, ankle, heel = (each[rows, legs] for each in (poses.hip, poses.ankle, poses.heel))
+    short = too_short(ankle - heel + heel_at - hip, reach(poses)[rows, legs], model.rig.leg_length)
+    return [float(by) if each.heel is not None else 0.0 for each, by in zip(stances, short, strict=True)]

@@ -148,13 +148,13 @@ def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> tuple[
 
     x = sum m ((y'' + g) x - y x'') / sum m (y'' + g), with heights y over the floor; z alike.
     """
-    place = centres(clip, body)
-    second = acceleration(place, clip.frame_time)
+    centre = centres(clip, body)
+    second = acceleration(centre, clip.frame_time)
     mass = np.array([each.mass for each in body])[:, None]
     weight = mass * (second[..., 1] + GRAVITY)
-    height = (place[..., 1] - rig.floor) * mass
+    height = (centre[..., 1] - rig.floor) * mass
     total = np.maximum(weight.sum(axis=0), 0.1 * GRAVITY)  # nothing presses on the floor in free flight
-    sides = ((weight * place[..., k]).sum(axis=0) - (height * second[..., k]).sum(axis=0) for k in (0, 2))
+    sides = ((weight * centre[..., k]).sum(axis=0) - (height * second[..., k]).sum(axis=0) for k in (0, 2))
     return np.stack([side / total for side in sides], axis=1), total
 
 

@@ -95,8 +95,8 @@ def _speed(walk: Walk, joint: int) -> float:
 
 def _acceleration(walk: Walk) -> Floats:
     """(J,) [m/s^2] the 99th percentile of each joint's acceleration."""
-    place = places(walk.clip)
-    second = np.diff(np.concatenate([place[-2:-1], place]), n=2, axis=0) / walk.clip.frame_time**2
+    tracks = places(walk.clip)
+    second = np.diff(np.concatenate([tracks[-2:-1], tracks]), n=2, axis=0) / walk.clip.frame_time**2
     return np.asarray(np.percentile(np.linalg.norm(second, axis=2), 99.0, axis=0))
 
 

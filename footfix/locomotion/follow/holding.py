@@ -47,7 +47,7 @@ def stands(clip: Clip, rig: Rig, contacts: Contacts) -> bool:
     for sole, track, effector in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), contacts.effectors, strict=True):
         most = (_HEEL if sole.part == "heel" else _KEEP) * rig.leg_length
         for contact in effector.contacts:
-            place = track[contact.start + edge : max(contact.end - edge, 0)][:, [0, 2]]
-            if len(place) > 2 and np.hypot(*(place - np.median(place, axis=0)).T).max() > most:
+            own = track[contact.start + edge : max(contact.end - edge, 0)][:, [0, 2]]
+            if len(own) > 2 and np.hypot(*(own - np.median(own, axis=0)).T).max() > most:
                 return False
     return True

@@ -16,9 +16,10 @@ from footfix.locomotion.follow.balance import (
     segments,
     zero_moment_point,
 )
+from footfix.locomotion.follow.legs import bend_legs, hips_of, reaches
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
-from footfix.locomotion.follow.placing import Goal, Lean, bend_legs, goal_of, hips_of, lay_body, reaches
+from footfix.locomotion.follow.placing import Goal, Lean, goal_of, lay_body
 from footfix.locomotion.follow.posing import Posed, pose
 from footfix.locomotion.follow.standing import firmness, unslid, unturned
 from footfix.locomotion.follow.steps import envelope, ground_at, lower_swing, reach_lack
@@ -67,7 +68,7 @@ def lay_walks(
 ) -> Laid:  # fmt: skip
     """Lay body and feet along a path, and lean; `paced` says whether walks are gone at another speed."""
     posed = pose(walks, timeline)
-    arc = way.place(timeline.gone)
+    arc = way.arc(timeline.gone)
     dt, first = timeline.frame_time, walks[0]
     leads = timeline.leads()
     stride = np.array([walk.stride_seconds for walk in walks])[leads] / dt  # (F,) [frames]
@@ -118,10 +119,10 @@ def _balance(
     point, press = zero_moment_point(clip, rig, body)
     heading = path.heading(arc)
     ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
-    on = arc + np.einsum("fk,fk->f", point - path.place(arc), ahead)
+    on = arc + np.einsum("fk,fk->f", point - path.position(arc), ahead)
     heading = path.heading(on)
     left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
-    side = np.einsum("fk,fk->f", point - path.place(on), left) - aside
+    side = np.einsum("fk,fk->f", point - path.position(on), left) - aside
     return averaged(press * side, stride) / averaged(press, stride)
 
 
@@ -145,7 +146,8 @@ def _figure(
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
     far = reaches(laid, rig, np.maximum(posed.mixed, _CURVES * firm))
-    lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], far)
+    near = [np.where(goal.held(), each, np.inf) for goal, each in zip(goals, far, strict=True)]
+    lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], near)
     lowered = envelope(lack, _window(posed))
     if np.any(lowered):
         laid = lay_body(posed, ground, replace(lean, lower=lowered))

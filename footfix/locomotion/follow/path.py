@@ -63,7 +63,7 @@ class Path:
         at = np.linspace(0.0, self.length, len(self.points))
         return at, np.unwrap(np.arctan2(*self._spline(at, 1).T))
 
-    def place(self, s: Floats) -> Floats:
+    def position(self, s: Floats) -> Floats:
         """(..., 2) [m] x and z at arc lengths (...) [m]; an open path goes straight on beyond its ends."""
         s = np.asarray(s, dtype=np.float64)
         if self.straight:

@@ -1,33 +1,20 @@
-"""Body and feet of walks laid along a path, and legs that lead from one to the other."""
+"""Body and feet of walks laid along a path."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
-from footfix.enforce.correction import apply
-from footfix.enforce.papers.leg import (
-    can_turn,
-    captured_leg,
-    correction_of,
-    effector_tracks,
-    local_rotations,
-    two_bones,
-    where_moved,
-)
 from footfix.locomotion.follow.posing import Foot, Posed
 from footfix.locomotion.follow.steps import Ground
 from footfix.locomotion.loop.travel import root_in_world, with_root
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import forward
-from footfix.motion.vectors import norm
-from footfix.rig.rig import Rig
 
-_BENT = 0.992  # of a leg's bones, to which it is stretched where it is kept from being straight
-_MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
+_SWING = 3  # frames that a swing has at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,24 +40,24 @@ def lay_body(posed: Posed, ground: Ground, lean: Lean) -> Clip:
     Args:
         posed: F frames on the spot.
         ground: the path under it, moved aside by where it leans from.
-        lean: about that place on the floor.
+        lean: about that point of the floor.
     """
     floor, phi = posed.rig.floor, lean.angle
     laid, leans = posed.clip, posed.root
     if posed.body is not None:  # what carries the body keeps upright, and to the path
-        place, turn = root_in_world(laid, posed.root)
+        position, turn = root_in_world(laid, posed.root)
         leans, path = posed.body, replace(ground, aside=np.zeros_like(ground.aside))
-        laid = with_root(laid, posed.root, path.lay(place), rotation.multiply(ground.turn, turn))
-    place, turn = root_in_world(posed.clip, leans)
+        laid = with_root(laid, posed.root, path.lay(position), rotation.multiply(ground.turn, turn))
+    position, turn = root_in_world(posed.clip, leans)
     if np.any(phi):
         roll = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), -phi)
         up = np.array([0.0, floor, 0.0])
-        place = rotation.rotate(roll, place - up) + up
+        position = rotation.rotate(roll, position - up) + up
         turn = rotation.multiply(roll, turn)
     if lean.lower is not None:
-        place = place - np.outer(lean.lower, [0.0, 1.0, 0.0])
+        position = position - np.outer(lean.lower, [0.0, 1.0, 0.0])
     if posed.body is None or np.any(phi) or lean.lower is not None:
-        laid = with_root(laid, leans, ground.lay(place), rotation.multiply(ground.turn, turn))
+        laid = with_root(laid, leans, ground.lay(position), rotation.multiply(ground.turn, turn))
     if lean.neck is None or not lean.share or not np.any(phi):
         return laid
     neck, parent = lean.neck, int(laid.skeleton.parents[lean.neck])
@@ -89,10 +76,19 @@ class Goal:
     Args:
         ankle: (F, 3) [m].
         turn: (F, 4) of the ankle's frame.
+        swings: frames in which it goes from stance to stance with its leg, wherever that leads it.
     """
 
     ankle: Floats
     turn: Floats
+    swings: tuple[slice, ...] = ()
+
+    def held(self) -> Bools:
+        """(F,) whether the foot is to be there, not with its leg."""
+        out = np.ones(len(self.ankle), dtype=np.bool_)
+        for some in self.swings:
+            out[some] = False
+        return out
 
 
 def goal_of(foot: Foot, ground: Ground, yaw: Floats, shift: Floats, height: Floats) -> Goal:
@@ -107,60 +103,14 @@ def goal_of(foot: Foot, ground: Ground, yaw: Floats, shift: Floats, height: Floa
     """
     toe = ground.lay(np.stack([foot.toe[:, 0], height, foot.toe[:, 2]], axis=1) + shift)
     turn = rotation.multiply(rotation.about_vertical(ground.heading + yaw), foot.turn)
-    return Goal(toe + rotation.rotate(turn, foot.ankle), turn)
+    return Goal(toe + rotation.rotate(turn, foot.ankle), turn, _free_swings(foot))
 
 
-def hips_of(clip: Clip, rig: Rig) -> list[Floats]:
-    """For each leg (F, 3) [m] the hip."""
-    seen = forward(clip, [leg.hip for leg in rig.legs])
-    return [seen.position(leg.hip) for leg in rig.legs]
+def _free_swings(foot: Foot) -> tuple[slice, ...]:
+    """Frames between stances in which a foot is mixed, or its body.
 
-
-def reaches(clip: Clip, rig: Rig, bent: Floats) -> list[Floats]:
-    """Tell for each leg (F,) [m] how far from hip to ankle it may be stretched.
-
-    That is as far as it ever was captured. Where its foot steps elsewhere it is kept from being that straight: near
-    the straight line a knee shoots forwards and back by what an ankle hardly moves.
-
-    Args:
-        clip: F frames.
-        rig: its legs.
-        bent: (F,) how much of that is wanted, 0 to 1.
+    A foot that is mixed by itself leaves the floor when its own stance is over, a little before or after its leg is
+    bent for that, and a knee that is nearly straight is torn by it.
     """
-    seen = forward(clip, [joint for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])
-    most = list[Floats]()
-    for leg in rig.legs:
-        hip, knee, ankle = (seen.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
-        far, bones = float(norm(ankle - hip).max()), norm(knee - hip) + norm(ankle - knee)
-        most.append(far - bent * np.maximum(far - _BENT * bones, 0.0))
-    return most
-
-
-def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[float]) -> Clip:
-    """Bend legs so that ankles are at their goals; what is there already keeps its numbers.
-
-    Args:
-        clip: the body, as `lay_body` has put it.
-        rig: its legs.
-        goals: one a leg.
-        farthest: for each leg [m] from hip to ankle, what it may be stretched to.
-    """
-    seen = rig.pose(clip)
-    tracks = effector_tracks(rig, seen)
-    turns: dict[int, Floats] = {}
-    for number, (leg, goal, most) in enumerate(zip(rig.legs, goals, farthest, strict=True)):
-        if not can_turn(clip, leg):
-            continue
-        captured = captured_leg(rig, seen, number, tracks)
-        moves = norm(goal.ankle - captured.ankle) > _MOVED
-        moves |= rotation.angle(rotation.multiply(rotation.inverse(captured.turn), goal.turn)) > _MOVED
-        if not np.any(moves):
-            continue
-        line = goal.ankle - captured.hip
-        limit = np.maximum(most, norm(captured.ankle - captured.hip))
-        share = np.minimum(1.0, limit / np.maximum(norm(line), 1e-9))
-        ankle = np.where((share < 1.0)[:, None], captured.hip + share[:, None] * line, goal.ankle)
-        turns |= where_moved(
-            clip, local_rotations(clip, seen, captured, two_bones(captured, ankle), goal.turn), moves
-        )  # fmt: skip
-    return apply(clip, correction_of(clip, rig, turns)) if turns else clip
+    swings = [b + np.flatnonzero(foot.mixed[b:a]) for (_, b), (a, _) in pairwise(foot.steps.stances)]
+    return tuple(slice(int(each[0]), int(each[-1]) + 1) for each in swings if len(each) >= _SWING)

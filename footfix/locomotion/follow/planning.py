@@ -77,7 +77,7 @@ def transitions_of(
         high = max(params.shortest_blend, params.longest_blend * float(seconds))
         length = float(np.clip(asked, min(max(params.shortest_blend, least), high), high))
         found.append(Transition(
-            k - 1, k, start, start + length, float(way.place(np.array([gone]))[0]), skeleton.names[joint], asked,
+            k - 1, k, start, start + length, float(way.arc(np.array([gone]))[0]), skeleton.names[joint], asked,
             length != asked,
         ))  # fmt: skip
     return tuple(found), tuple(notes)

@@ -36,6 +36,7 @@ class Foot:
         turn: (F, 4) of the ankle's frame.
         ankle: (F, 3) [m] from the toe to the ankle, in the ankle's frame.
         heel: (F, 3) [m] from the toe to the heel, in the same.
+        mixed: (F,) whether it is mixed of two walks' feet, or hangs from a body that is mixed of two.
     """
 
     steps: Steps
@@ -43,6 +44,7 @@ class Foot:
     turn: Floats
     ankle: Floats
     heel: Floats
+    mixed: Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +84,7 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
     rig = walks[0].rig
     steps = _steps(walks, timeline)
     parts = [_zone(walks, timeline, zone, [each.moment for each in steps]) for zone in timeline.zones]
-    feet = tuple(
-        Foot(each, *(np.concatenate([part.feet[k][n] for part in parts]) for n in range(4)))
-        for k, each in enumerate(steps)
-    )
+    feet = tuple(_joined_foot(each, parts, k) for k, each in enumerate(steps))
     weight = timeline.weight()
     planted = _closed(np.concatenate([part.planted for part in parts]), (weight > 0.0) & (weight < 1.0), timeline)
     sure = np.concatenate([_sure(walks, zone) for zone in timeline.zones])
@@ -150,7 +149,13 @@ def _weight(zone: Zone, moment: Floats, frame_time: float) -> Floats:
 class _Part:
     clip: Clip
     feet: list[tuple[Floats, ...]]
+    mixed: list[Bools]
     planted: Bools
+
+
+def _joined_foot(steps: Steps, parts: Sequence[_Part], k: int) -> Foot:
+    toe, turn, ankle, heel = (np.concatenate([part.feet[k][n] for part in parts]) for n in range(4))
+    return Foot(steps, toe, turn, ankle, heel, np.concatenate([part.mixed[k] for part in parts]))
 
 
 def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequence[Floats]) -> _Part:
@@ -182,7 +187,8 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
                   if joint != leg.ankle and leg.ankle in skeleton.ancestors(joint)}  # fmt: skip
         soles = [e for e, sole in enumerate(rig.soles) if sole.leg == k]
         planted[:, soles] = down[:, soles]
-    return _Part(mixed_clip(clips, seen, zone.weight[some], below), feet, planted)
+    both = [np.asarray((not alone) & ((every > 0.0) & (every < 1.0))[[0, k + 1]].any(axis=0)) for k in range(len(own))]
+    return _Part(mixed_clip(clips, seen, zone.weight[some], below), feet, both, planted)
 
 
 def _in_step(

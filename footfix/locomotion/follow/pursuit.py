@@ -29,12 +29,12 @@ def pursued(points: Floats, step: float, sharpest: float) -> Floats:
     change = sharpest * step * sharpest / _SWINGS
     end = points[-1] - points[-2]
     far = np.concatenate([points, points[-1] + np.arange(1, ahead + 1)[:, None] * end])
-    place, heading = points[0], float(np.arctan2(*(points[1] - points[0])))
-    way, at, bent = [place], 0, 0.0
+    here, heading = points[0], float(np.arctan2(*(points[1] - points[0])))
+    way, at, bent = [here], 0, 0.0
     while at < len(points) - 1 and len(way) < _LONGER * len(points) + ahead:
-        near = np.linalg.norm(far[at : at + ahead] - place, axis=1)
+        near = np.linalg.norm(far[at : at + ahead] - here, axis=1)
         at = min(at + int(np.argmin(near)), len(points) - 1)
-        line = far[at + ahead] - place
+        line = far[at + ahead] - here
         angle = float(np.arctan2(*line)) - heading
         angle -= 2.0 * np.pi * round(angle / (2.0 * np.pi))
         wanted = 2.0 * np.sin(angle) / max(float(np.hypot(*line)), step)
@@ -42,6 +42,6 @@ def pursued(points: Floats, step: float, sharpest: float) -> Floats:
             wanted = np.copysign(sharpest, bent if abs(angle) > 0.75 * np.pi and bent else angle)
         bent += float(np.clip(np.clip(wanted, -sharpest, sharpest) - bent, -change, change))
         heading += bent * step
-        place = place + step * np.array([np.sin(heading), np.cos(heading)])
-        way.append(place)
+        here = here + step * np.array([np.sin(heading), np.cos(heading)])
+        way.append(here)
     return np.array(way)

@@ -235,7 +235,7 @@ def _walked(made: Laid, path: Path, clip: Clip, some: slice) -> Walked:
     whole[some] = root
     heading = path.heading(made.arc)
     left = np.stack([np.cos(heading), -np.sin(heading)], axis=1)
-    off = averaged(np.einsum("fk,fk->f", whole - path.place(made.arc), left), stride)
+    off = averaged(np.einsum("fk,fk->f", whole - path.position(made.arc), left), stride)
     mean = np.stack([averaged(each, stride) for each in whole.T], axis=1)
     lowered = made.lean.lower if made.lean.lower is not None else np.zeros(len(made.arc))
     return Walked(

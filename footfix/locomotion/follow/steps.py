@@ -68,12 +68,12 @@ class Ground:
     """A path as feet and body stand on it, frame by frame.
 
     Args:
-        place: (F, 2) [m] x and z.
+        position: (F, 2) [m] x and z.
         heading: (F,) [rad].
         aside: (F,) [m] by which what stands there is moved to the left.
     """
 
-    place: Floats
+    position: Floats
     heading: Floats
     aside: Floats
 
@@ -90,14 +90,14 @@ class Ground:
         """
         c, s = np.cos(self.heading), np.sin(self.heading)
         left, ahead = points[:, 0] + self.aside, points[:, 2]
-        x = self.place[:, 0] + left * c + ahead * s
-        z = self.place[:, 1] - left * s + ahead * c
+        x = self.position[:, 0] + left * c + ahead * s
+        z = self.position[:, 1] - left * s + ahead * c
         return np.stack([x, points[:, 1], z], axis=1)
 
 
 def ground_at(path: Path, s: Floats, aside: Floats) -> Ground:
     """A path at arc lengths (F,) [m]."""
-    return Ground(path.place(s), path.heading(s), aside)
+    return Ground(path.position(s), path.heading(s), aside)
 
 
 def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:

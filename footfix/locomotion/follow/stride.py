@@ -86,7 +86,7 @@ class Way:
     s: Floats
     u: Floats | None
 
-    def place(self, gone: Floats) -> Floats:
+    def arc(self, gone: Floats) -> Floats:
         """(F,) [m] arc lengths where walks have gone (F,) [m]."""
         return gone if self.u is None else spline(self.u, self.s[:, None])(gone)[..., 0]
 
@@ -113,4 +113,3 @@ def way_on(path: Path, stride: float, leg_length: float, until: float, params: F
     slow = 1.0 / scale_of(bent, leg_length, params)
     u = np.append(0.0, np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(s)))
     return Way(s, u - np.interp(0.0, s, u))
-

@@ -145,9 +145,16 @@ def make_walk(loop: Loop, name: str) -> Walk:
         name: for messages.
 
     Raises:
-        InputError: it goes nowhere, nor is it on a belt.
+        InputError: it goes nowhere, nor is it on a belt; or it goes round.
     """
     clip, rig = loop.round, loop.rig
+    laps = round(_turned(clip, rig) / (2.0 * np.pi))
+    if laps:
+        raise InputError(
+            f"it goes round, not straight on: its cycle, frames {loop.start} to {loop.end}, turns by "
+            f"{abs(laps) * 360} degrees", file=name,
+            hint="`footfix loop` with --start and --end cuts out a part that goes straight on",
+        )  # fmt: skip
     root = carrier(clip, rig)
     travel, spot = loop.travel, taken_out(clip, root, loop.travel)
     if np.hypot(travel.x, travel.z) < _ON_THE_SPOT * rig.leg_length:
@@ -164,12 +171,19 @@ def make_walk(loop: Loop, name: str) -> Walk:
     back = Travel(-heading)
     x, _, z = -back.places(middle)
     there = Travel(-heading, float(x), float(z))
-    new_place, turn = root_in_world(spot, root)
-    laid = with_root(spot, root, there.places(new_place), rotation.multiply(there.turn, turn))
+    position, turn = root_in_world(spot, root)
+    laid = with_root(spot, root, there.places(position), rotation.multiply(there.turn, turn))
     return Walk(
         name, _exactly_closed(laid), rig, loop.contacts, max(loop.strides, 1), far,
         (float(middle[0]), float(middle[2]), heading), loop,
     )  # fmt: skip
+
+
+def _turned(clip: Clip, rig: Rig) -> float:
+    """[rad] by which the pelvis turns from the first frame to the last, whole turns and all."""
+    turn = forward(clip, [rig.pelvis]).rotation(rig.pelvis)
+    yaw = np.unwrap(rotation.yaw(rotation.multiply(turn, rotation.inverse(turn[0]))))
+    return float(yaw[-1] - yaw[0])
 
 
 def _off_the_belt(loop: Loop) -> Travel:
@@ -229,7 +243,7 @@ def on_one_floor(walks: Sequence[Walk]) -> tuple[Walk, ...]:
         up = first.rig.floor - walk.rig.floor
         clip = walk.clip
         if up:
-            place, turn = root_in_world(clip, walk.root)
-            clip = with_root(clip, walk.root, place + [0.0, up, 0.0], turn)
+            position, turn = root_in_world(clip, walk.root)
+            clip = with_root(clip, walk.root, position + [0.0, up, 0.0], turn)
         out.append(known or replace(walk, clip=clip, rig=first.rig))
     return tuple(out)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from footplants import plants_of, strays
 from scipy.interpolate import CubicHermiteSpline
+from skinmaker import skin_of
 from walks import rig_of
 from walks import short_walk as walk
 
@@ -28,6 +29,7 @@ from footfix.enforce.papers.lyard import (
 )
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
+from footfix.rig.find import find_rig
 from footfix.rig.rig import Rig
 
 PARAMS = LyardRootParams()
@@ -275,15 +277,18 @@ def test_turned_and_shifted_clips_give_the_turned_shift() -> None:
     assert np.abs(rotation.rotate(turn, here) - there).max() < 1e-9
 
 
-def test_on_a_belt_planted_points_go_with_the_belt() -> None:
+@pytest.mark.parametrize("skinned", [False, True])
+def test_on_a_belt_planted_points_go_with_the_belt(skinned: bool) -> None:
     made = walk("treadmill", duration=3.0)
-    rig = rig_of(made)
+    rig = find_rig(made.clip, skin=skin_of(made.clip)) if skinned else rig_of(made)
+    assert bool(rig.meshes) is skinned
     plants = plants_of(rig, made.contacts)
     ground = (np.arange(len(made.clip)) * made.clip.frame_time)[:, None] * np.array(made.belt)
     clip = artefacts.wander(made.clip, 0.05, slowest=1.0)
     after = apply(clip, correct(clip, rig, plants, PAPER, ground=ground))
     assert strays(clip, rig, plants, ground).max() > 0.02
-    assert np.percentile(strays(after, rig, plants, ground), 75) < 0.001
+    # a foot rolls over the vertices of a skin, over heel and toe it rolls in place
+    assert np.percentile(strays(after, rig, plants, ground), 75) < (0.008 if skinned else 0.001)
     # and a figure whose feet stand on the belt stays as it is
     assert not correct(made.clip, rig, plants, PAPER, ground=ground).root_shift.any()
 

@@ -49,9 +49,21 @@ def test_a_speed_that_rises_evenly_goes_the_known_way() -> None:
 
 def test_a_changed_plan_goes_on_from_where_it_is() -> None:
     plan = Plan(np.array([0.0, 4.0]), np.array([1.0, 3.0]), np.zeros(2), np.zeros(2), np.zeros((2, 0)))
-    new = plan.changed(2.0, 1.0, steady(0.5))
+    new = plan.changed(2.0, np.array([3.0, np.nan, np.nan]), steady(0.5))
     assert new.at(np.array([1.0])).speed[0] == pytest.approx(1.5)
     assert new.at(np.array([2.0, 2.5, 3.0, 9.0])).speed == pytest.approx([2.0, 1.25, 0.5, 0.5])
+
+
+def test_what_is_not_named_goes_on_as_it_was_planned() -> None:
+    plan = Plan(np.array([0.0, 4.0]), np.array([1.0, 3.0]), np.zeros(2), np.zeros(2), np.zeros((2, 0)))
+    new = plan.changed(1.0, np.array([np.nan, np.nan, 2.0]), steady(0.5, 1.0))
+    at = np.linspace(0.0, 5.0, 21)
+    assert new.at(at).speed == pytest.approx(plan.at(at).speed)
+    assert new.at(at).turn == pytest.approx(np.clip(at - 1.0, 0.0, 1.0))
+    assert new.ends()[[0, 2]] == pytest.approx([4.0, 2.0]) and np.isneginf(new.ends()[1])
+    for k in range(50):  # knots at which nothing bends are not kept
+        new = new.changed(1.0 + 0.01 * k, np.array([np.nan, np.nan, 2.0 + 0.01 * k]), steady(0.5, 1.0))
+    assert len(new.since(1.49).times) <= 5
 
 
 def plants(clip: Clip, mask: np.ndarray) -> float:
@@ -132,7 +144,7 @@ def test_steered_hard_no_joint_turns_much_faster_than_in_the_cycles() -> None:
         if k % 12 == 0:
             engine.set(turn=90.0 * (-1.0) ** (k // 36), speed=1.2 + 0.3 * np.sin(k), over=0.1)
         frames.append(engine.step(1 / 120))
-        course = engine._foreseen.course
+        course = engine._live.foreseen.course
         cycles.append(free_postures(engine.model, course, np.array([engine.time])).turns[0])
     own = engine.clip([replace(f, rotations=q) for f, q in zip(frames, cycles, strict=True)], 1 / 120)
     clip = engine.clip(frames, 1 / 120)
@@ -143,12 +155,50 @@ def test_steered_hard_no_joint_turns_much_faster_than_in_the_cycles() -> None:
 def test_a_change_is_taken_up_as_quickly_as_feet_can_follow() -> None:
     model = fitted().model
     here = steady(1.2)
+    target = steady(1.2 + 0.25 * model.froude, np.radians(150.0))
     for over in (0.0, 0.1, 2.0):
-        turned = changed_plan(model, here, 1.0, over, steady(1.2, np.radians(150.0)))
-        assert turned.times[-1] == pytest.approx(1.0 + max(over, 1.0))
-        faster = changed_plan(model, here, 1.0, over, steady(1.2 + 0.25 * model.froude))
-        assert faster.times[-1] == pytest.approx(1.0 + max(over, 0.5))
-    assert changed_plan(model, here, 1.0, 0.0, here).times[-1] == pytest.approx(1.25)
+        turned = changed_plan(model, here, 1.0, 1.0 + np.array([over, np.nan, over]), target)
+        assert turned.ends()[[0, 2]] == pytest.approx(1.0 + np.maximum(over, [0.5, 1.0]))
+    assert changed_plan(model, here, 1.0, np.full(3, 1.0), here).times[-1] == pytest.approx(1.25)
+
+
+def test_the_course_is_the_one_asked_for_though_it_is_taken_up_some_frames_later() -> None:
+    engine = footfix.Engine(fitted().model, speed=0.8, run=0.0)
+    for k in range(480):
+        if k == 60:
+            engine.set(speed=1.9, run=1.0, turn=30.0, over=3.0)
+        if k == 240:
+            engine.set(speed=1.2, run=0.0, turn=-30.0, over=1.0)
+        engine.step(1 / 120)
+    mid = 0.8 + 1.1 * 0.5
+    times = np.array([0.5, 2.0, 3.0])
+    turns = np.radians([0.0, 15.0, -30.0])
+    asked = Plan(times, np.array([0.8, mid, 1.2]), np.zeros(3), turns, np.zeros((3, 0)))
+    place, heading = course_of(asked).where(np.array([engine.time]))  # type: ignore[attr-defined]
+    own, headed = engine._live.foreseen.course.where(np.array([engine.time]))
+    assert np.linalg.norm(own - place) < 0.005
+    assert headed == pytest.approx(heading, abs=2e-3)
+
+
+def test_one_plan_is_joined_to_another() -> None:
+    rising = Plan(np.array([0.0, 3.0]), np.array([0.0, 3.0]), *np.zeros((2, 2)), np.zeros((2, 0)))
+    both = steady(1.0).joined(1.0, 0.5, rising)
+    assert both.at(np.array([0.5, 1.0, 1.25, 1.5, 2.0, 4.0])).speed == pytest.approx([1.0, 1.0, 1.25, 1.5, 2.0, 3.0])
+
+
+@pytest.mark.parametrize("dts", [[1 / 120], [1 / 30], [0.004, 0.021, 0.009]])
+def test_frames_of_any_length_go_on_without_a_leap(dts: list[float]) -> None:
+    engine = footfix.Engine(fitted().model, speed=1.0, run=0.0)
+    places, times = [], []
+    for k in range(90):
+        if k % 5 == 0:
+            engine.set(speed=1.0 + 0.3 * (k % 2), over=0.5)
+        frame = engine.step(dts[k % len(dts)])
+        places.append(frame.positions[engine.rig.root])
+        times.append(frame.time)
+    assert times == pytest.approx(np.cumsum([dts[k % len(dts)] for k in range(90)]))
+    speed = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(times)
+    assert speed.max() < 1.8 and speed.min() > 0.6
 
 
 def test_to_ask_for_the_same_again_changes_nothing() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -20,6 +21,7 @@ from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.walk import Walk, check_alike, make_walk
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.run import make_loop
+from footfix.locomotion.loop.travel import root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.kinematics import forward, places
@@ -168,6 +170,29 @@ def test_strikes_come_together_and_feet_stand_while_one_walk_takes_over(path: st
     last, own = (places(each) - places(each)[:, :1] for each in (found.straight.frames(np.array([-1])), pair[1].clip))
     assert min(float(np.abs(last - each).max()) for each in own) < 1e-9  # its very frames, not between them
     assert second[some].max() <= 1.1 * max(float(np.percentile(each, 99)) for each in usual)
+
+
+@pytest.mark.parametrize(("path", "names"), [("line:9", ("walk", "run")), ("line:12", ("run", "walk"))])
+def test_no_joint_is_jolted_while_one_walk_takes_over(path: str, names: tuple[str, str]) -> None:
+    usual = np.max([np.percentile(accelerations(stride(name).clip), 99, axis=0) for name in names], axis=0)
+    found = along(path, *names)
+    change, dt = found.transitions[0], found.clip.frame_time
+    most = accelerations(found.clip)[round(change.start / dt) : round(change.end / dt)].max(axis=0)
+    assert np.all(most <= 1.1 * np.maximum(usual, 0.05 * usual.max()))
+
+
+def accelerations(clip: Clip) -> Floats:
+    return np.asarray(np.linalg.norm(np.diff(places(clip), n=2, axis=0), axis=2) / clip.frame_time**2)
+
+
+def test_a_walk_that_goes_round_in_its_cycle_is_refused() -> None:
+    loop = stride().loop
+    root = stride().root
+    position, turn = root_in_world(loop.round, root)
+    around = rotation.about_vertical(np.linspace(0.0, 2.0 * np.pi, len(turn)))
+    spun = with_root(loop.round, root, position, rotation.multiply(around, turn))
+    with pytest.raises(InputError, match="turns by 360 degrees"):
+        make_walk(replace(loop, round=spun), "spun.bvh")
 
 
 def test_a_walk_in_place_on_a_belt_goes_as_far_as_the_belt_would() -> None:

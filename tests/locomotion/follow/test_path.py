@@ -22,7 +22,7 @@ def test_a_circle_has_its_length_curvature_and_turn(radius: float) -> None:
     assert path.closed
     assert path.length == pytest.approx(2.0 * np.pi * radius, rel=5e-4)
     assert np.allclose(path.curvature(s), 1.0 / radius, rtol=2e-3)  # to the left
-    assert np.allclose(np.hypot(*(path.place(s) - [radius, 0.0]).T), radius, atol=1e-3)
+    assert np.allclose(np.hypot(*(path.position(s) - [radius, 0.0]).T), radius, atol=1e-3)
     assert np.allclose(path.heading(s), s / path.length * 2.0 * np.pi, atol=1e-3)
 
 
@@ -30,9 +30,9 @@ def test_arc_length_is_arc_length() -> None:
     ahead = np.linspace(0.0, 12.0, 60)
     path = make_path(np.stack([np.sin(ahead), ahead], axis=1))
     s = np.linspace(0.0, path.length, 20001)
-    steps = np.linalg.norm(np.diff(path.place(s), axis=0), axis=1)
+    steps = np.linalg.norm(np.diff(path.position(s), axis=0), axis=1)
     assert np.allclose(steps, s[1], rtol=1e-4)
-    heading = np.arctan2(*np.diff(path.place(s), axis=0).T)
+    heading = np.arctan2(*np.diff(path.position(s), axis=0).T)
     assert np.allclose(heading, path.heading(0.5 * (s[1:] + s[:-1])), atol=1e-3)
     assert np.allclose(np.gradient(path.heading(s), s)[5:-5], path.curvature(s)[5:-5], atol=0.02)
 
@@ -43,8 +43,8 @@ def test_few_points_of_a_circle_are_a_circle_and_corners_are_not() -> None:
     square = make_path(np.array([[0.0, 0.0], [0.0, 5.0], [5.0, 5.0]]), sharpest=2.0)
     bent = np.abs(square.curvature(np.linspace(0.0, square.length, 1000)))
     assert 1.0 < bent.max() <= 2.1
-    assert square.place(np.array(1.0)) == pytest.approx([0.0, 1.0], abs=1e-9)  # what is straight stays
-    assert square.place(np.array(square.length)) == pytest.approx([5.0, 5.0], abs=1e-9)
+    assert square.position(np.array(1.0)) == pytest.approx([0.0, 1.0], abs=1e-9)  # what is straight stays
+    assert square.position(np.array(square.length)) == pytest.approx([5.0, 5.0], abs=1e-9)
     assert [note.id for note in square.notes] == ["kinks-rounded"]
 
 
@@ -54,8 +54,8 @@ def test_who_has_to_turn_back_is_led_round(back: list[float]) -> None:
     s = np.linspace(0.0, path.length, 4001)
     assert np.abs(path.curvature(s)).max() <= 1.05 * 1.5
     assert np.abs(np.diff(path.heading(s))).max() <= 1.05 * 1.5 * s[1]  # no cusp, either
-    assert path.place(np.array(path.length)) == pytest.approx(back, abs=0.15)
-    assert np.linalg.norm(path.place(s) - [0.0, 5.0], axis=1).min() < 0.7
+    assert path.position(np.array(path.length)) == pytest.approx(back, abs=0.15)
+    assert np.linalg.norm(path.position(s) - [0.0, 5.0], axis=1).min() < 0.7
     assert [note.id for note in path.notes] == ["kinks-rounded"]
 
 
@@ -65,7 +65,7 @@ def test_a_straight_path_is_straight_to_the_last_bit() -> None:
     assert path.straight
     assert not np.any(path.curvature(s))
     assert not np.any(path.heading(s))
-    assert np.array_equal(path.place(s), np.stack([np.ones(4), 2.0 + s], axis=1))
+    assert np.array_equal(path.position(s), np.stack([np.ones(4), 2.0 + s], axis=1))
 
 
 @pytest.mark.parametrize("points", [[[0.0, 0.0]], [[0.0, 1e6]] * 2, [[0.0, np.nan], [1.0, 1.0]]])

@@ -1,0 +1,154 @@
+"""An engine's state: frames one after another, while what is asked for changes.
+
+What is to come is foreseen, and foreseen anew when something else is asked for. That takes as long as some frames do,
+so it is done in three parts, one a frame; frames in the meantime are as they were foreseen before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.locomotion.cycles.engine import Begun, begin, changed_plan, finish, foresee, placed, postures
+from footfix.locomotion.cycles.feet import Feet
+from footfix.locomotion.cycles.model import CycleModel
+from footfix.locomotion.cycles.plan import Line, Plan, Point
+from footfix.locomotion.cycles.postures import Postures, held
+from footfix.motion.clip import Bools, Floats
+
+_KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
+_LEAST = 0.45  # [s] and when this is left, foreseen anew,
+_LONG = 1.6  # [s] and farther, since nothing else was asked for
+_PAST = 0.3  # [s] in which it is remembered what was asked for
+_JOIN = 0.1  # [s] in which what was asked for some frames ago is caught up with
+_BATCH = 4  # frames that are made at once: they cost little more than one
+_BRIEF = 0.02  # [s] over frames that are no longer the work is spread
+
+
+@dataclass(frozen=True, eq=False)
+class _Work:
+    """What is being foreseen anew.
+
+    Args:
+        begun: the first part.
+        until: [s] how far.
+        feet: the second part, if it is done.
+    """
+
+    begun: Begun
+    until: float
+    feet: Feet | None = None
+
+
+class Live:
+    """A figure that goes on, frame by frame.
+
+    Args:
+        model: the figure and its cycles.
+        plan: what is asked for.
+        line: the path to go along, if any.
+    """
+
+    def __init__(self, model: CycleModel, plan: Plan, line: Line | None) -> None:
+        self.model = model
+        self.time = 0.0
+        self._until = _KNOWN
+        self.foreseen = foresee(model, plan, line, Point(), self._until)
+        self._plan = plan  # what is asked for,
+        self._ends = plan.ends()  # [s] when what it leads to was to be reached, be it too soon for feet to follow,
+        self._asked = False  # and whether it is not foreseen yet
+        self._work: _Work | None = None
+        self._made: tuple[Postures, int] | None = None  # frames, and which of them is the one now
+        self._dt = 0.0  # [s] between the last two
+
+    def ask(self, target: Plan, named: Bools, over: float) -> None:
+        """Ask for something else, from now on; what is asked for again, and no sooner, is not changed.
+
+        Args:
+            target: one row, what parameters are to become.
+            named: (3 + S,) which of them.
+            over: [s] how long it takes, or as long as feet need to follow.
+        """
+        row, last, end = target.table[0], self._plan.table[-1], self.time + over
+        changed = named & ((row != last) | (end < self._ends))
+        if changed.any():
+            self._ends, self._asked = np.where(changed, end, self._ends), True
+            target = Plan.of_table(target.times, np.where(changed, row, last)[None])
+            plan = changed_plan(self.model, self._plan, self.time, np.where(changed, end, np.nan), target)
+            self._plan = plan.since(self.time - _PAST)
+
+    def step(self, dt: float) -> tuple[Postures, int]:
+        """Go on by `dt` [s]: frames, and which of them is the one then."""
+        if dt > _BRIEF:
+            self._drop()
+            if self._begin(self.time, dt):
+                self._place()
+        steady, self._dt, self.time = dt == self._dt, dt, self.time + dt
+        if self._work is not None and self._work.feet is not None and self.time >= self._work.begun.now:
+            self._made = self._finish(self._times(dt)), 0
+            return self._made
+        known = self._known()
+        if known is None:
+            self._made = postures(self.model, self.foreseen, self._times(dt if steady else 0.0)), 0
+        else:
+            self._made = known
+        if known is not None or not steady:  # there is time for a part of the work
+            if self._work is not None:
+                self._place()
+            elif not steady or self._made[1] + 1 < len(self._made[0]):
+                self._begin(self.time + dt, 0.0)
+        return self._made
+
+    def ahead(self, seconds: float, frames: int) -> Postures:
+        """Foresee what comes next, now and at even times from now on."""
+        self._drop()
+        times = np.linspace(self.time, self.time + seconds, frames)
+        if self._begin(self.time, seconds):
+            self._place()
+            self._made = None
+            return self._finish(times)
+        return postures(self.model, self.foreseen, times)
+
+    def _begin(self, now: float, seconds: float) -> bool:
+        """Begin to foresee anew from a time on, if something else is asked for, or so many seconds are not known."""
+        if not self._asked and self._until - now >= max(seconds, _LEAST):
+            return False
+        plan = self.foreseen.course.plan
+        if self._asked:
+            plan = plan.joined(now, _JOIN, self._plan)
+        until = now + max(_KNOWN if self._asked else _LONG, seconds + _LEAST)
+        begun = begin(self.model, self.foreseen, plan.since(now - _PAST), now, until)
+        self._work, self._asked = _Work(begun, until), False
+        return True
+
+    def _place(self) -> None:
+        if self._work is not None and self._work.feet is None:
+            self._work = replace(self._work, feet=placed(self.model, self._work.begun))
+
+    def _finish(self, times: Floats) -> Postures:
+        """Foresee what was begun, and make frames at some times."""
+        work = self._work
+        assert work is not None and work.feet is not None
+        self.foreseen, led = finish(self.model, self.foreseen, work.begun, work.feet, times)
+        self._until, self._work = work.until, None
+        return held(self.model, self.foreseen.feet, led)
+
+    def _drop(self) -> None:
+        """Forget what was begun; it is to be foreseen from another time on."""
+        if self._work is not None:
+            self._asked, self._work = True, None
+
+    def _times(self, dt: float) -> Floats:
+        """The times of some frames, the first of them now."""
+        times = [self.time]
+        while dt > 0.0 and len(times) < _BATCH and times[-1] + dt < self._until:
+            times.append(times[-1] + dt)  # as they are going to be told, to the last bit
+        return np.array(times)
+
+    def _known(self) -> tuple[Postures, int] | None:
+        """The frame now, if it was made."""
+        if self._made is None:
+            return None
+        found, k = self._made
+        return (found, k + 1) if k + 1 < len(found) and found.times[k + 1] == self.time else None
