@@ -56,7 +56,7 @@ class SteppingParams:
     creeping: float = 3.0
     still: float = 0.03
     calm: float = 2.0
-    rolling: float = 0.3
+    rolling: float = 0.8
     sharp: float = 6.0
 
 
