@@ -6,8 +6,8 @@ feet that look planted part, one of them steps: the one that is the faster over 
 
 Slow steps are told from what feet do at rest by their length: a foot that goes from one rest to another, planted all
 the while as it seems, has stepped where it ends far from where it began, more than it creeps at rest. A step lasts
-from rest to rest, also where only its middle is quick, or high. Under a pelvis that travels, a foot that rests may
-creep: the sole rolls.
+from rest to rest, also where only its middle is quick, or high. Under a pelvis that travels, and in clips that shake,
+a foot that rests may creep.
 """
 
 from __future__ import annotations
@@ -42,8 +42,7 @@ class SteppingParams:
         length: [leg lengths] of a step from rest to rest that is one as likely as not, of a foot that is still at rest.
         creeping: [factor] how much longer for each leg length that the foot would go meanwhile as it does at rest.
         still: [leg lengths/s] a foot that parts from the other more slowly than this rests,
-        calm: [factor] or than so many times as fast as it moves where it rests,
-        rolling: [factor] and, where its step is seen by itself, for each leg length/s at which the pelvis travels.
+        calm: [factor] or than so many times as fast as it moves where it rests.
         sharp: [factor] how steeply the odds rise with the speed; they are its power.
     """
 
@@ -56,7 +55,6 @@ class SteppingParams:
     creeping: float = 3.0
     still: float = 0.03
     calm: float = 2.0
-    rolling: float = 0.8
     sharp: float = 6.0
 
 
@@ -104,7 +102,7 @@ def by_velocities(
         steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
         least = np.maximum(params.still, params.calm * rest)
         leaves = np.where(speeds[k] > speeds[mate], apart - least, 0.0)
-        for a, b in from_rest_to_rest(leaves, params.rolling * travel, planted[k]):
+        for a, b in from_rest_to_rest(leaves, even - params.parting, planted[k]):
             whole = whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
             whole *= float(planted[mate][a:b].min())
             steps[a:b] = np.maximum(steps[a:b], max(whole, float(steps[a:b].max())))
@@ -112,19 +110,18 @@ def by_velocities(
     return tuple(out)
 
 
-def from_rest_to_rest(leaves: Floats, rolls: Floats, planted: Floats) -> list[tuple[int, int]]:
+def from_rest_to_rest(leaves: Floats, creeps: Floats, planted: Floats) -> list[tuple[int, int]]:
     """Find the stretches [start, end) in which a foot leaves the other, and rests before and after.
 
     Args:
         leaves: (n,) [leg lengths/s] by how much faster it leaves the other than one at rest.
-        rolls: (n,) [leg lengths/s] what a foot that rests may creep as it rolls. One that looks planted all the while
-            does not roll.
+        creeps: (n,) [leg lengths/s] how much faster still it may be at rest, unless it looks planted all the while.
         planted: (n,) how likely it looks planted.
 
     Returns:
         Stretches in which it looks planted all the while, then others; some may lie within others.
     """
-    stretches = [(a, b) for a, b in runs(leaves > 0.0) if planted[a:b].min() > 0.5] + runs(leaves > rolls)
+    stretches = [(a, b) for a, b in runs(leaves > 0.0) if planted[a:b].min() > 0.5] + runs(leaves > creeps)
     return [(a, b) for a, b in stretches if a > 0 and b < len(leaves) and min(planted[a - 1], planted[b]) > 0.5]
 
 
