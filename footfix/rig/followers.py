@@ -18,7 +18,7 @@ from footfix.rig.rig import Rig
 
 _FRAMES = 240  # looked at
 _AT = 0.01  # [leg lengths] a joint that is usually nearer to a foot's joint, and
-_NEVER = 0.03  # never farther, is where that joint is
+_NEVER = 0.05  # never farther, is where that joint is
 _FIXED = 0.004  # [leg lengths] or it is fixed to the foot within this, not far away,
 _BESIDE = 0.35  # [leg lengths]
 _MOVES = 0.15  # [leg lengths] while its parent sees the foot go as far as this,
