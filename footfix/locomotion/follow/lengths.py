@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.correction import apply
+from footfix.enforce.params import EnforceParams
 from footfix.locomotion.follow.blend import Transition
+from footfix.locomotion.follow.holding import held_on
 from footfix.locomotion.follow.keys import Keys
 from footfix.locomotion.follow.laying import lay_straight
 from footfix.locomotion.follow.params import FollowParams
+from footfix.locomotion.follow.posing import contacts_of
 from footfix.locomotion.follow.timeline import Pace, Piece, lay_blends, make_timeline
 from footfix.locomotion.follow.walk import Walk
-from footfix.motion.clip import Floats
+from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import places
 
 _SMOOTH = 1.05  # times what joints accelerate by in the walks: enough, since curves add some
@@ -49,6 +52,7 @@ class Handover:
         keys, paces: of either its key-times, and how it is gone.
         start: [s] on the clock of the frames written.
         frame: of the first walk then.
+        holding: how footplants are enforced.
     """
 
     walks: tuple[Walk, Walk]
@@ -56,6 +60,7 @@ class Handover:
     paces: tuple[Pace, Pace]
     start: float
     frame: float
+    holding: EnforceParams
 
     @property
     def stride(self) -> float:
@@ -109,15 +114,23 @@ def _peak(over: Handover, length: float, usual: Floats) -> float:
     lead = int(np.ceil(_BESIDE * over.stride / dt)) + 2
     frames = int(np.ceil(blend.times[-1] / dt)) + 1
     timeline = make_timeline(over.walks, over.keys, over.paces, [change], frames, lead, dt, piece)
-    laid = lay_straight(over.walks, timeline)
-    return float((_accelerations(places(laid), dt)[lead - 1 : lead + frames - 1].max(axis=0) / usual).max())
+    posed, laid = lay_straight(over.walks, timeline)
+
+    def steepest(clip: Clip) -> float:
+        return float((_accelerations(places(clip), dt)[lead - 1 : lead + frames - 1].max(axis=0) / usual).max())
+
+    peak = steepest(laid)
+    if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
+        return peak
+    held = held_on(laid, posed.rig, contacts_of(posed, slice(0, len(laid))), over.holding)
+    return max(peak, steepest(apply(laid, held.correction)))
 
 
 def _usual(walk: Walk, pace: Pace, dt: float) -> Floats:
     """(J,) [m/s^2] the 99th percentile of each joint's acceleration in a walk, seen every `dt` seconds."""
     step = dt / (walk.clip.frame_time * pace.time)  # [frames]
     count = int(np.ceil(walk.frames / step))
-    tracks = places(walk.at(step * np.arange(count + 2)))
+    tracks = places(walk.at(np.arange(count + 2, dtype=np.float64) * step))
     # as of rounds without end, not of one: of these 1 % may be less than a frame
     return np.asarray(np.percentile(_accelerations(tracks, dt), 99.0, axis=0, method="inverted_cdf"))
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from footfix.enforce.params import EnforceParams
 from footfix.errors import UsageError
 from footfix.locomotion.follow.balance import end_effectors
 from footfix.locomotion.follow.blend import Transition, blend_length, check_order
@@ -38,7 +39,7 @@ class At:
 
 def transitions_of(
     walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way,
-    params: FollowParams,
+    params: FollowParams, holding: EnforceParams,
 ) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
     """Tell when each walk is handed over to the next, and for how long (K 6.2).
 
@@ -47,6 +48,7 @@ def transitions_of(
         keys, paces, ats: and of each its key-times, how it is gone, and where it begins.
         way: how they get on along the path.
         params: how long a blend may be.
+        holding: how footplants are enforced.
 
     Returns:
         The transitions, and what a person should know.
@@ -72,7 +74,7 @@ def transitions_of(
             notes.append(Note("blend-cut", text))
         frame, gone = frame_at(start, walks, keys, paces, found)
         over = Handover(
-            (walks[k - 1], walks[k]), (keys[k - 1], keys[k]), (paces[k - 1], paces[k]), start, frame
+            (walks[k - 1], walks[k]), (keys[k - 1], keys[k]), (paces[k - 1], paces[k]), start, frame, holding
         )  # fmt: skip
         moment = float(keys[k - 1].time(np.array([frame]))[0])
         joint, asked = blend_length(*over.walks, over.keys, moment, ends)
