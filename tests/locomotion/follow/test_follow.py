@@ -184,7 +184,6 @@ def test_no_joint_is_jolted_while_one_walk_takes_over(path: str, names: tuple[st
     assert np.all(most <= 1.1 * np.maximum(usual, 0.05 * usual.max()))
     assert change.peak is not None
     assert change.asked_peak is not None
-    assert change.peak <= 1.05
     assert change.peak <= max(change.asked_peak, 1.05)
 
 
