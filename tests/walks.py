@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from functools import cache
 
 import numpy as np
@@ -14,6 +15,8 @@ from footfix.enforce.run import Enforcement, enforce
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Leg, Rig, SolePoint
+
+_CLEANED: dict[bytes, tuple[Clip, Enforcement]] = {}
 
 
 @cache
@@ -80,6 +83,14 @@ def extension(clip: Clip, rig: Rig) -> float:
 def cleaned(
     clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams | None = None
 ) -> tuple[Clip, Enforcement]:
-    """The clip with its plants enforced."""
-    found = enforce(clip, rig, contacts, params or EnforceParams())
-    return apply(clip, found.correction), found
+    """The clip with its plants enforced; the same clip is enforced once for all tests of a process."""
+    params = params or EnforceParams()
+    skeleton = clip.skeleton
+    bones = skeleton.parents, skeleton.offsets, skeleton.end_parents, skeleton.end_offsets
+    numbers = b"".join(array.tobytes() for array in (clip.positions, clip.rotations, *bones))
+    words = repr((clip.frame_time, skeleton.translates, skeleton.rotates, rig, contacts, params))
+    key = hashlib.sha256(numbers + words.encode()).digest()
+    if key not in _CLEANED:
+        found = enforce(clip, rig, contacts, params)
+        _CLEANED[key] = apply(clip, found.correction), found
+    return _CLEANED[key]

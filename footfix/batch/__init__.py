@@ -1,1 +1,1 @@
-"""Many files: inputs -> jobs -> file results, in this process, on several, or on a cluster."""
+"""Many files: inputs -> tasks -> file results, in this process, on several processes, or on a cluster."""

@@ -1,4 +1,4 @@
-"""What lies beside a clip that footfix cleaned before: its report, and the contacts that it was cleaned by."""
+"""The report and contacts of an earlier cleaning, found beside the clip that it wrote."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from footfix.motion.contacts import Contact
 from footfix.version import __version__
 
 
-def contacts_it_was_cleaned_by(task: Task, data: bytes) -> Labels | None:
-    """Find the contacts of a clip that is, to the byte, what a cleaning with the same settings and version wrote.
+def contacts_of_cleaning(task: Task, data: bytes) -> Labels | None:
+    """Find the contacts of a clip that a cleaning with the same settings and version wrote, identical to the byte.
 
-    Such a clip stays as it is: contacts that are found on a cleaned clip end some frames earlier or later, and what
-    was let go would be tried again.
+    Such a clip is left as it is: contacts detected on a cleaned clip end some frames earlier or later, and plants that
+    were let go would be tried again.
 
     Args:
         task: the clip and its settings.
         data: its bytes.
 
     Returns:
-        The contacts, whose source is the report that says so; None of any other clip.
+        The contacts, with the report as their source; None for any other clip.
     """
     from footfix.settings import plain
 
@@ -45,13 +45,13 @@ def contacts_it_was_cleaned_by(task: Task, data: bytes) -> Labels | None:
 
 
 def _that_matter(settings: Any) -> dict[str, Any]:
-    """Leave the settings that change no clip out."""
+    """Keep only the settings that affect the clip."""
     kept = settings if isinstance(settings, dict) else {}
     return {name: each for name, each in kept.items() if name not in ("report", "gates", "limits")}
 
 
 def report_beside(task: Task) -> Mapping[str, Any]:
-    """Find the report of the cleaning that a clip came from, where it lies beside it; nothing elsewhere."""
+    """Read the report, beside a clip, of the cleaning that wrote the clip; an empty one if there is none."""
     if task.job.source == STDIN:
         return {}
     path = Path(task.folder, in_file(task.job.source)[0])
@@ -67,7 +67,7 @@ def report_beside(task: Task) -> Mapping[str, Any]:
 
 
 def contacts_of(report: Mapping[str, Any]) -> Labels | None:
-    """Take the plants that a cleaning found of each effector, as labels; None where its report can't be read."""
+    """Read the plants of each effector from the report of a cleaning, as labels; None where it can't be read."""
     held: dict[str, tuple[Contact, ...]] = {}
     try:
         for plant in report["plants"]:

@@ -1,4 +1,4 @@
-"""Files that hold several clips: each clip is a task of its own, and one result holds what came of them."""
+"""Files that hold several clips: each clip is a task of its own, and the file's result holds the results of all."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from footfix.formats.suffixes import in_file
 if TYPE_CHECKING:
     from footfix.formats.contacts import Labels
 
-_UNFIT = re.compile(r"[^\w\-+(). ]+")  # in a name of a file
-_LONGEST = 80  # letters of a clip's name in that of a file
-_NAMED = 12  # clips that a message lists
+_UNFIT = re.compile(r"[^\w\-+(). ]+")  # characters that are replaced in file names
+_LONGEST = 80  # characters of a clip's name in a file name
+_NAMED = 12  # clips that a message lists, at most
 
 
 def beside_of(task: Task) -> Callable[[str], bytes] | None:
-    """Make what reads files that a task's own file names; None for standard input, beside which there is nothing."""
+    """Make the function that reads files which the task's file refers to; None for standard input."""
     if task.job.source == STDIN:
         return None
     folder = Path(task.folder, in_file(task.job.source)[0]).parent
@@ -30,7 +30,7 @@ def beside_of(task: Task) -> Callable[[str], bytes] | None:
 
 
 def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
-    """List the tasks of the clips that a file holds, those that are asked for; None where it holds one alone.
+    """List the tasks of the clips of a file, as far as they are asked for; None for a file of one clip.
 
     Args:
         task: of the file.
@@ -59,7 +59,7 @@ def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
 
 
 def file_names(names: Sequence[str]) -> dict[str, str]:
-    """Turn the names of clips into names of files: each another one, even where case counts for nothing."""
+    """Turn names of clips into file names that are all different, also where case is ignored."""
     found: dict[str, str] = {}
     taken: set[str] = set()
     count: dict[str, int] = {}
@@ -74,8 +74,8 @@ def file_names(names: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def together(task: Task, parts: Sequence[FileResult]) -> FileResult:
-    """Make the result of a file of those of its clips."""
+def joined_result(task: Task, parts: Sequence[FileResult]) -> FileResult:
+    """Join the results of the clips of a file to the result of the file."""
     states = [part.status for part in parts]
     order = ("over", "cleaned", "done", "unchanged", "failed")
     return FileResult(
@@ -90,12 +90,12 @@ def together(task: Task, parts: Sequence[FileResult]) -> FileResult:
 
 
 def spread(result: FileResult) -> tuple[FileResult, ...]:
-    """List the results of the clips of a file; its own where it holds one."""
+    """List the results of the clips of a file; the file's own where it holds one clip."""
     return result.parts or (result,)
 
 
 def spread_pairs(tasks: Sequence[Task], results: Sequence[FileResult]) -> list[tuple[Task, FileResult]]:
-    """List tasks and results of every clip, those of files that hold several among them."""
+    """List tasks and results of every clip, also of those in files that hold several."""
     return [
         (replace(task, job=replace(task.job, name=named(task.job.name, part))) if result.parts else task, part)
         for task, result in zip(tasks, results, strict=True)
@@ -104,7 +104,7 @@ def spread_pairs(tasks: Sequence[Task], results: Sequence[FileResult]) -> list[t
 
 
 def named(name: str, part: FileResult) -> str:
-    """Name a clip of a file as summaries do."""
+    """Make the name of a clip of a file for summaries."""
     return f"{name}#{in_file(part.source)[1]}"
 
 

@@ -1,7 +1,7 @@
-"""Tasks on a Dask cluster that is there already: workers read and write the files on paths that all machines share.
+"""Tasks on a running Dask cluster: workers read and write the files on paths that all machines share.
 
-Through the scheduler go names and settings, and small results; never motion data. A worker that is lost is made up
-for by the scheduler itself: it gives the clip to another one, and gives up after three.
+Only names, settings and small results pass through the scheduler, never motion data. When a worker is lost, the
+scheduler itself gives its clip to another one, and gives the clip up after three.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from footfix.batch.processes import Results, Stop, Work
 from footfix.batch.task import FileResult, Task
 from footfix.errors import UsageError
 
-_AHEAD = 4  # tasks a thread of the cluster has in hand or waiting, so that a stop does not leave thousands
+_AHEAD = 4  # tasks submitted per thread of the cluster; few, so that a stop does not leave thousands
 
 
 def on_cluster(
     work: Work, tasks: Sequence[Task], *, address: str, stop: Stop, starting: Callable[[int], None]
 ) -> Results:
-    """Do the tasks on the cluster at an address, and give each result as it comes.
+    """Do the tasks on the cluster at an address, and yield each result as it comes.
 
     Raises:
         UsageError: `distributed` is not installed, or nothing answers at the address.
@@ -52,7 +52,7 @@ def _feed(client: Any, work: Work, tasks: Sequence[Task], stop: Stop, starting: 
             suspects.append(index)
         else:
             yield index, _result(end, tasks[index])
-    # With a worker go the clips that only waited there. One at a time, each answers for itself alone.
+    # A lost worker also loses clips that only waited there: one at a time, each is judged by itself.
     for index, end in _ended(client, work, tasks, suspects, 1, stop, lambda index: None):
         yield index, _result(end, tasks[index])
 
@@ -61,7 +61,7 @@ def _ended(
     client: Any, work: Work, tasks: Sequence[Task], order: Iterable[int], ahead: int, stop: Stop,
     starting: Callable[[int], None],
 ) -> Iterator[tuple[int, FileResult | Exception]]:  # fmt: skip
-    """Submit tasks, `ahead` of them at a time, and give what came of each when it has ended."""
+    """Submit tasks, `ahead` of them at a time, and yield the end of each."""
     import distributed
 
     dask: Any = distributed
@@ -72,7 +72,7 @@ def _ended(
         index = None if stop.soon else next(waiting, None)
         if index is not None:
             starting(index)
-            # the same work twice gives the same bytes, each file whole: that workers are made up for is safe
+            # safe to repeat: the same work writes the same bytes, and each file whole
             future = client.submit(work, tasks[index], pure=False)
             at_work[future] = index
             ended.add(future)
@@ -86,13 +86,13 @@ def _ended(
 
 
 def _end(future: Any) -> FileResult | Exception:
-    """Tell what came of a future that has ended.
+    """Get the result, or the error, of a future that has ended.
 
-    A result that went with its worker before it was fetched is made anew, and waited for.
+    A result lost with its worker before it was fetched is computed again, and waited for.
     """
     try:
         result: FileResult = future.result()
-    except asyncio.CancelledError as error:  # no Exception, and nothing that this side asked for
+    except asyncio.CancelledError as error:  # it is no subclass of Exception, and was not requested here
         return RuntimeError(f"cancelled {error}".strip())
     except Exception as error:
         return error

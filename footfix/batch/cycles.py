@@ -1,4 +1,4 @@
-"""Cycles, from files to files: a model out of clips, and a clip out of a model."""
+"""Cycles, from files to files: a model from clips, and a clip from a model."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from footfix.locomotion.cycles.model import CycleModel
     from footfix.settings import Settings
 
-_MOST = 1 << 30  # [bytes] of a model
-_MOST_PLAN = 1 << 24  # [bytes]
+_MOST = 1 << 30  # [bytes] largest model
+_MOST_PLAN = 1 << 24  # [bytes] largest plan
 
 
 def fit_and_write(files: Sequence[FileCycles], output: Path, *, components: int | None) -> Fitted:
@@ -34,11 +34,11 @@ def fit_and_write(files: Sequence[FileCycles], output: Path, *, components: int 
 
     Args:
         files: their cycles.
-        output: where the model goes.
-        components: the most of a gait.
+        output: path of the model.
+        components: how many principal components a gait keeps at most.
 
     Raises:
-        InputError: there is too little to learn from.
+        InputError: there are too few cycles.
     """
     from footfix.formats.models import encode_model
     from footfix.jobs.fit import fit_files
@@ -50,7 +50,7 @@ def fit_and_write(files: Sequence[FileCycles], output: Path, *, components: int 
 
 
 def style_of(source: Source, styles: Mapping[str, str]) -> str:
-    """Find the style of a file: by the first glob that it matches, else the folder it lies in, below the one named."""
+    """Find the style of a file: that of the first glob it matches, else its folder below the folder given."""
     for glob, name in styles.items():
         if any(fnmatchcase(each, glob) for each in (source.below.as_posix(), source.below.name)):
             return name
@@ -59,10 +59,10 @@ def style_of(source: Source, styles: Mapping[str, str]) -> str:
 
 
 def check_output(output: Path, ends: Sequence[str], inputs: Sequence[str], *, force: bool) -> None:
-    """Make sure that a file can be written.
+    """Check that a file can be written.
 
     Raises:
-        UsageError: it ends otherwise, is an input, or is there.
+        UsageError: its name has another ending, it is an input, or it exists.
     """
     if output.suffix.lower() not in ends:
         raise UsageError(f"-o {output}: end the name in {' or '.join(ends)}")
@@ -98,21 +98,21 @@ def run_make(
     model_file: str, rows: Sequence[PlanRow], output: Path, settings: Settings, *, seconds: float | None, fps: float,
     path: str | None, force: bool, dry_run: bool,
 ) -> FileResult:  # fmt: skip
-    """Make locomotion from a model, and write what came of it: all of it or nothing.
+    """Make locomotion from a model, and write all outputs or none.
 
     Args:
         model_file: the file of the model.
         rows: the plan.
         output: the file to be written.
-        settings: what is written beside it.
+        settings: which report files are written.
         seconds: [s] how long; None for as long as the plan, or the path.
         fps: frames a second.
-        path: a file, or what names a shape.
-        force: whether outputs that are there are overwritten.
+        path: a file, or the name of a shape.
+        force: whether existing outputs are overwritten.
         dry_run: whether nothing is written.
 
     Raises:
-        UsageError: nothing can be done as it was asked for.
+        UsageError: the arguments contradict each other, or an output can't be written.
     """
     if output.suffix.lower() != ".bvh":
         raise UsageError(f"-o {output}: what is written is BVH; end the name in .bvh")
@@ -136,7 +136,7 @@ def _made(
     data: bytes, model_file: str, rows: Sequence[PlanRow], settings: Settings, *, seconds: float | None, fps: float,
     path: str | None, output: str,
 ) -> Outputs:  # fmt: skip
-    """Make what a plan asks for of a model's bytes."""
+    """Make the outputs of a plan from the bytes of a model."""
     import hashlib
 
     import numpy as np
@@ -148,10 +148,10 @@ def _made(
     plan = plan_of(rows, model)
     line = None
     if path is not None:
-        from footfix.batch.follow import drawn
+        from footfix.batch.follow import read_path
         from footfix.locomotion.follow.path import make_path
 
-        line = make_path(drawn(path).metres(settings.follow.unit))
+        line = make_path(read_path(path).metres(settings.follow.unit))
         if seconds is None and len(rows) == 1:
             seconds = line.length / max(float(plan.speed[0]), 0.05)
     if seconds is None:

@@ -1,4 +1,4 @@
-"""How work on a clip ends, whatever happens: one clip's failure is never that of others."""
+"""The end of work on a clip, whatever happens: one clip's failure does not stop others."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Made = TypeVar("Made")
 
 
 def ended(task: Task, work: Callable[[], Made]) -> Made | FileResult:
-    """Give what some work on a clip gives, or a result that says why it failed."""
+    """Return the result of some work on a clip, or a result that says why it failed."""
     source = task.job.source
     try:
         return work()

@@ -1,4 +1,4 @@
-"""Reading whole files within bounds, and writing them whole or not at all."""
+"""Reading whole files up to a size limit, and writing files whole or not at all."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def read_whole(path: str | os.PathLike[str], most_bytes: int, glance: Callable[[
 
     Args:
         path: which file.
-        most_bytes: more are refused.
-        glance: looks at the first bytes of a large file, and raises where the rest is not worth reading.
+        most_bytes: larger files are refused.
+        glance: checks the first bytes of a large file, and raises where the rest need not be read.
 
     Raises:
-        InputError: it can't be read, or is larger than allowed; no more than that is ever held.
+        InputError: it can't be read, or is larger than allowed; no more than `most_bytes` are ever held.
     """
     name = os.fspath(path)
     try:
@@ -49,13 +49,13 @@ def read_whole(path: str | os.PathLike[str], most_bytes: int, glance: Callable[[
 
 
 def read_clip(path: str, limits: Limits, *, name: str, called: str | None = None) -> bytes:
-    """Read a clip's file, or standard input for "-", as bytes; one that is no clip at all is not read to its end.
+    """Read a clip's file, or standard input for "-", as bytes; files of other kinds are not read to their end.
 
     Args:
         path: which file.
         limits: how large it may be.
-        name: its name, by which its kind is known.
-        called: what errors call it, if not by its name.
+        name: its name, which tells its format.
+        called: its name in errors, if another.
 
     Raises:
         InputError: it can't be read, or is larger than allowed.
@@ -69,11 +69,11 @@ def read_clip(path: str, limits: Limits, *, name: str, called: str | None = None
 
 
 def _read(file: BinaryIO, most_bytes: int, glance: Callable[[bytes], None] | None) -> bytes:
-    """Read up to one byte more than `most_bytes`, and set aside no more memory than the file says it needs."""
+    """Read up to one byte more than `most_bytes`, without allocating more memory than the file's size."""
     try:
         size = os.fstat(file.fileno()).st_size
     except OSError:
-        size = 0  # no file of the system
+        size = 0  # not a file on disk
     parts = [file.read(_HEAD)]
     if len(parts[0]) == _HEAD and glance is not None:
         glance(parts[0])
@@ -90,14 +90,14 @@ def write_whole(path: Path, data: bytes, *, tag: str = "run") -> None:
     Args:
         path: the file.
         data: its bytes.
-        tag: of the run, in the temporary file's name; by it, and by the process, what a killed run left is known.
+        tag: of the run, in the temporary file's name; with the process id it tells which files a killed run left.
 
     Raises:
-        OutputError: the folder is missing or read-only, the disk is full; what stood there still does.
+        OutputError: the folder is missing or read-only, or the disk is full; an existing file is unchanged.
     """
     handle, temporary = -1, ""
     try:
-        # Beside the target: only within one file system is the replacement a single step.
+        # Beside the target, since replacing a file is atomic only within one file system.
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".footfix-{tag}-{os.getpid()}-", suffix=".tmp")
         with os.fdopen(handle, "wb") as file:
             file.write(data)
@@ -126,7 +126,7 @@ def remove_leftovers(folder: Path, *, tag: str, process: int | None = None) -> N
 
 
 def sync_folder(folder: Path) -> None:
-    """Make sure that the names in a folder survive a power cut, where the system can."""
+    """Flush the names in a folder to the disk, where the system can, so that they survive a power cut."""
     if os.name == "nt":
         return
     with suppress(OSError):

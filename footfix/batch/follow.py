@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from footfix.settings import Settings
 
 _AT = re.compile(r"(.+)@((?:\d+\.?\d*|\.\d+)[sm])", re.IGNORECASE | re.DOTALL)
-_MOST = 1 << 26  # [bytes] of a path
+_MOST = 1 << 26  # [bytes] largest file of a path
 
 
 def named(text: str) -> tuple[str, str | None]:
-    """Part walk.bvh@3s into a clip's file, and where it begins. What is a file's whole name is no more than that.
+    """Split walk.bvh@3s into a clip's file and where it begins; a text that is the whole name of a file is not split.
 
     Raises:
         UsageError: there is no such file.
@@ -44,11 +44,11 @@ def named(text: str) -> tuple[str, str | None]:
     raise UsageError(f"{found[1] if found else text}: no such file")
 
 
-def drawn(text: str) -> DrawnPath:
-    """Read the path that a file holds, or that a text names.
+def read_path(text: str) -> DrawnPath:
+    """Read a path from a file, or make the shape that a text names.
 
     Raises:
-        UsageError: it is neither.
+        UsageError: it is neither a file nor a shape.
         InputError: the file holds no path.
     """
     from footfix.formats.paths import read_path, shape
@@ -67,18 +67,18 @@ def run_follow(
     path: str, clips: Sequence[tuple[str, str | None]], output: Path, settings: Settings, *, force: bool,
     dry_run: bool,
 ) -> FileResult:  # fmt: skip
-    """Lead the walks of some files along a path, and write what came of it: all of it or nothing.
+    """Lay the walks of some files along a path, and write all outputs or none.
 
     Args:
-        path: a file, or what names a shape.
+        path: a file, or the name of a shape.
         clips: files, and where each walk begins.
         output: the file to be written.
         settings: the parameters of all steps.
-        force: whether outputs that are there are overwritten.
+        force: whether existing outputs are overwritten.
         dry_run: whether nothing is written.
 
     Raises:
-        UsageError: nothing can be done as it was asked for.
+        UsageError: the arguments contradict each other, or an output can't be written.
     """
     from footfix.jobs.follow import check_starts, start_of
 
@@ -89,7 +89,7 @@ def run_follow(
     for name, _ in clips:
         if name != STDIN and Path(name).is_dir():
             raise UsageError(f"{name} is a folder; name clips")
-    drawing = drawn(path)
+    drawing = read_path(path)
     source = Source(clips[0][0], Path(clips[0][0] if clips[0][0] != STDIN else STDIN_NAME))
     inputs = {os.path.realpath(name) for name, _ in clips} | {os.path.realpath(path)}
     if os.path.realpath(output) in inputs:

@@ -1,4 +1,4 @@
-"""Gates: the most that measures of a clip may be, and whether it keeps within."""
+"""Gates: upper bounds on measures of a clip, and whether it keeps them."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from footfix.measure.clip import WORLD, Measures
 from footfix.measure.plants import NOTICED_MM
 from footfix.settings import Meaning, meanings, suggest
 
-# Every measure that may be gated, with its meaning and unit, from where it is defined.
+# Every measure that may be gated, with its meaning and unit, from its definition.
 MEASURES: Mapping[str, Meaning] = {**meanings(Measures), **meanings(Held), **meanings(Costs)}
 NAMES = tuple(MEASURES)
 
 
 @dataclass(frozen=True)
 class Gate:
-    """The most that a measure may be, and why that much."""
+    """An upper bound on a measure, and the reason for it."""
 
     most: float
     why: str
 
 
-# What holds where neither the command line nor the settings give a gate. Of 35 real clips, each of another origin, 12
-# pass as they were captured and 29 once they are cleaned.
+# The gates where neither the command line nor the settings give any. Of 35 real clips, each of another origin, 12 pass
+# as captured, and 29 after cleaning.
 DEFAULTS: Mapping[str, Gate] = {
     "share_over_21mm": Gate(0.1, "viewers notice a slide of 21 mm (Prazak 2011); one plant in ten may be lost"),
     "skating_ratio": Gate(0.5, "counts low swings, too: captured walks reach 0.4 with feet that stand"),
@@ -58,23 +58,23 @@ def parse(texts: tuple[str, ...]) -> dict[str, float]:
 
 
 def known(gates: Mapping[str, float]) -> None:
-    """Refuse gates that are on no measure, with a UsageError."""
+    """Refuse gates on unknown measures, with a UsageError."""
     for name in gates:
         if name not in NAMES:
             raise UsageError(f"there is no measure {name!r} to gate{suggest(name, NAMES)}")
 
 
 def check(task: Task, data: bytes) -> FileResult:
-    """Measure a clip and hold it against its gates.
+    """Measure a clip and compare it with its gates.
 
     Args:
-        task: `extra["gates"]` are those of the command line; they lie over the settings' own. Where there are none
-            at all, `DEFAULTS` hold.
+        task: `extra["gates"]` are those of the command line; they override those of the settings. Without any,
+            `DEFAULTS` are used.
         data: the bytes of the clip.
 
     Returns:
-        Status "over" where a gate is passed, "done" where none is; the report holds measures and gates. A gate on
-        what this clip has no measure of is skipped, and a note says so.
+        Status "over" where a measure exceeds its gate, else "done"; the report holds measures and gates. A gate on a
+        measure that this clip lacks is skipped, with a note.
     """
     from footfix.batch.clips import beside_of
     from footfix.batch.skins import skin_for
@@ -112,7 +112,7 @@ def _rounded(found: Held) -> dict[str, float]:
 
 
 def _why(measure: str, plants: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Say what is behind a slide: plants over 21 mm, held and let go apart, and the farthest with its reason."""
+    """Explain a slide over its gate: how many held and let-go plants exceed 21 mm, and the worst with its reason."""
     if measure not in ("share_over_21mm", "plants_over_21mm", "slide_mm", "held_slide_mm", "held_over_21mm"):
         return {}
     some = [plant for plant in plants if not (measure.startswith("held") and plant["let_go"])]
@@ -136,7 +136,7 @@ def _cleaning(
 
 
 def _fates(report: Mapping[str, Any], plants: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """Say for each plant why cleaning let it go, wholly or in part; "" where it is held."""
+    """Find for each plant the reason why cleaning let it go, wholly or in part; "" where it is held."""
     words = {"released": "let go", "partly": "held only in part"}
     fates: dict[tuple[Any, ...], str] = {}
     for each in report.get("plants") or ():

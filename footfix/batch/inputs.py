@@ -1,4 +1,4 @@
-"""Which files are meant: files, folders, lists and globs, as the command line names them."""
+"""The inputs of a command: files, folders, lists and globs of the command line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from footfix.batch.files import STDIN, read_whole
 from footfix.errors import UsageError
 from footfix.formats.suffixes import STDIN_NAME, in_file, is_cleaned, is_motion
 
-# A folder of this name stands in every folder of outputs; it holds the journal of the run that wrote them.
+# Every folder of outputs has a folder of this name, with the journal of the run that wrote them.
 MARK = ".footfix"
 
 _MOST_LIST_BYTES = 1 << 28
@@ -20,12 +20,12 @@ _MOST_LIST_BYTES = 1 << 28
 
 @dataclass(frozen=True)
 class Source:
-    """An input and where it lies below what was named on the command line.
+    """An input, and its path below the folder given on the command line.
 
     Args:
         path: the file, or "-" for standard input.
-        below: its path relative to the folder that was named; its name alone for a file that was named.
-        clip: the clip of the file that is meant, where it may hold several; "" for all.
+        below: its path relative to the folder that was given; only its name for a file that was given.
+        clip: the name of the clip to take from a file that holds several; "" for all.
     """
 
     path: str
@@ -39,9 +39,9 @@ def sources(
 ) -> tuple[Source, ...]:  # fmt: skip
     """List the inputs that files, folders, lists and "-" stand for.
 
-    A folder gives its files of motion, of any case, sorted, at any depth; hidden ones and what footfix itself
-    wrote are left out. Globs choose among what folders give: they are held against the path below the folder
-    (`*` goes across its parts), and without a slash also against the name.
+    A folder stands for its motion files, sorted, at any depth, with endings of any case; hidden files and those that
+    footfix wrote are left out. Globs choose among files in folders: they are matched against the path below the folder
+    (`*` also matches slashes), and those without a slash also against the name.
 
     Args:
         named: files, folders and "-".
@@ -49,13 +49,13 @@ def sources(
         include: only files that match one of these.
         exclude: no file that matches one of these.
         leave_out: the folder of the outputs of this run.
-        own_outputs: True to take cleaned copies and folders of outputs, too.
+        own_outputs: True to include cleaned copies and folders of outputs.
 
     Raises:
-        UsageError: one is not there, or nothing is left.
+        UsageError: an input does not exist, or none is left.
     """
     wanted = _chooser(include, exclude)
-    found: dict[str, Source] = {}  # by absolute path: a clip that is named twice is one input
+    found: dict[str, Source] = {}  # by absolute path: a clip that is given twice is one input
 
     def add(path: str, below: Path, clip: str = "") -> None:
         key = path if path == STDIN else os.path.normpath(Path.cwd() / path) + clip
@@ -87,7 +87,7 @@ def sources(
 
 
 def shard(found: Sequence[Source], part: int, parts: int) -> tuple[Source, ...]:
-    """Take part `part` (1 to `parts`) of the inputs: every `parts`-th one, so that all parts hold alike."""
+    """Take part `part` (1 to `parts`) of the inputs: every `parts`-th one, so that all parts are alike."""
     return tuple(found[part - 1 :: parts])
 
 
@@ -113,13 +113,13 @@ def _walk(folder: Path, leave_out: Path | None, own_outputs: bool) -> Iterator[P
             if not each.startswith(".") and (avoided is None or os.path.realpath(Path(root, each)) != avoided)
         )  # fmt: skip
         for name in sorted(files):
-            ours = is_cleaned(name) and not own_outputs  # a copy beside its input is no input of a folder
+            ours = is_cleaned(name) and not own_outputs  # a cleaned copy in a folder is no input
             if is_motion(name) and not ours and not name.startswith("."):
                 yield Path(root) / name
 
 
 def _listed(name: str) -> Iterator[tuple[str, Path]]:
-    """Read the inputs that a list names: one a line, or between NUL bytes; blank lines and # comments are none."""
+    """Read a list of inputs: one a line, or separated by NUL bytes, without blank lines and # comments."""
     data = read_whole(name, _MOST_LIST_BYTES)
     lines = data.split(b"\0") if b"\0" in data else data.removeprefix(b"\xef\xbb\xbf").splitlines()
     for number, line in enumerate(lines, start=1):
@@ -136,7 +136,7 @@ def _listed(name: str) -> Iterator[tuple[str, Path]]:
 
 
 def _within_here(entry: str) -> Path:
-    """Find where a listed file's outputs go below the output folder: its path from here, or its name from elsewhere."""
+    """Choose the path of a listed file's outputs below the output folder: its relative path, or its name if outside."""
     path = Path(os.path.normpath(Path.cwd() / entry))
     try:
         return path.relative_to(Path.cwd())

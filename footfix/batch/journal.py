@@ -1,7 +1,7 @@
-"""What a run has begun and done, line by line, so that an interrupted one can go on where it was.
+"""The journal of a run: which clips it began and finished, a line each, so that --resume can continue it.
 
-A clip is done when its report lies there with the right fingerprint; the journal is asked only whether outputs that
-are in the way are ours to overwrite, and keeps what the index shows. Its last line may be torn: it is left out.
+A clip is done when its report exists with the right fingerprint. The journal only tells whether existing outputs are
+the run's own and may be overwritten, and keeps what the index shows. An incomplete last line is ignored.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from footfix.errors import OutputError
 
 @dataclass(frozen=True)
 class Past:
-    """What earlier runs into a folder have left.
+    """What the journals of earlier runs say of a folder.
 
     Args:
         begun: names of the clips whose outputs they wrote or were about to write.
-        hashes: clip -> file name -> SHA-256 of what they wrote, for the clips that were done.
+        hashes: clip -> file name -> SHA-256 of each output, for the clips that were done.
         offenders: clip -> its worst plants, as plain values.
     """
 
@@ -36,20 +36,20 @@ class Past:
 
 
 def journal_in(folder: Path, tag: str, *, own: bool, ending: str = "clean") -> Path:
-    """Find where the journal of a run lies.
+    """Choose the path of the journal of a run.
 
     Args:
         folder: the outputs of the run.
         tag: of the run.
-        own: whether the folder holds outputs alone. The mark of such a folder keeps its clips from being taken for
-            inputs; where outputs lie beside their inputs, the journal is a hidden file and marks nothing.
+        own: whether the folder holds only outputs. The journal's folder then marks its clips as outputs; where outputs
+            are beside their inputs, the journal is a hidden file and no mark.
         ending: of the outputs' names beside their inputs, where several commands may write.
     """
     return folder / MARK / f"{tag}.jsonl" if own else folder / f".footfix-{ending}-{tag}.jsonl"
 
 
 def recall(folder: Path, ending: str = "clean") -> Past:
-    """Read what the journals in a folder of outputs say, those of all its shards."""
+    """Read the journals in a folder of outputs, those of all shards."""
     begun: set[str] = set()
     hashes: dict[str, Mapping[str, str]] = {}
     offenders: dict[str, list[dict[str, Any]]] = {}
@@ -63,7 +63,7 @@ def recall(folder: Path, ending: str = "clean") -> Past:
 
 
 def _entries(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
-    """Read the lines that are whole, and what they say."""
+    """Read the complete lines of a journal, as text and as values."""
     for line in path.read_bytes().splitlines():
         try:
             entry = json.loads(line)
@@ -74,7 +74,7 @@ def _entries(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
 
 
 class Journal:
-    """The journal of a run, appended to by its parent process alone; nothing at all without a path."""
+    """The journal of a run, written by its parent process alone; without a path nothing is written."""
 
     def __init__(self, path: Path | None = None) -> None:
         self._handle = -1
@@ -86,16 +86,16 @@ class Journal:
             self._handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o666)
             size = os.fstat(self._handle).st_size
             if size and path.read_bytes()[-1:] != b"\n":
-                os.write(self._handle, b"\n")  # what a power cut tore stays a line of its own
+                os.write(self._handle, b"\n")  # end a line that was cut off by a power cut
         except OSError as error:
             raise OutputError(f"{path}: can't be written: {error.strerror or error}") from None
 
     def begin(self, clips: Iterable[str]) -> None:
-        """Say, before anything of theirs is written, that these clips' outputs are ours."""
+        """Record, before they are written, that the outputs of these clips are the run's own."""
         self._write([{"clip": clip, "state": "begun"} for clip in clips], safely=True)
 
     def end(self, clip: str, result: FileResult) -> None:
-        """Say what became of a clip."""
+        """Record the result of a clip."""
         if result.status == "failed":
             self._write([{"clip": clip, "state": "failed"}])
         elif not result.skipped:
@@ -105,7 +105,7 @@ class Journal:
             self.end(named(clip, part), part)
 
     def finish(self) -> None:
-        """Keep one line a clip, by name: however a run came to its end, its journal is the same."""
+        """Keep one line a clip, sorted by name, so that interrupted and resumed runs end with the same journal."""
         if self._handle < 0:
             return
         last: dict[str, bytes] = {}
@@ -126,5 +126,5 @@ class Journal:
             return
         lines = "".join(json.dumps(entry) + "\n" for entry in entries)
         os.write(self._handle, lines.encode("ascii"))
-        if safely:  # what has ended says so itself, by its report
+        if safely:  # the end of a clip is also known by its report
             os.fsync(self._handle)

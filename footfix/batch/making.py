@@ -1,4 +1,4 @@
-"""The outputs of a file: each of its clips made, and all of them written whole or not at all."""
+"""Making the outputs of a file's clips, and writing all of them or none."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from footfix.batch.clips import beside_of, parts_of, together
+from footfix.batch.clips import beside_of, joined_result, parts_of
 from footfix.batch.ending import ended
 from footfix.batch.files import sync_folder, write_whole
 from footfix.batch.outputs import is_within
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
-    """Hash what an output depends on: the input's bytes, the settings, given labels and the version."""
+    """Hash everything that an output depends on: the input's bytes, the settings, given labels and the version."""
     from footfix.settings import plain
 
     digest = hashlib.sha256()
@@ -37,13 +37,13 @@ def fingerprint(data: bytes, settings: Settings, labels: Labels | None) -> str:
 
 
 def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "") -> FileResult:
-    """Write what `make` makes of a file's clips.
+    """Make the outputs of each clip of a file, and write them.
 
     Args:
         task: of the file.
         data: its bytes.
         make: makes the outputs of the task of one clip.
-        what: tells it from what cleaning makes of the same bytes.
+        what: part of the fingerprint that tells other commands' outputs from those of cleaning.
     """
     parts = parts_of(task, data)
     tasks = (task,) if parts is None else parts
@@ -51,7 +51,7 @@ def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "
     done = [_finished(part, key) if task.resume else None for part, key in zip(tasks, keys, strict=True)]
     found = [each for each in done if each is not None]
     if len(found) == len(tasks):
-        return found[0] if parts is None else together(task, found)
+        return found[0] if parts is None else joined_result(task, found)
     if parts is None:
         return _written(task, data, [task], [make(task)], keys)[0]
     _refuse_what_is_there(task, parts)
@@ -62,18 +62,18 @@ def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "
         written = _written(task, data, [parts[k] for k in good], outputs, [keys[k] for k in good])
         for k, result in zip(good, written, strict=True):
             results[k] = result
-    return together(task, [each for each in results if isinstance(each, FileResult)])
+    return joined_result(task, [each for each in results if isinstance(each, FileResult)])
 
 
 def write_outputs(task: Task, outputs: Outputs, key: str) -> FileResult:
-    """Write the outputs of a clip that was made of several files, with what they depend on as `fingerprint` puts it."""
+    """Write the outputs of a clip made from several files; `key` is their fingerprint."""
     return _written(task, b"", [task], [outputs], [key])[0]
 
 
 def _written(
     task: Task, data: bytes, parts: Sequence[Task], outputs: Sequence[Outputs], keys: Sequence[str]
 ) -> list[FileResult]:
-    """Write the outputs of a file's clips, the reports last, and say what became of each clip."""
+    """Write the outputs of a file's clips, the reports last, and return the result of each clip."""
     motion = _motion(task, data, outputs)
     sha = hashlib.sha256(motion).hexdigest()
     reports = [
@@ -107,7 +107,7 @@ def _written(
 
 
 def _motion(task: Task, data: bytes, outputs: Sequence[Outputs]) -> bytes:
-    """Make the corrected file, with what changed in every clip."""
+    """Make the corrected file, with the changes of all its clips."""
     from footfix.formats.document import joined
 
     changed = [each.motion for each in outputs if each.motion != data]
@@ -120,7 +120,7 @@ def _motion(task: Task, data: bytes, outputs: Sequence[Outputs]) -> bytes:
 
 
 def _of_the_whole(outputs: Outputs, motion: bytes, sha: str) -> Outputs:
-    """Name the file in outputs by its sum, in place of that of the file with this clip alone changed."""
+    """Put the hash of the final file into outputs, in place of that of the file with only this clip changed."""
     if outputs.motion == motion:
         return outputs
     own = hashlib.sha256(outputs.motion).hexdigest().encode()
@@ -142,7 +142,7 @@ def _files(task: Task, outputs: Outputs, motion: bytes, report: Mapping[str, Any
 
 
 def _refuse_what_is_there(task: Task, parts: Sequence[Task]) -> None:
-    """Raise where outputs of a file's clips, whose names only the file tells, would overwrite what is there."""
+    """Raise where outputs of a file's clips would overwrite existing files; their names are known only now."""
     if task.force or task.dry_run or task.job.target is None or task.resume:
         return
     for part in parts:
@@ -152,7 +152,7 @@ def _refuse_what_is_there(task: Task, parts: Sequence[Task]) -> None:
 
 
 def _write_neighbours(task: Task, data: bytes) -> None:
-    """Put the files that a file names beside its corrected copy, where that lies in another folder."""
+    """Copy the files that a file refers to into the folder of its corrected copy, where that is another folder."""
     from footfix.formats.document import neighbours_of
 
     job, fetch = task.job, beside_of(task)
@@ -179,7 +179,7 @@ def _write_neighbours(task: Task, data: bytes) -> None:
 
 
 def write(task: Task, files: Mapping[Path, bytes]) -> None:
-    """Write outputs, the last one only when the others are safe on disk."""
+    """Write outputs, the last one only when the others are safely on disk."""
     paths = [(Path(task.folder, path), path, data) for path, data in files.items()]
     if not paths:
         return
@@ -195,20 +195,20 @@ def write(task: Task, files: Mapping[Path, bytes]) -> None:
             if k == len(paths) - 1:
                 sync_folder(folder)
             write_whole(path, data, tag=task.tag)
-    except OutputError:  # a set that is not whole would only be in the way of the next try
+    except OutputError:  # an incomplete set would only block the next attempt
         for path in new:
             path.unlink(missing_ok=True)
         raise
 
 
 def _keep_edits(task: Task, path: Path, shown: Path, data: bytes) -> None:
-    """Raise where a resumed run would overwrite what is not its own, or what a person has changed since."""
+    """Raise where a resumed run would overwrite files that are not its own, or that were edited since."""
     if not task.resume or not path.exists():
         return
     if task.wrote is None:
         raise OutputError(f"{shown}: is there already, made of another input or settings; --force overwrites it")
     before = task.wrote.get(path.name)
-    if before is None:  # begun, not ended: whatever lies there, the interrupted run wrote it
+    if before is None:  # begun, not ended: any files there were written by the interrupted run
         return
     now = hashlib.sha256(path.read_bytes()).hexdigest()
     if now not in (before, hashlib.sha256(data).hexdigest()):
@@ -216,12 +216,12 @@ def _keep_edits(task: Task, path: Path, shown: Path, data: bytes) -> None:
 
 
 def _finished(task: Task, key: str) -> FileResult | None:
-    """Find what an earlier run made of a clip, if it is whole and of the same input, settings and version."""
+    """Find the outputs of a clip by an earlier run, if complete and of the same input, settings and version."""
     job = task.job
     if job.target is None or task.settings.report.kind == "none":
         return None
     if task.wrote is not None and not task.wrote:
-        return None  # begun, and its end not recorded: what the index shows of it is lost, so it is done again
+        return None  # its end was not recorded, so that the index lacks its entry: done again
     try:
         report = json.loads(Path(task.folder, job.beside(REPORT)).read_bytes())
     except (OSError, ValueError):
@@ -241,7 +241,7 @@ def _finished(task: Task, key: str) -> FileResult | None:
 
 
 def digest(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Keep what summaries and indexes need of a report, so that ten thousand of them fit in memory."""
+    """Keep the parts of a report that summaries and indexes need, so that ten thousand fit in memory."""
     kept = ("effector", "start", "end", "slide_before_mm", "slide_after_mm", "outcome", "reason")
     return {
         **{key: report[key] for key in ("source", "status", "method", "before", "after", "correction", "notes")},

@@ -1,4 +1,4 @@
-"""Where outputs go, settled before any work: nothing collides, nothing is overwritten, nothing leaves the folder."""
+"""The paths of outputs, checked before any work: no two are the same, none exists, none is outside the folder."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ class Job:
     """One clip to do.
 
     Args:
-        source: path of the input as people know it, or "-".
-        target: path of the corrected file, None where it goes to standard output or nowhere.
-        stem: path without suffix, which the other outputs hang theirs on.
-        name: the clip's name in summaries: its path below the folder that was named, with forward slashes.
-        within: the folder that no output may leave; None where outputs go beside their inputs.
-        clip: the clip of the file that is meant, where it may hold several; "" for all.
-        end: what such a clip's outputs have after the stem of its file, ".Walk"; "" for a file of one clip.
+        source: path of the input as the user gave it, or "-".
+        target: path of the corrected file, None where it is written to standard output or not at all.
+        stem: path without suffix, to which other outputs add theirs.
+        name: the clip's name in summaries: its path below the folder that was given, with forward slashes.
+        within: the folder that all outputs must be in; None where outputs are written beside their inputs.
+        clip: the name of the clip to take from a file that holds several; "" for all.
+        end: the part of the output names after the stem that names such a clip, ".Walk"; "" for a file of one clip.
     """
 
     source: str
@@ -37,23 +37,23 @@ class Job:
     end: str = ""
 
     def beside(self, suffix: str) -> Path:
-        """Give the path of another output of this clip."""
+        """Return the path of another output of this clip."""
         assert self.stem is not None
         return self.stem.with_name(self.stem.name + suffix)
 
 
 def names_file(output: Path | None, found: Sequence[Source], *, folder: bool, ends: Sequence[str] = ()) -> bool:
-    """Tell whether what -o names is one file, as it is with one clip and a name that ends as its output's does.
+    """Tell whether -o names one file, not a folder: for one clip, a name with the ending of its output.
 
     Args:
-        output: what -o names.
+        output: the path given by -o.
         found: the inputs.
-        folder: whether a folder of inputs was named; its outputs are a folder, too, however many clips it holds.
-        ends: what names of outputs end in, in lower case; motion of any format by default.
+        folder: whether the input is a folder; then the output is one too, however many clips it holds.
+        ends: endings of output names, in lower case; motion of any format by default.
 
     Raises:
-        UsageError: it is a file's name for many clips, another format than the clip's, or that of a folder that is
-            there; or a file is in the way of the folder it names.
+        UsageError: it names a file for many clips, has the ending of another format, or is an existing folder; or a
+            file exists where it names a folder.
     """
     if output is None:
         return False
@@ -86,20 +86,20 @@ def plan(
 
     Args:
         found: the inputs.
-        output: the folder that outputs go to; beside each input without one.
-        in_place: the corrected file takes the input's place.
-        suffixes: of an input's outputs beside the corrected file.
-        force: outputs that exist may be overwritten.
+        output: the folder for outputs; None to write them beside each input.
+        in_place: the corrected file replaces the input.
+        suffixes: of an input's outputs other than the corrected file.
+        force: existing outputs may be overwritten.
         ours: whether the outputs of a clip are those of a run that is being resumed.
         extra: outputs of the whole run.
-        extra_ours: whether those are, too.
+        extra_ours: whether `extra` are those of a run that is being resumed.
         dry_run: nothing will be written.
-        one_file: `output` is the name of the one clip's output, not of a folder.
+        one_file: `output` is the path of the one clip's output, not of a folder.
         ending: of the names of outputs beside their input: "loop" for walk.loop.bvh, walk.loop.report.json.
 
     Raises:
-        UsageError: two inputs would write one output, an output is there already, is an input, would lie
-            outside the output folder, or can't be written.
+        UsageError: two inputs would write one output, or an output exists, is an input, is outside the output folder,
+            or can't be written.
     """
     jobs = tuple(replace(_job(source, output, in_place, one_file, ending), clip=source.clip) for source in found)
     named = {os.path.realpath(source.path): source.path for source in found if source.path != STDIN}
@@ -165,10 +165,10 @@ def _job(source: Source, output: Path | None, in_place: bool, one_file: bool, en
         target = output / source.below
         return Job(source.path, target, target.with_suffix(""), name, output)
     path = Path(source.path)
-    if in_place:  # behind a link it is the file itself that is replaced
+    if in_place:  # of a link, the file that it points to is replaced
         return Job(source.path, Path(os.path.realpath(path)), path.with_suffix(""), name)
     target = path.with_name(cleaned_name(path.name, ending))
-    # what is cleaned keeps the names of its labels and reports; another clip has its own
+    # labels and reports of a cleaned clip have no "clean" in their names; those of a loop have "loop"
     return Job(source.path, target, (path if ending == "clean" else target).with_suffix(""), name)
 
 
@@ -185,13 +185,13 @@ def _stay_within(jobs: Iterable[Job]) -> None:
 
 
 def is_within(path: Path, folder: Path) -> bool:
-    """Tell whether a file's folder, links followed, is in another; the file itself may be a link, it is replaced."""
+    """Tell whether a file's folder, with links followed, is in another; the file itself may be a link."""
     inner, outer = os.path.realpath(path.parent), os.path.realpath(folder)
     return inner == outer or inner.startswith(outer.rstrip(os.sep) + os.sep)
 
 
 def _writable(folders: Iterable[Path]) -> None:
-    """Try the nearest folder that exists above each; none is made before all are known to be good."""
+    """Check the nearest existing parent of each folder; no folder is made before all are checked."""
     tried: set[Path] = set()
     for folder in sorted(folders):
         there = folder

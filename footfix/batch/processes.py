@@ -1,7 +1,7 @@
-"""Tasks on worker processes, of which each may die without taking more than its clip with it.
+"""Tasks on worker processes; a worker that dies costs only the clip that it worked on.
 
 Python's own process pool breaks as a whole when one worker is killed, and can't stop a task that takes too long.
-Here every worker has a pipe of its own: what it works on is known, so its end costs that one task.
+Here every worker has a pipe of its own, so that its task is known, and its end costs that task alone.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 Work = Callable[[Task], FileResult]
 Results = Generator[tuple[int, FileResult], None, None]  # index and result, as they come
 
-_LOOK = 0.25  # [s] how often is looked whether to stop, where nothing happens
-_MOST_STILLBORN = 3  # workers that die before they have begun: then it is not for a clip's sake
+_LOOK = 0.25  # [s] how often a stop is checked for while no worker reports
+_MOST_STILLBORN = 3  # workers that may die before their first task; more can't be the fault of a clip
 
 
 class Stop:
-    """Whether the user wants an end: asked once, running clips finish; asked twice, nothing does."""
+    """The user's wish to stop: after one interrupt running clips finish, after a second they are killed."""
 
     def __init__(self) -> None:
         self.asked = 0
@@ -66,15 +66,15 @@ def on_processes(
     work: Work, tasks: Sequence[Task], *, workers: int, timeout: float | None, stop: Stop,
     starting: Callable[[int], None],
 ) -> Results:  # fmt: skip
-    """Do the tasks on several processes, and give each result as it comes.
+    """Do the tasks on several processes, and yield each result as it comes.
 
     Args:
         work: a function of a module, for each task.
         tasks: what is to be done.
         workers: how many processes.
         timeout: [s] after which a task is given up and its process killed.
-        stop: looked at before each task is handed out.
-        starting: told the index of each task just before it is handed out.
+        stop: checked before each task is handed out.
+        starting: called with the index of each task just before it is handed out.
 
     Yields:
         Index and result of each task, in the order in which they end.
@@ -111,11 +111,11 @@ def on_processes(
 
 
 def _way() -> Literal["fork", "spawn"]:
-    """Choose how workers start.
+    """Choose how workers start: "fork" or "spawn".
 
-    A fork begins with all that is loaded here, where a process that is spawned takes half a second of its processor
-    to load it again: as long as ten clips of 300 frames. It copies no threads, so it is for a process without any;
-    and only Linux lets them be counted, and has system libraries that bear it.
+    A forked process has all modules loaded; a spawned one needs half a second of processor time to load them, as long
+    as ten clips of 300 frames take. A fork copies no threads, so it is chosen only where there are none; and only on
+    Linux, where they can be counted and the system libraries support it.
     """
     tasks = Path("/proc/self/task")
     alone = sys.platform == "linux" and tasks.is_dir() and len(list(tasks.iterdir())) == 1
@@ -123,14 +123,14 @@ def _way() -> Literal["fork", "spawn"]:
 
 
 def _hire(work: Work, crew: Sequence[_Worker]) -> _Worker:
-    import multiprocessing  # for several clips; one need not wait for it
+    import multiprocessing  # needed for several clips only, and slow to import
 
     ours, theirs = multiprocessing.Pipe()
     process: BaseProcess
     if _way() == "fork":
         import footfix.jobs.clean  # noqa: F401  # what all workers need is loaded once, before they part
 
-        gc.freeze()  # what is here now is not looked at again, by which a worker would copy it
+        gc.freeze()  # keeps the garbage collector from touching, and so copying, shared memory
         not_theirs = (ours, *(worker.pipe for worker in crew))
         process = multiprocessing.get_context("fork").Process(
             target=_serve, args=(theirs, work, not_theirs), daemon=True
@@ -140,7 +140,7 @@ def _hire(work: Work, crew: Sequence[_Worker]) -> _Worker:
         if os.name == "posix":
             from multiprocessing import resource_tracker
 
-            resource_tracker.ensure_running()  # it lets interrupts through again when it starts, so it starts before
+            resource_tracker.ensure_running()  # its start unblocks interrupts: started before they are blocked
     with _no_interrupts():
         process.start()
     theirs.close()
@@ -149,7 +149,7 @@ def _hire(work: Work, crew: Sequence[_Worker]) -> _Worker:
 
 @contextmanager
 def _no_interrupts() -> Iterator[None]:
-    """Keep Ctrl-C from processes that are started within, even before they could say that they won't hear it."""
+    """Block Ctrl-C in processes started within, also before they can ignore it themselves."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -161,11 +161,11 @@ def _no_interrupts() -> Iterator[None]:
 
 
 def _serve(pipe: Connection, work: Work, not_mine: Sequence[Connection] = ()) -> None:
-    """Serve as a worker: a task, its result, the next one, until the pipe closes."""
-    # Ctrl-C reaches every process of a terminal; it is for the parent to say what ends
+    """Run a worker: receive a task, send its result, until the pipe closes."""
+    # Ctrl-C reaches every process of a terminal; only the parent decides what stops
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # not the parent's way of ending
-    for other in not_mine:  # while one process holds the other end of a pipe, nobody hears that it was closed
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # not the parent's handler
+    for other in not_mine:  # a pipe counts as open while any process holds its other end
         other.close()
     with suppress(EOFError, OSError):
         pipe.send(None)
@@ -181,14 +181,14 @@ def _hand_out(
     starting(index)
     try:
         worker.pipe.send(tasks[index])
-    except OSError:  # it has just died: its end is noticed below, the task stays
+    except OSError:  # it has just died, which is noticed later; the task remains
         return
     waiting.popleft()
     worker.task, worker.since = index, time.monotonic()
 
 
 def _heard(crew: Sequence[_Worker], timeout: float | None) -> list[_Worker]:
-    """Find the workers that have something to say, have died, or are out of time."""
+    """Wait for workers that have a result, have died, or are out of time."""
     from multiprocessing.connection import wait
 
     by_handle: dict[Any, _Worker] = {}
@@ -209,7 +209,7 @@ def _heard(crew: Sequence[_Worker], timeout: float | None) -> list[_Worker]:
 
 
 def _outcome(worker: _Worker, tasks: Sequence[Task], timeout: float | None) -> tuple[int | None, FileResult | None]:
-    """Tell the task a worker was at, and what became of it; nothing where it has only just begun to live."""
+    """Find the task of a worker and its result; None for a worker that has only reported its start."""
     index = worker.task
     try:
         if worker.pipe.poll():
@@ -240,7 +240,7 @@ def _end(code: int | None) -> str:
 
 
 def _dismiss(worker: _Worker, tasks: Sequence[Task]) -> None:
-    """Let an idle worker go; kill one that is still at work."""
+    """End an idle worker; kill one that is still working."""
     if worker.task is None:
         worker.pipe.close()
         worker.process.join(2.0)

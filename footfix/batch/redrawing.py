@@ -1,4 +1,4 @@
-"""Pages drawn anew from the report, the contacts and the clips that lie on disk."""
+"""Pages redrawn from the report, the contacts and the clips on disk."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ def redraw_one(
 
     Args:
         path: its report file.
-        source: the clip that came in, or a folder it lies in; beside the report where it is not said.
+        source: the captured clip, or a folder that holds it; None to look beside the report.
         params: which pages.
-        output: the folder that pages go to; beside the report without one.
-        force: pages that are there are replaced.
+        output: the folder for the pages; None for that of the report.
+        force: existing pages are replaced.
     """
     from footfix.report.pages import redraw
 
@@ -75,7 +75,7 @@ def _report(data: bytes, path: Path) -> Mapping[str, Any]:
 
 
 def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again | None:
-    """Tell how the clip is cleaned again with the settings of the report."""
+    """Write the command that cleans the clip again with the settings of the report."""
     name, output = (report.get("source") or {}).get("file"), report.get("output")
     if not name or not output:
         return None
@@ -90,7 +90,7 @@ def _again(report: Mapping[str, Any], path: Path, source: Path | None) -> Again 
 
 
 def _skin(report: Mapping[str, Any], path: Path, source: Path | None) -> Skin | None:
-    """Find the character whose mesh the soles were taken from: where it was, or beside the clip or the report."""
+    """Find the character whose mesh the soles were taken from: at its path, or beside the clip or the report."""
     told = (report.get("settings") or {}).get("rig") or {}
     named = told.get("skin")
     if not isinstance(named, str):
@@ -104,7 +104,7 @@ def _skin(report: Mapping[str, Any], path: Path, source: Path | None) -> Skin | 
 
 
 def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int) -> bytes:
-    """Find the clip that came in, known by its hash."""
+    """Find the captured clip, by its hash."""
     entry = report.get("source") or {}
     name, known = str(entry.get("file", "")), entry.get("sha256")
     folder = source if source is not None and source.is_dir() else path.parent

@@ -1,4 +1,4 @@
-"""A run over many clips: who does the tasks, what is told on the way, and how it is interrupted."""
+"""A run over many clips: on which processes tasks are done, what is reported meanwhile, and how it is interrupted."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from footfix.batch.task import FileResult, Task
 # With fewer clips than this a worker process takes longer to start than it saves.
 _WORTH_A_PROCESS = 4
 
-# Clips that the journal names ahead: to wait for the disk before each of them would cost more than some clips do.
+# Clips that are recorded ahead in the journal: flushing it for each would take longer than some clips do.
 _ANNOUNCED_AT_ONCE = 32
 
 
 @dataclass(frozen=True)
 class Crew:
-    """Who does the work.
+    """Where the work is done.
 
     Args:
-        workers: processes; 0 for as many as there are processors, where that pays.
+        workers: processes; 0 for one a processor, where there are enough clips.
         timeout: [s] for one clip, None for ever.
         dask: address of a Dask scheduler, "" for this machine.
     """
@@ -40,7 +40,7 @@ class Crew:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The results of a run, in the order of its tasks, and whether it was cut short."""
+    """The results of a run, in the order of its tasks, and whether it was interrupted."""
 
     results: tuple[FileResult, ...]
     interrupted: bool = False
@@ -53,15 +53,15 @@ def run(
     """Do all tasks; one that fails does not stop the others.
 
     Args:
-        work: what is done with each.
+        work: the function that does a task.
         tasks: in the order of the results.
-        crew: who does it.
-        told: each result as it comes, in the order in which clips end.
-        journal: told before a clip is begun and after it ended.
-        asked_to_stop: told once, when the first interrupt comes.
+        crew: where they are done.
+        told: called with each result, in the order in which clips end.
+        journal: records each clip before it begins and after it ends.
+        asked_to_stop: called once, at the first interrupt.
 
     Raises:
-        KeyboardInterrupt: the second one; what was finished till then stays.
+        KeyboardInterrupt: at the second interrupt; what was finished before it is kept.
     """
     journal = journal or Journal()
     stop = Stop()
@@ -79,7 +79,7 @@ def run(
     results: dict[int, FileResult] = {}
     with (
         _interrupts(stop, lambda: asked_to_stop(len(tasks) - len(results))),
-        # closed at once where an interrupt comes in between: processes are killed and what they left is cleared
+        # closing it at an interrupt kills the processes and removes their temporary files
         closing(_done(work, tasks, crew, stop, starting)) as ended,
     ):
         for index, result in ended:
@@ -119,14 +119,14 @@ def _done(work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: C
 
 
 def _processors() -> int:
-    """Count the processors that are ours to use: a job of a cluster's queue has fewer than the machine."""
+    """Count the processors that this process may use: a job in a cluster's queue has fewer than the machine."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def _clear_leftovers(tasks: Sequence[Task]) -> None:
-    """Remove temporary files of the killed run that is being resumed; without --resume they may be a live one's."""
+    """Remove temporary files of the run that is being resumed; without --resume they may be those of a running one."""
     folders = {
         (Path(task.folder, task.job.target).parent, task.tag)
         for task in tasks
@@ -138,7 +138,7 @@ def _clear_leftovers(tasks: Sequence[Task]) -> None:
 
 @contextmanager
 def _interrupts(stop: Stop, first: Callable[[], None]) -> Iterator[None]:
-    """Take the first Ctrl-C (or SIGTERM, as schedulers send it) as a wish to end, and the second one as the end."""
+    """Stop softly at the first Ctrl-C (or SIGTERM, as schedulers send it), and at once at the second."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""The skin that settings name, read once a process for all clips that use it."""
+"""The skin that the settings name, read once a process for all clips that use it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def skin_for(settings: Settings, folder: str | os.PathLike[str] = "") -> Skin | 
 
     Args:
         settings: the parameters of all steps.
-        folder: what a relative path is relative to.
+        folder: of relative paths.
 
     Raises:
         InputError: it can't be read, or shows no mesh.

@@ -1,4 +1,4 @@
-"""What goes to a worker and what comes back: one clip's task and its result, and the names of its outputs."""
+"""A clip's task, which is sent to a worker, and its result, which is sent back."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ EVENTS = ".events.json"
 
 @dataclass(frozen=True)
 class Task:
-    """A job and all that is needed to do it anywhere.
+    """A job with everything needed to do it in any process.
 
     Args:
         job: the clip and its outputs.
         settings: the parameters that hold for this clip.
         labels: contacts given for it.
-        clip_labels: where the file holds several clips, contacts given for them by their names in names of files.
-        animations: of a file that holds several clips, those that are asked for; all by default.
+        clip_labels: contacts given for the clips of a file that holds several, by the clips' names in file names.
+        animations: the clips to take from a file that holds several; all by default.
         dry_run: do everything but write.
-        force: outputs that are there may be overwritten.
-        resume: leave what is done for the same input, settings and version.
+        force: existing outputs may be overwritten.
+        resume: skip what is done for the same input, settings and version.
         wrote: for a run that is resumed, file name -> SHA-256 of what it wrote for this clip before, as far as
-            that is known; None where it had not begun with it, so that files in the way are not its own.
+            that is known; None where it had not begun the clip, so that existing files are not its own.
         tag: of the run, in the names of its temporary files.
-        folder: what relative paths are relative to.
-        keep_report: hand the whole report back, not only what a summary needs.
-        extra: what else a kind of work needs.
+        folder: of relative paths in the settings.
+        keep_report: return the whole report, not only what a summary needs.
+        extra: further arguments of the command.
     """
 
     job: Job
@@ -55,22 +55,22 @@ class Task:
 
 @dataclass(frozen=True)
 class FileResult:
-    """What became of one clip: small, plain and picklable.
+    """The result of one clip: small, plain and picklable.
 
     Args:
         source: path of the input.
         status: "cleaned", "unchanged" or "failed"; of other commands "done", "over" (a gate) or "failed".
-        error: for a person, where it failed.
+        error: why it failed, in words.
         line: of the input, where the error is about one.
-        report: the report document or what the command makes in its place; a digest of it in large runs.
+        report: the report document, or the document that the command makes instead; a digest of it in large runs.
         written: paths of the outputs.
         hashes: file name -> SHA-256 of each output.
         data: bytes for standard output.
         offenders: its worst plants, as small pictures.
-        skipped: True where it was done already.
-        bug: True where the failure is ours, not the file's.
-        parts: of a file that holds several clips, what became of each.
-        seconds: [s] the clip took; only what is told of a run may hold it, never an output of the clip.
+        skipped: True where it was done by an earlier run.
+        bug: True where the failure is a bug of footfix, not the file's.
+        parts: the results of the clips of a file that holds several.
+        seconds: [s] the clip took; shown for a run, never written into outputs of the clip.
     """
 
     source: str

@@ -1,4 +1,4 @@
-"""One file of a batch, from the disk to its output files; the same here, in a worker process and on a cluster."""
+"""The work on one file of a batch, from disk to output files; the same here, in a worker process and on a cluster."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from footfix.batch.cleanings import contacts_it_was_cleaned_by
-from footfix.batch.clips import beside_of, parts_of, spread, together
+from footfix.batch.cleanings import contacts_of_cleaning
+from footfix.batch.clips import beside_of, joined_result, parts_of, spread
 from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_clip
 from footfix.batch.making import made, write
@@ -38,32 +38,32 @@ def loop_one(task: Task) -> FileResult:
 
 
 def detect_one(task: Task) -> FileResult:
-    """Find the contacts of one clip, and write them or hand them back; `extra["kind"]` is the format."""
+    """Find the contacts of one clip, and write or return them; `extra["kind"]` is the format."""
     return _guarded(task, _detect)
 
 
 def inspect_one(task: Task) -> FileResult:
-    """Look into one file."""
+    """Describe one file."""
     return _guarded(task, _each(_inspect))
 
 
 def repair_one(task: Task) -> FileResult:
-    """Write what a strict reader wants of one file."""
+    """Repair one file so that strict readers can read it."""
     return _guarded(task, _repair)
 
 
 def check_one(task: Task) -> FileResult:
-    """Measure one clip and hold it against `extra["gates"]`."""
+    """Measure one clip and compare it with `extra["gates"]`."""
     return _guarded(task, _each(_check))
 
 
 def sample_one(task: Task) -> FileResult:
-    """Finds the straight cycles of each clip of a file, of the style `extra["style"]`, and hands them back."""
+    """Find the straight cycles of each clip of a file, of the style `extra["style"]`, and return them."""
     return _guarded(task, _each(_sample))
 
 
 def _guarded(task: Task, work: Work) -> FileResult:
-    """Give the result of some work and the time it took."""
+    """Return the result of some work, with the time it took."""
     begun = time.perf_counter()
 
     def done() -> FileResult:
@@ -75,7 +75,7 @@ def _guarded(task: Task, work: Work) -> FileResult:
 
 
 def _as_it_is(task: Task, data: bytes) -> Task:
-    """Give the task a name for what standard input holds, where that is no BVH."""
+    """Name the task after the format that standard input holds, where that is not BVH."""
     job = task.job
     if job.source != STDIN or not data.startswith(b"glTF"):
         return task
@@ -92,7 +92,7 @@ def _each(work: Work) -> Work:
         parts = parts_of(task, data)
         if parts is None:
             return work(task, data)
-        return together(task, [ended(part, partial(work, part, data)) for part in parts])
+        return joined_result(task, [ended(part, partial(work, part, data)) for part in parts])
 
     return done
 
@@ -107,7 +107,7 @@ def _clean(task: Task, data: bytes) -> FileResult:
     from footfix.jobs.clean import clean_file
 
     def make(part: Task) -> Outputs:
-        own, leave, labels = contacts_it_was_cleaned_by(part, data), "", part.labels
+        own, leave, labels = contacts_of_cleaning(part, data), "", part.labels
         if own is not None:
             labels = own
             leave = f"footfix wrote this file, as {own.source} says, so it stays as it is; --anew cleans it again"
@@ -137,7 +137,7 @@ def _output(task: Task) -> str | None:
 
 
 def _again(task: Task, *, loop: bool = False) -> Again | None:
-    """Tell how a clip is cleaned again from edited contacts; not known where it has no place on the disk."""
+    """Write the command that cleans a clip again from edited contacts; None where it has no path on disk."""
     from footfix.report.again import clean_again, clean_loop_again
 
     job, here = task.job, Path(task.folder)
@@ -150,7 +150,7 @@ def _again(task: Task, *, loop: bool = False) -> Again | None:
 
 
 def _detect(task: Task, data: bytes) -> FileResult:
-    """Find the contacts of every clip of a file; events go beside them, and into a copy of it that has a place."""
+    """Find the contacts of every clip of a file; write events beside them, or into a copy whose format has a place."""
     result = _each(_detect_clip)(task, data)
     wanted = task.extra.get("events") and task.job.target is not None and not task.dry_run
     return _annotated(task, data, result) if wanted else result
@@ -188,7 +188,7 @@ def _detect_clip(task: Task, data: bytes) -> FileResult:
 
 
 def _labels_of(task: Task) -> Path | None:
-    """Find where the labels of a clip go; of one among several, whose names only its file tells, only now."""
+    """Choose the path of a clip's labels; for a file of several clips, whose names are known only when it is read."""
     from footfix.formats.contacts import ENDS
 
     job, one = task.job, bool(task.extra.get("one_file"))
@@ -240,7 +240,7 @@ def _check(task: Task, data: bytes) -> FileResult:
 
 
 def _annotated(task: Task, data: bytes, result: FileResult) -> FileResult:
-    """Write a copy of a file whose animations say when feet strike and lift, where its format has a place for that."""
+    """Write a copy of a file with the times when feet strike and lift, where its format has a place for them."""
     from footfix.formats.document import annotated, clips_of
 
     job = task.job

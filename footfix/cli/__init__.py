@@ -21,7 +21,7 @@ from footfix.errors import ExitCode, FootfixError, UsageError
 from footfix.formats.suffixes import is_motion
 from footfix.version import __version__
 
-# Each command lies in the module of its name, as the function of its name.
+# Each command is the function of its name in the module of its name.
 COMMANDS = {
     "clean": "Take the foot skate out of clips.",
     "loop": "Cut a seamless cycle out of a captured walk or run.",
@@ -37,7 +37,7 @@ COMMANDS = {
 
 
 class Commands(click.Group):
-    """The commands by name; each is imported when it is asked for."""
+    """The group of commands; each is imported when it is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -51,7 +51,7 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that is named first; a clip in its place is most likely to be cleaned."""
+        """Find the command by its name; for a clip in its place, the error suggests `footfix clean`."""
         name = args[0] if args else ""
         if name and name not in COMMANDS and not name.startswith("-"):
             if is_motion(name) or os.path.lexists(name):
@@ -67,12 +67,12 @@ class Commands(click.Group):
 
 
 def main() -> None:
-    """Do what the command line asks for, and end the process: the entry point."""
+    """Run the command line and end the process: the entry point."""
     try:
         code = run()
-        _hear_no_more()
-    except KeyboardInterrupt:  # one more, on the way out
-        _hear_no_more()
+        _ignore_interrupts()
+    except KeyboardInterrupt:  # a further interrupt while ending
+        _ignore_interrupts()
         code = ExitCode.INTERRUPTED
     # Python itself would end as killed, had it been at code from a string, as dataclasses are.
     if code == ExitCode.INTERRUPTED:
@@ -83,15 +83,15 @@ def main() -> None:
     sys.exit(code)
 
 
-def _hear_no_more() -> None:
-    """Ignore interrupts: all is written, and while Python puts itself away one would only change the exit code."""
+def _ignore_interrupts() -> None:
+    """Ignore interrupts: all is written, and during Python's shutdown one would only change the exit code."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def run() -> int:
-    """Do what the command line asks for, and give what each kind of ending means to a shell: its exit code."""
+    """Run the command line and return its exit code."""
     _open_streams()
-    _bytes_through()
+    _escape_what_consoles_lack()
     # One thread a process: batches run as many processes, and sums come out the same to the last bit.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
@@ -110,7 +110,7 @@ def run() -> int:
         say("footfix: interrupted")
         return ExitCode.INTERRUPTED
     except (BrokenPipeError, SystemExit):  # what click makes of a pipe whose reader has gone
-        # Python would complain once more when it closes stdout.
+        # Otherwise Python reports the error again when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
@@ -124,12 +124,12 @@ def run() -> int:
         say("footfix: please report it; FOOTFIX_DEBUG=1 shows where it happened")
         return ExitCode.BUG
     finally:
-        gc.freeze()  # Python looks through all that is left before it ends, for 20 ms; the system takes it back anyway
+        gc.freeze()  # saves Python a last garbage collection of 20 ms before it ends
     return code if isinstance(code, int) else 0
 
 
 def _open_streams() -> None:
-    """Open what a shell has closed (`>&-`) to nowhere, so that the next file that is opened does not get its number."""
+    """Open streams that the shell closed (`>&-`) to the null device, so that no other file gets their numbers."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -144,8 +144,8 @@ def _open_streams() -> None:
         sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
 
 
-def _bytes_through() -> None:
-    """Show file names of any bytes, on consoles of any encoding, as well as they can be, and never fail."""
+def _escape_what_consoles_lack() -> None:
+    """Make output streams escape characters that the console can't encode, such as in file names, and never fail."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")

@@ -56,10 +56,10 @@ def check(
         return ExitCode.DONE
     if style == "json":
         common = replace(common, as_json=True)
-    return checked(src, most=most, junit=junit, given=given, style=style, anew=anew, many=many, common=common)
+    return run_check(src, most=most, junit=junit, given=given, style=style, anew=anew, many=many, common=common)
 
 
-def checked(
+def run_check(
     src: tuple[str, ...], *, most: tuple[str, ...], junit: Path | None, given: Given, style: str, anew: bool,
     many: Many, common: Common,
 ) -> int:  # fmt: skip

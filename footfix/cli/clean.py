@@ -1,4 +1,4 @@
-"""`footfix clean`: settle inputs and outputs, run, and sum up."""
+"""`footfix clean`: find inputs and outputs, run, and sum up."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ class Whole:
     """The outputs of a whole run.
 
     Args:
-        folder: that they lie in; None where the clips have no folder in common that was named.
-        own: whether the folder holds outputs alone, as one named by -o does.
+        folder: where they are written; None where the command line names no one folder for all clips.
+        own: whether the folder holds only outputs, as one given by -o does.
         files: "summary" and "index" -> path; none for a single clip.
     """
 
@@ -89,28 +89,28 @@ def clean(
         options["report"] = {"kind": report}
     if png:
         options.setdefault("report", {})["png"] = True
-    return cleaned(
+    return run_clips(
         src, output=output, in_place=in_place, options=options, given=given, writing=writing, anew=anew, many=many,
         common=common,
     )  # fmt: skip
 
 
-def cleaned(
+def run_clips(
     src: tuple[str, ...], *, output: Path | None, in_place: bool, options: Mapping[str, Any], given: Given,
     writing: Writing, many: Many, common: Common,
     work: Callable[[Task], FileResult] = clean_one, ending: str = "clean", anew: bool = False,
 ) -> int:  # fmt: skip
-    """Settle inputs and outputs, run, and sum up; the same for every command that makes a clip of each clip.
+    """Find inputs and outputs, run, and sum up; for every command that makes a clip from each clip.
 
     Args:
-        src: what was named.
-        output, in_place: as the options of `clean` say.
-        options: settings that options of the command stand for.
-        given: contacts that were given.
-        writing, many, common: how clips are written, which inputs, on what, and how much is told.
-        work: what makes the outputs of a task.
-        anew: whether clips that a cleaning wrote are worked on again.
-        ending: of the names of outputs beside their input, and of the command in JUnit.
+        src: files and folders of the command line.
+        output, in_place: the options of `clean`.
+        options: settings that the command's own options stand for.
+        given: contacts given by the user.
+        writing, many, common: options on writing, on inputs and processes, and on settings and messages.
+        work: the function that makes the outputs of a task.
+        anew: whether clips written by an earlier cleaning are cleaned again.
+        ending: "clean" or "loop": part of the names of outputs beside their input, and the command's name in JUnit.
     """
     if output is not None and in_place:
         raise UsageError("-o and --in-place exclude each other")
@@ -151,7 +151,7 @@ def cleaned(
 def _close_clean(
     outcome: Outcome, tasks: Sequence[Task], whole: Whole, past: Past, writing: Writing, common: Common, ending: str
 ) -> int:  # fmt: skip
-    """Tell and write what ends a run."""
+    """Write the summary, index and JUnit file of a run, print its last messages, and return the exit code."""
     from footfix.report.summary import table
 
     if common.as_json:
@@ -184,16 +184,16 @@ def whole_run(
     src: Sequence[str], found: Sequence[Source], output: Path | None, many: Many, kind: str,
     ending: str = "clean",
 ) -> Whole:  # fmt: skip
-    """Find where the summary and the index of a run go: into -o's folder, or into the one folder that was named.
+    """Choose where summary and index of a run are written: into -o's folder, or into the only folder given.
 
     Args:
-        src: what was named.
+        src: files and folders of the command line.
         found: the inputs.
         output: the folder of -o.
-        many: the shard, in the names.
-        kind: of the reports; an index stands beside pages only.
-        ending: of the command's outputs; but for "clean" it is in the names, too, where several commands may write
-            into one folder.
+        many: the shard, which is part of the names.
+        kind: of the reports; an index is written only where there are pages.
+        ending: of the command's outputs; part of the names, except for "clean", where several commands may write into
+            one folder.
     """
     folder = output
     if folder is None and len(src) == 1 and not many.from_file and _a_folder(src):
@@ -208,7 +208,7 @@ def whole_run(
 
 
 def _reported(job: Job) -> bool:
-    """Tell whether a report with a fingerprint lies there; then the clip decides for itself whether it is done."""
+    """Tell whether a report with a fingerprint exists; by it each task finds out whether its clip is done."""
     if job.stem is None:
         return False
     try:
@@ -247,7 +247,7 @@ def _entry(task: Task, result: FileResult, whole: Whole) -> Entry:
 
 
 def _from(base: Path, path: Path) -> str:
-    """Give a file's path from a folder; what --in-place has replaced lies where its links lead."""
+    """Make a file's path relative to a folder; links are followed, since --in-place replaces their targets."""
     if path.is_relative_to(base):
         return path.relative_to(base).as_posix()
     return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(base))).as_posix()

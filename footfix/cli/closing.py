@@ -1,4 +1,4 @@
-"""What a command that writes files says last: what it wrote, and which page to open."""
+"""The last message of a command that writes files: what it wrote, and which page to open."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from footfix.report.text import printable
 
 
 def told(result: FileResult, common: Common) -> ExitCode:
-    """Say what became of the one clip that a command made, and give its exit code.
+    """Print the result of a command that made one clip, and return its exit code.
 
     Args:
         result: of the clip.
-        common: how much is said, and whether as JSON.
+        common: how much is printed, and whether as JSON.
     """
     from footfix.cli.running import plain, print_json
     from footfix.report.text import summarize
@@ -38,12 +38,12 @@ def told(result: FileResult, common: Common) -> ExitCode:
 
 
 def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: str = "", every: bool = False) -> str:
-    """Say in one line what was written, the clip or the folder first, and the page to open last; "" if nothing was.
+    """Name in one line the clip or folder that was written, and the page to open; "" if nothing was written.
 
     Args:
-        results: of all clips; those that an earlier run had done are counted.
+        results: of all clips; those done by an earlier run are counted.
         extra: files of the whole run; a page among them is the one to open.
-        hint: said at the end, where there is no such page.
+        hint: added at the end where there is no such page.
         every: name every file, a line each.
     """
     whole = [str(path) for path in extra]

@@ -1,4 +1,4 @@
-"""`footfix cycles`: a model of how a figure walks and runs, from its clips; and locomotion of any speed from that."""
+"""`footfix cycles`: fit a model to the walks and runs of a figure, and make locomotion of any speed from it."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _glob(text: str) -> tuple[str, str]:
 
 
 def _fitted(fitted: Fitted, output: Path, verbose: bool) -> str:
-    """Say in a few lines what came of a fit."""
+    """Describe a fit in a few lines."""
     from footfix.report.text import printable
 
     model, error = fitted.model, fitted.error

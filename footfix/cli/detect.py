@@ -58,13 +58,13 @@ def detect(
     up in a table: plants of each effector, and the share of its frames in which an effector is planted.
     """
     options = {"detect": {"method": method}} if method else {}
-    return detected(
+    return run_detect(
         src, output=output, kind=kind, options=options, given=given, force=force, many=many, common=common,
         events=events,
     )  # fmt: skip
 
 
-def detected(
+def run_detect(
     src: tuple[str, ...], *, output: Path | None, kind: str | None, options: Mapping[str, Any], given: Given,
     force: bool, many: Many, common: Common, events: bool = False,
 ) -> int:  # fmt: skip
@@ -98,7 +98,7 @@ def detected(
     return code(outcome)
 
 
-# What the name of one label file may end in -> its format; the longer ends come first.
+# Ending of a label file's name -> its format; longer endings come first.
 _SHORT = {".frames.csv": "frames", ".csv": "csv", ".json": "json", ".npz": "npz", ".npy": "npy"}
 
 
@@ -120,14 +120,14 @@ def _told_detected(common: Common, alone: bool) -> Callable[[FileResult, Say], N
 
 
 def _document(result: FileResult, kind: str) -> Any:
-    """Make what --json prints of a clip: its contacts file; of another format, what was found."""
+    """Make the document that --json prints of a clip: its contacts file, or for other formats the counts."""
     if result.data and kind == "json":
         return json.loads(result.data)
     return plain(result)
 
 
 def _table(results: Sequence[FileResult]) -> str:
-    """List clips, plants of each effector, and coverage; one table for all clips with effectors of the same names."""
+    """Write a table of plants of each effector and coverage, for all clips with effectors of the same names."""
     from footfix.report.text import printable
 
     lines: list[str] = []

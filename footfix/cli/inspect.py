@@ -1,4 +1,4 @@
-"""`footfix inspect`: what a file holds, and what can be mended in it."""
+"""`footfix inspect`: describe files, or repair them."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ from footfix.errors import ExitCode, UsageError
 def inspect(src: tuple[str, ...], repair: bool, output: Path | None, force: bool, many: Many, common: Common) -> int:
     """Say what is in a file: rig, units, floor, and everything odd about it."""
     if repair:
-        return repaired(src, output=output, force=force, many=many, common=common)
-    return inspected(src, many=many, common=common)
+        return run_repair(src, output=output, force=force, many=many, common=common)
+    return run_inspect(src, many=many, common=common)
 
 
-def inspected(src: tuple[str, ...], *, many: Many, common: Common) -> int:
+def run_inspect(src: tuple[str, ...], *, many: Many, common: Common) -> int:
     """Run `footfix inspect`."""
     from footfix.report.inspection import describe
 
@@ -62,7 +62,7 @@ def inspected(src: tuple[str, ...], *, many: Many, common: Common) -> int:
     return ExitCode.INTERRUPTED if outcome.interrupted else code(outcome)
 
 
-def repaired(src: tuple[str, ...], *, output: Path | None, force: bool, many: Many, common: Common) -> int:
+def run_repair(src: tuple[str, ...], *, output: Path | None, force: bool, many: Many, common: Common) -> int:
     """Run `footfix inspect --repair`."""
     found = found_inputs(src, many, leave_out=output)
     config = config_for(src, many, common, {})

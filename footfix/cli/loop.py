@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from footfix.batch.work import loop_one
-from footfix.cli.clean import cleaned
+from footfix.cli.clean import run_clips
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
 from footfix.errors import UsageError
 
@@ -52,7 +52,7 @@ def loop(
     options: dict[str, Any] = {"loop": asked} if asked else {}
     if report:
         options["report"] = {"kind": report}
-    return cleaned(
+    return run_clips(
         src, output=output, in_place=False, options=options, given=given, writing=writing, many=many, common=common,
         work=loop_one, ending="loop",
     )  # fmt: skip

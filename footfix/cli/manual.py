@@ -55,7 +55,7 @@ def _paragraphs(text: str) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Write text in which nothing is taken for a request."""
+    """Escape text so that roff reads no part of it as a request."""
     shown = text.replace("\\", "\\e").replace("-", "\\-")
     return "\\&" + shown if shown.startswith((".", "'")) else shown
 

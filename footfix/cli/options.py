@@ -1,4 +1,4 @@
-"""Options that several commands share, and the values they stand for."""
+"""Options that several commands share, gathered as values."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Common:
-    """What every command on clips takes.
+    """Options of every command on clips.
 
     Args:
         config: a settings file.
         preset: name of a packed preset.
         sets: "detect.method=auto" and the like.
         as_json: one JSON document on stdout.
-        quiet, verbose: how much is told.
+        quiet, verbose: how much is printed.
     """
 
     config: Path | None
@@ -60,11 +60,11 @@ def shared(command: Command) -> Command:
 
 @dataclass(frozen=True)
 class Given:
-    """Contacts and soles that are given.
+    """Contacts and soles given by the user.
 
     Args:
         labels: a label file, or a folder of them; None for none.
-        order: effector names of the columns of an array, () for the usual ones.
+        order: effector names of the columns of an array, () for the default ones.
         skin: a character from whose mesh the soles are taken; None for none.
     """
 
@@ -101,14 +101,14 @@ def _order(context: click.Context, option: click.Parameter, value: str) -> tuple
 
 @dataclass(frozen=True)
 class Writing:
-    """How the clips of a run are written, and the run is told.
+    """How the clips of a run are written and its failures printed.
 
     Args:
         dry_run: whether nothing is written.
-        force: whether outputs that are there are overwritten.
-        resume: whether what is done already is left.
-        junit: where the results go as JUnit XML; None for nowhere.
-        style: how failures are told, "text" or "github".
+        force: whether existing outputs are overwritten.
+        resume: whether clips that are done are skipped.
+        junit: path of a JUnit XML file with the results; None for none.
+        style: how failures are printed, "text" or "github".
     """
 
     dry_run: bool = False
@@ -134,14 +134,14 @@ def writing(command: Command) -> Command:
 
 @dataclass(frozen=True)
 class Many:
-    """Which inputs, and who works on them.
+    """Which inputs, and on which processes.
 
     Args:
         from_file: lists of inputs.
-        include, exclude: globs over what folders hold.
-        animation: of files that hold several clips, those that are meant; none for all.
+        include, exclude: globs that choose among the files in folders.
+        animation: names of the clips to take from files that hold several; empty for all.
         shard: (part, parts), part from 1; None for all.
-        jobs: processes; 0 for as many as pay.
+        jobs: processes; 0 to choose by the number of clips.
         timeout: [s] for one clip.
         dask: address of a scheduler; "" for this machine.
     """
@@ -157,7 +157,7 @@ class Many:
 
     @property
     def tag(self) -> str:
-        """What sets the files of this part of a run apart from those of the others."""
+        """The part of file names that tells this shard of a run from the others."""
         return "run" if self.shard is None else f"{self.shard[0]}-of-{self.shard[1]}"
 
     def named(self, stem: str, suffix: str) -> str:
@@ -195,7 +195,7 @@ def _shard(context: click.Context, option: click.Parameter, value: str | None) -
 
 
 def _gathered(command: Command, kind: type[Any], key: str, *options: Callable[[Any], Any]) -> Command:
-    """Give a command more options, which reach it as one value."""
+    """Add options to a command, which it receives as one value."""
     names = [each.name for each in fields(kind)]
 
     @wraps(command)

@@ -1,4 +1,4 @@
-"""What a person sees of a run while it goes on: on stderr, a bar on a terminal and plain lines elsewhere."""
+"""The progress of a run on stderr: a bar on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ _BAR_EVERY = 0.1  # [s] between drawings of the bar
 
 
 class Progress:
-    """How far a run has come: clips done, failed, rate and time left.
+    """The progress of a run: clips done, failed, rate and time left.
 
     Args:
-        total: clips of the run; with one, nothing is shown.
+        total: clips of the run; for a single one, nothing is shown.
         shown: False for quiet.
-        stream: where; standard error.
+        stream: where it is shown; standard error by default.
     """
 
     def __init__(self, total: int, *, shown: bool = True, stream: TextIO | None = None) -> None:
@@ -39,7 +39,7 @@ class Progress:
             self._draw()
 
     def say(self, text: str) -> None:
-        """Print a line of talk, above the bar."""
+        """Print a message above the bar."""
         self._wipe()
         print(text, file=self._stream, flush=True)
         if self._terminal:

@@ -1,4 +1,4 @@
-"""`footfix report`: pages drawn anew from what lies on disk."""
+"""`footfix report`: redraw pages from report files, contacts and clips."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def report(
     reports: tuple[str, ...], source: Path | None, png: bool, no_html: bool, output: Path | None, force: bool
 ) -> int:
     """Draw the pages of cleaned clips anew, from their report files."""
-    return redrawn(
+    return run_report(
         reports, source=source, kind="none" if no_html else "html", png=png or no_html, output=output, force=force
     )
 
 
-def redrawn(
+def run_report(
     named: tuple[str, ...], *, source: Path | None, kind: Literal["none", "html"], png: bool, output: Path | None,
     force: bool,
 ) -> int:  # fmt: skip

@@ -1,4 +1,4 @@
-"""What the commands over many clips share: inputs, settings, tasks, how a run is told, and exit codes."""
+"""What the commands over many clips share: inputs, settings, tasks, progress, and exit codes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Say = Callable[[str], None]
 
 
 def plain(result: FileResult) -> dict[str, Any]:
-    """Write a result as it stands in a `--json` document."""
+    """Convert a result to its entry in a `--json` document."""
     entry: dict[str, Any] = {"source": result.source, "status": result.status}
     if result.error:
         entry["error"] = result.error
@@ -45,12 +45,12 @@ def plain(result: FileResult) -> dict[str, Any]:
 
 
 def print_json(document: Any) -> None:
-    """Print one document on stdout; ASCII, so that it is the same on a console of any encoding."""
+    """Print one document on stdout, in ASCII, so that the console's encoding does not matter."""
     click.echo(json.dumps(document, indent=1))
 
 
 def code(outcome: Outcome) -> ExitCode:
-    """Give the exit code that results stand for."""
+    """Choose the exit code of a run by its results."""
     results = [part for result in outcome.results for part in spread(result)]
     if any(result.bug for result in results):
         return ExitCode.BUG
@@ -78,7 +78,7 @@ def config_for(src: tuple[str, ...], many: Many, common: Common, options: Mappin
 
 
 def config_near(named: Sequence[str], common: Common, options: Mapping[str, Any]) -> Config:
-    """Find the settings of a run; `footfix.yaml` is looked for from the common parent of what was named, upward."""
+    """Find the settings of a run; `footfix.yaml` is searched from the common parent of the inputs upward."""
     from footfix.config import load_config
 
     parents = [Path(each) if Path(each).is_dir() else Path(each).parent for each in named if each != STDIN]
@@ -162,7 +162,7 @@ def run_tasks(
     work: Callable[[Task], FileResult], tasks: Sequence[Task], many: Many, common: Common, style: str,
     journal: Journal, told: Callable[[FileResult, Say], None],
 ) -> Outcome:  # fmt: skip
-    """Run the tasks, with a bar or lines of progress; failures are told at once."""
+    """Run the tasks, showing progress; failures are printed at once."""
     from footfix.report.text import printable
 
     progress = Progress(len(tasks), shown=not common.quiet and not common.as_json)
@@ -198,5 +198,5 @@ def one_or_many(documents: list[Any]) -> Any:
 
 
 def reading(source: Source) -> Job:
-    """Make a job that writes nothing."""
+    """Make the job of an input that nothing is written for."""
     return Job(source.path, None, None, source.below.as_posix(), clip=source.clip)

@@ -1,8 +1,8 @@
-"""What is told to a person goes to stderr; stdout is for what was asked for."""
+"""Messages go to stderr; stdout is for results."""
 
 import click
 
 
 def say(text: str) -> None:
-    """Tell a person something."""
+    """Print a message on stderr."""
     click.echo(text, err=True)

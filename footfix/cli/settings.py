@@ -1,4 +1,4 @@
-"""`footfix settings`: the settings that hold, each with its origin."""
+"""`footfix settings`: the effective settings, each with its origin."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def settings(src: tuple[str, ...], presets: bool, common: Common) -> int:
     With SRC, those that hold for this file, as footfix.yaml may give some files settings of their own.
     """
     if presets:
-        return listed(common)
+        return list_presets(common)
     chosen = config_near(src or (".",), common, {})
     path = Path(src[0]) if src else None
     if common.as_json:
@@ -32,7 +32,7 @@ def settings(src: tuple[str, ...], presets: bool, common: Common) -> int:
     return 0
 
 
-def listed(common: Common) -> int:
+def list_presets(common: Common) -> int:
     """Run `footfix settings --presets`."""
     if common.as_json:
         print_json({

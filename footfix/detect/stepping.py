@@ -6,7 +6,8 @@ feet that look planted part, one of them steps: the one that is the faster over 
 
 Slow steps are told from what feet do at rest by their length: a foot that goes from one rest to another, planted all
 the while as it seems, has stepped where it ends far from where it began, more than it creeps at rest. A step lasts
-from rest to rest, also where only its middle is quick.
+from rest to rest, also where only its middle is quick, or high. Under a pelvis that travels, and in clips that shake,
+a foot that rests may creep.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from footfix.detect.evidence import STEP, Sampled, floors
 from footfix.detect.network import HEEL, SWING
 from footfix.detect.tracks import Foot
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 
@@ -99,8 +100,9 @@ def by_velocities(
         parts = _probability(params.sharp * _log_ratio(apart, even))
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
-        moves = (apart > np.maximum(params.still, params.calm * rest)) & (speeds[k] > speeds[mate])
-        for a, b in from_rest_to_rest(moves, planted[k]):
+        least = np.maximum(params.still, params.calm * rest)
+        leaves = np.where(speeds[k] > speeds[mate], apart - least, 0.0)
+        for a, b in from_rest_to_rest(leaves, even - params.parting, planted[k]):
             whole = whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
             whole *= float(planted[mate][a:b].min())
             steps[a:b] = np.maximum(steps[a:b], max(whole, float(steps[a:b].max())))
@@ -108,14 +110,19 @@ def by_velocities(
     return tuple(out)
 
 
-def from_rest_to_rest(moves: Bools, planted: Floats) -> list[tuple[int, int]]:
-    """Find the stretches [start, end) in which a foot leaves the other, looks planted, and rests before and after.
+def from_rest_to_rest(leaves: Floats, creeps: Floats, planted: Floats) -> list[tuple[int, int]]:
+    """Find the stretches [start, end) in which a foot leaves the other, and rests before and after.
 
     Args:
-        moves: (n,) whether it leaves the other.
+        leaves: (n,) [leg lengths/s] by how much faster it leaves the other than one at rest.
+        creeps: (n,) [leg lengths/s] how much faster still it may be at rest, unless it looks planted all the while.
         planted: (n,) how likely it looks planted.
+
+    Returns:
+        Stretches in which it looks planted all the while, then others; some may lie within others.
     """
-    return [(a, b) for a, b in runs(moves) if a > 0 and b < len(moves) and planted[a - 1 : b + 1].min() > 0.5]
+    stretches = [(a, b) for a, b in runs(leaves > 0.0) if planted[a:b].min() > 0.5] + runs(leaves > creeps)
+    return [(a, b) for a, b in stretches if a > 0 and b < len(leaves) and min(planted[a - 1], planted[b]) > 0.5]
 
 
 def whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:

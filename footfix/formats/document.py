@@ -1,8 +1,8 @@
 """The seam between files and clips: what the rest of the house asks of a file of motion, whatever its format.
 
 A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
-`footfix.formats.suffixes`; it may have `legible`, too. One whose files hold several clips has `clips_of` and `joined`,
-and where they may name other files, `neighbours_of`: its functions take `beside`, which reads such a file.
+`footfix.formats.suffixes`; it may have `separate_numbers`. One whose files hold several clips also has `clips_of` and
+`joined`; where its files may refer to others it has `neighbours_of`, and its functions take `beside`, to read them.
 """
 
 from __future__ import annotations
@@ -143,14 +143,14 @@ def neighbours_of(
     return names
 
 
-def legible(data: bytes, *, name: str = "") -> tuple[bytes, tuple[Note, ...]]:
+def separate_numbers(data: bytes, *, name: str = "") -> tuple[bytes, tuple[Note, ...]]:
     """Put right what keeps a file from being read at all, with a note for each change; most formats know nothing such.
 
     Args:
         data: the file.
         name: what it is called.
     """
-    known = getattr(_format(name), "legible", None)
+    known = getattr(_format(name), "separate_numbers", None)
     mended: tuple[bytes, tuple[Note, ...]] = known(data) if known else (data, ())
     return mended
 

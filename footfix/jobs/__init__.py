@@ -1,1 +1,1 @@
-"""One job each: from the bytes of files to the bytes of all that comes of them, and no file touched."""
+"""One job each, from the bytes of input files to the bytes of outputs; no file is read or written here."""

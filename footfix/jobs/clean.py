@@ -42,7 +42,7 @@ def clean_file(
         labels: contacts given by hand.
         output: the name of the corrected file, for the report.
         again: how the clip is cleaned again from edited contacts, for its page.
-        leave: why the clip stays as it is, if it does: it is what a cleaning made, and `labels` are its contacts.
+        leave: why the clip is left as it is, if it is: it was written by a cleaning, and `labels` are its contacts.
         beside: reads files that this one names.
 
     Raises:
@@ -61,7 +61,7 @@ def clean_file(
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
         contacts = find_contacts(prepared, settings, labels)
         corrected, figures = correct(prepared, contacts, settings, leave=bool(leave))
-        # the file, and what it says when it is read again
+        # the bytes to write, and the clip that reading them again gives
         written, reread = rewrite(document, corrected, limits=settings.limits)
     results = measure_figures(clip, reread, figures)
     status: Status = "unchanged" if written == data else "cleaned"
@@ -82,12 +82,12 @@ def report_of(
     """Make the report document of a cleaned clip.
 
     Args:
-        clip: the motion that came in.
-        results: what became of each figure.
-        source: what the report says of the file (`source_entry`).
+        clip: the captured motion.
+        results: the result of each figure.
+        source: the report's entry on the file (`source_entry`).
         settings: the parameters of all steps.
         unit_m, up: unit [m] and up axis of the file.
-        notes: what reading the file had to tell.
+        notes: those from reading the file.
         status: "cleaned" or "unchanged".
         output: the name of the corrected file.
     """
@@ -106,7 +106,7 @@ def report_of(
         ],
         "correction": report_format.corrections([each.correction for each in results], clip),
         "notes": report_format.notes((*notes, *(note for each in results for note in each.notes))),
-        # Of the motion, not of the machine: a report is the same whoever made it, on however many processes.
+        # Times of the motion, not of the machine: a report is the same on any machine and any number of processes.
         "seconds": {
             "clip": report_format.rounded(len(clip) * clip.frame_time),
             "in_contact": report_format.rounded(float(planted.sum()) * clip.frame_time),

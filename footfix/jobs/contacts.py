@@ -1,4 +1,4 @@
-"""The contacts of one clip: found in the bytes of its file, and written as a contacts file."""
+"""The contacts of one clip: detected in the bytes of its file, and written as a contacts file."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def planted(
         name: its name, for messages.
         settings: the parameters of all steps.
         labels: contacts given by hand.
-        purpose: what this is for, as a message says it of a clip that is too short: "measure".
+        purpose: a verb for the error about a clip that is too short, such as "measure".
         beside: reads files that this one names.
         skin: of the character, from whose mesh the soles are taken.
 
@@ -69,7 +69,7 @@ def planted(
 
 
 def find_contacts(prepared: Prepared, settings: Settings, labels: Labels | None) -> Contacts:
-    """Find the contacts of all figures: from the labels where they speak, from the detector elsewhere."""
+    """Find the contacts of all figures: from the labels where they tell, from the detector elsewhere."""
     if labels is None:
         return detected(prepared, settings)
     blank = all_contacts([rig.no_contacts(prepared.clip) for rig in prepared.rigs])

@@ -1,4 +1,4 @@
-"""From the bytes of clips to a model of how their figure walks and runs. Nothing here touches a disk."""
+"""From the bytes of clips to a model of the cycles of their figure. No file is read or written here."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from footfix.rig.find import find_rigs
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
-FEWEST = 20  # cycles of a gait
-_APART = 1.05  # speeds that differ by less are one
+FEWEST = 20  # cycles that a gait needs
+_APART = 1.05  # speeds whose ratio is less count as one
 _SAME_REST = 0.97  # cosine between the rest offsets of a joint in two files of one skeleton
 
 
@@ -54,7 +54,7 @@ class FileCycles:
 
     @property
     def told(self) -> str:
-        """What was found, in words."""
+        """The cycles that were found, in words."""
         count = len(self.samples)
         text = f"{count} {'cycle' if count == 1 else 'cycles'}"
         if self.samples:
@@ -69,7 +69,7 @@ class FileCycles:
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A model and how it came about.
+    """A model and how it was fitted.
 
     Args:
         model: the model.
@@ -91,7 +91,7 @@ def cycles_of_file(
         data: the bytes of the file.
         name: its name.
         settings: how figures and contacts are found.
-        style: which style its cycles have.
+        style: the style of its cycles.
         beside: reads files that it names.
 
     Raises:
@@ -121,11 +121,11 @@ def fit_files(files: Sequence[FileCycles], *, components: int | None = None) -> 
     """Fit a model to the cycles of files.
 
     Args:
-        files: their cycles; those of the skeleton that has most of them are taken.
+        files: their cycles; only those of the skeleton with most cycles are used.
         components: how many principal components a gait keeps at most.
 
     Raises:
-        InputError: there is too little to learn from; says what was found.
+        InputError: there are too few cycles; says what was found.
     """
     useful = [each for each in files if each.samples]
     if not useful:
@@ -158,7 +158,7 @@ _NEEDED = f"a gait needs {FEWEST} cycles, of at least two speeds"
 
 
 def _enough(files: Sequence[FileCycles]) -> tuple[list[Sample], dict[str, str]]:
-    """The cycles of the gaits of which there are enough, and what is said of the others."""
+    """Choose the gaits with enough cycles; return their cycles, and a sentence on each other gait."""
     samples, told, few = list[Sample](), list[str](), dict[str, str]()
     for gait in ("walk", "run"):
         own = [each for file in files for each in file.samples if each.gait == gait]
@@ -180,7 +180,7 @@ def _enough(files: Sequence[FileCycles]) -> tuple[list[Sample], dict[str, str]]:
 
 
 def _distinct(speeds: Sequence[float]) -> int:
-    """How many speeds there are, of those in order, that differ by a twentieth."""
+    """Count sorted speeds that differ from one another by at least a twentieth."""
     count, last = 0, 0.0
     for speed in speeds:
         if speed > _APART * last:
@@ -193,7 +193,7 @@ def _tree(skeleton: Skeleton) -> tuple[Any, ...]:
 
 
 def _unlike(one: Skeleton, other: Skeleton) -> str:
-    """Why two skeletons are not one; empty where they are, be they of another size."""
+    """Say why two skeletons differ; "" where they are the same but for size."""
     if _tree(one) != _tree(other):
         return f"another skeleton, of {len(one)} joints, than most files have"
     sizes: list[Floats] = [np.linalg.norm(each.offsets, axis=1) for each in (one, other)]
@@ -207,7 +207,7 @@ def _unlike(one: Skeleton, other: Skeleton) -> str:
 
 
 def told_of(fitted: Fitted) -> dict[str, Any]:
-    """Tell what came of a fit, each key with its unit."""
+    """Describe a fit as a document; each key carries its unit."""
     model, error = fitted.model, fitted.error
     return {
         "joints": len(model.skeleton),

@@ -1,4 +1,4 @@
-"""Walks along a path, from the bytes of clips to the bytes of outputs. Nothing here touches a disk."""
+"""Walks along a path, from the bytes of clips to the bytes of outputs. No file is read or written here."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ _DRAWN = 400  # points of a path in a report, at most
 
 @dataclass(frozen=True)
 class Part:
-    """A captured walk, and where it begins.
+    """A captured walk, and where on the path it begins.
 
     Args:
         data: the bytes of its file.
-        name: of that.
-        at: where it begins.
+        name: the name of its file.
+        at: where it begins, as `start_of` reads it.
     """
 
     data: bytes
@@ -86,10 +86,10 @@ def walk_of(
 def follow_file(
     path: DrawnPath, parts: Sequence[Part], settings: Settings, *, output: str | None = None
 ) -> Outputs:  # fmt: skip
-    """Lead captured walks along a path.
+    """Lay captured walks along a path.
 
     Args:
-        path: as it was drawn.
+        path: the path as drawn.
         parts: the walks, in their order.
         settings: the parameters of all steps.
         output: the name of the file, for the report.
@@ -141,10 +141,10 @@ def follow_file(
 
 
 def start_of(at: Start) -> At:
-    """Read where a walk begins: "3s", "8m", seconds, or None.
+    """Read where a walk begins: "3s", "8m", a number of seconds, or None.
 
     Raises:
-        UsageError: it is none of these.
+        UsageError: it is something else.
     """
     if at is None:
         return At()
@@ -158,10 +158,10 @@ def start_of(at: Start) -> At:
 
 
 def check_starts(ats: Sequence[At], names: Sequence[str]) -> None:
-    """Check that the first walk begins at the start, and all others later.
+    """Check that the first walk begins at the start, and each of the others later.
 
     Raises:
-        UsageError: they do not.
+        UsageError: one does not.
     """
     for k, (at, name) in enumerate(zip(ats, names, strict=True)):
         value = at.seconds if at.seconds is not None else at.metres
@@ -172,11 +172,11 @@ def check_starts(ats: Sequence[At], names: Sequence[str]) -> None:
 
 
 def follow_entry(found: Follow, asked: str, clips: Sequence[tuple[str, bytes]]) -> dict[str, Any]:
-    """Report walks along a path; each key carries its unit.
+    """Describe walks along a path as the report's entry; each key carries its unit.
 
     Args:
         found: the walks.
-        asked: the path, as it was named.
+        asked: the path, as given on the command line.
         clips: name and bytes of each clip.
     """
     number, walked, path = report_format.rounded, found.walked, found.path

@@ -1,4 +1,4 @@
-"""What there is to say of a file, and what can be mended in it. Nothing here touches a disk."""
+"""What a file holds, and its repair, from bytes to bytes. No file is read or written here."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import hashlib
 from typing import Any
 
 from footfix.errors import InputError
-from footfix.formats.document import Beside, legible, open_document, repair
+from footfix.formats.document import Beside, open_document, repair, separate_numbers
 from footfix.formats.suffixes import bare
 from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.source import placed
@@ -20,12 +20,12 @@ from footfix.settings import Settings
 def repair_file(
     data: bytes, name: str, settings: Settings, *, beside: Beside | None = None
 ) -> tuple[bytes, list[dict[str, Any]]]:  # fmt: skip
-    """Write a file as a strict reader wants it, with a note for each change.
+    """Repair a file so that strict readers can read it, with a note for each change.
 
     Raises:
         InputError: it can't be read.
     """
-    data, first = legible(data, name=name)
+    data, first = separate_numbers(data, name=name)
     mended, notes = repair(open_document(data, name=name, limits=settings.limits, beside=beside))
     return mended, report_format.notes((*first, *notes))
 
@@ -33,7 +33,7 @@ def repair_file(
 def inspect_file(
     data: bytes, name: str, settings: Settings, *, beside: Beside | None = None, skin: Skin | None = None
 ) -> dict[str, Any]:
-    """Look into a file: its frames, joints, rig, unit, axes, and everything odd about it.
+    """Describe a file: its frames, joints, rig, unit, axes, and everything odd about it.
 
     Raises:
         InputError: it can't be read.

@@ -1,6 +1,6 @@
-"""Legs that the animations of one file share: whose legs one of them shows, that figure has them in all.
+"""Legs that the animations of one file share: legs found in most of them are used for all.
 
-A horse that lies down does not show that it stands on four, and a fox that is curled up has no straight shin.
+The legs of a horse that lies down or a fox that is curled up can't be found in that animation alone.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ from footfix.rig.params import LegParams, RigParams
 from footfix.rig.sample import sample
 from footfix.settings import Settings
 
-_MOST = 12  # animations of a file that are looked at, spread over it
+_MOST = 12  # animations of a file that are examined, spread over it
 
 _Legs = tuple[tuple[str, LegParams], ...]
 
 
 def with_shared_legs(data: bytes, name: str, settings: Settings, beside: Beside | None = None) -> Settings:
-    """Name the legs of an animation in settings where others of its file show them better than it does.
+    """Name the legs of an animation in its settings, where most animations of its file show other legs than it does.
 
     Args:
         data: the bytes of the file.
         name: of the animation, as in character.glb#Walk.
-        settings: unchanged where they name legs, or the animation shows the same ones.
+        settings: returned unchanged where they name legs, or where the animation shows the same ones.
         beside: reads files that this one names.
     """
     file, animation = in_file(name)
     if settings.rig.legs or not animation:
         return settings
     try:
-        # Files that others name may be other ones another time: what they say is not kept.
+        # Not cached where the file names other files, since those may change.
         names = neighbours_of(data, name=file, limits=settings.limits, beside=beside)
         found = _found.__wrapped__ if names else _found
         by_animation = found(data, file, settings.limits, beside if names else None)
     except InputError:
-        return settings  # what is wrong is said where the animation is read
+        return settings  # the error is raised where the animation is read
     best = _best(by_animation)
     own = by_animation.get(animation)
     if own is None:
@@ -54,14 +54,14 @@ def with_shared_legs(data: bytes, name: str, settings: Settings, beside: Beside 
 
 
 def _best(by_animation: Mapping[str, _Legs]) -> _Legs:
-    """The legs that are most, and of as many those that most animations show."""
+    """Choose the largest number of legs found, and among sets of that many the one most animations show."""
     count = Counter(legs for legs in by_animation.values() if legs)
     return max(count, key=lambda legs: (len(legs), count[legs]), default=())
 
 
 @lru_cache(maxsize=2)
 def _found(data: bytes, file: str, limits: Limits, beside: Beside | None) -> Mapping[str, _Legs]:
-    """For each animation that is looked at the legs that it shows; none where it shows none."""
+    """Find the legs that each examined animation shows; none where it shows none."""
     names = clips_of(data, name=file, limits=limits, beside=beside) or ()
     if len(names) < 2:
         return {}
@@ -82,7 +82,7 @@ def _legs_of(data: bytes, name: str, limits: Limits, beside: Beside | None) -> _
 
 
 def _as_params(figure: Figure, names: tuple[str, ...]) -> _Legs:
-    """The legs of a figure by name; none where their sides or joints have no names of their own."""
+    """Write the legs of a figure as parameters; none where their names or joints are not unique."""
     if not all(figure.sides):
         return ()
     legs = []
@@ -93,5 +93,5 @@ def _as_params(figure: Figure, names: tuple[str, ...]) -> _Legs:
         hip, knee, ankle = (names[joint] for joint in joints[:3])
         own = LegParams(hip=hip, knee=knee, ankle=ankle, toe="none" if toe is None else names[toe], side=side)
         legs.append((f"{end}_{side}" if end else side, own))
-    # As they are found: the front before the back, the left before the right.
+    # In the order of the search: front before back, left before right.
     return tuple(sorted(legs, key=lambda leg: (not leg[0].startswith("front"), leg[1].side == "right")))

@@ -1,4 +1,4 @@
-"""One loop, from the bytes of a clip's file to the bytes of its outputs. Nothing here touches a disk."""
+"""One loop, from the bytes of a clip's file to the bytes of its outputs. No file is read or written here."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
 from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
-from footfix.report.loops import seen_as
+from footfix.report.loops import in_place_if_written_so
 from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.skin import Skin
@@ -66,7 +66,7 @@ def loop_file(
         prepared = prepare(clip, settings, rigs, frame_range)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)
-        # the file, and what it says when it is read again
+        # the bytes to write, and the clip that reading them again gives
         written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
     cycle = as_round(reread, loop.rig, loop.travel, settings.loop)
     every = Doubled(np.arange(len(cycle)), len(cycle))
@@ -81,14 +81,14 @@ def loop_file(
     clip_in_it = in_file(name)[1]
     made["file"] = PurePath(output).name + (f"#{clip_in_it}" if clip_in_it else "") if output else source["file"]
     contacts_file = contacts_json(contacts, made, report["rig"], settings)
-    before = seen_as(loop.captured.frames(slice(0, len(reread))), loop.rig, report["loop"])
+    before = in_place_if_written_so(loop.captured.frames(slice(0, len(reread))), loop.rig, report["loop"])
     ground = loop.ground[: len(reread)]
     pages, offenders = draw(before, reread, loop.rig, report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)
 
 
 def _contacts(contacts: Contacts, frames: int) -> Contacts:
-    """The contacts of what is written: without the last frame where that is left out."""
+    """Take the contacts of the frames that are written: without the last one where that is left out."""
     effectors = []
     for effector in contacts.effectors:
         own = (replace(c, end=min(c.end, frames)) for c in effector.contacts if c.start < frames)
@@ -121,7 +121,7 @@ def _report(
 
 
 def loop_entry(loop: Loop, settings: Settings) -> dict[str, Any]:
-    """Report a loop; each key carries its unit."""
+    """Describe a loop as the report's entry; each key carries its unit."""
     number, seam, asked = report_format.rounded, loop.seam, settings.loop
     return {
         "start": loop.start,

@@ -1,4 +1,4 @@
-"""From a model of cycles and a plan to the bytes of a clip and of all that stands beside it."""
+"""From a model of cycles and a plan to the bytes of a clip, its contacts, report and page."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from footfix.report import document as report_format
 from footfix.report.pages import draw
 from footfix.settings import Settings, plain, suggest
 
-_RUNS = 0.5  # v^2 / g l above which people run, of their own accord (R. McN. Alexander 1989)
+_RUNS = 0.5  # Froude number v^2 / (g l) above which people prefer to run (R. McN. Alexander 1989)
 _UNIT = 0.01  # [m] of the file
 
 
@@ -41,10 +41,10 @@ class Made:
 
     Args:
         clip: F frames.
-        free: the same without held feet.
+        free: the same before the feet were held in place.
         contacts: which sole points are planted.
         foreseen: course and plants.
-        postures: the frames.
+        postures: the sampled postures of its frames.
     """
 
     clip: Clip
@@ -55,13 +55,13 @@ class Made:
 
 
 def plan_of(rows: Sequence[PlanRow], model: CycleModel) -> Plan:
-    """Make the plan that rows tell.
+    """Make a plan from its rows.
 
-    What none of them tells is usual: the middle speed of the model's first gait, straight on. Whether it is run follows
-    the speed where no row says.
+    Values that no row gives have defaults: the middle speed of the model's first gait, and no turn. Walk or run is
+    chosen by the speed where no row says.
 
     Raises:
-        UsageError: a style is none of the model's.
+        UsageError: a style is not one of the model's.
     """
     times = np.array([row.time for row in rows])
 
@@ -89,10 +89,10 @@ def make(model: CycleModel, plan: Plan, *, seconds: float, fps: float, line: Lin
 
     Args:
         model: of the figure.
-        plan: what is wanted.
+        plan: speed, turn, gait and style over time.
         seconds: [s] how long.
         fps: frames a second.
-        line: the path to go along; `plan.turn` is not looked at then.
+        line: the path to go along; `plan.turn` is then ignored.
     """
     times = np.arange(round(seconds * fps) + 1) / fps
     foreseen = foresee(model, plan, line, Point(), float(times[-1]))
@@ -112,11 +112,11 @@ def make_file(
 
     Args:
         model: of the figure.
-        plan: what is wanted.
-        settings: what is written beside the clip.
+        plan: speed, turn, gait and style over time.
+        settings: which report files are written.
         seconds: [s] how long.
         fps: frames a second.
-        source: what the report says of the model's file.
+        source: the report's entry on the model's file.
         line: the path to go along.
         output: the name of the file.
     """
@@ -157,7 +157,7 @@ def make_file(
 
 
 def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
-    """Every contact, where it stands."""
+    """Describe every contact and its position, as rows of the report."""
     place, turns, legs = made.postures.place, made.postures.turns, model.legs
     poses = legs.poses(place, turns[:, model.rig.root], turns[:, legs.joints])
     found = list[Footplant]()
@@ -175,7 +175,7 @@ def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
 
 
 def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -> dict[str, Any]:
-    """Report locomotion made from cycles; each key carries its unit."""
+    """Describe locomotion made from cycles as the report's entry; each key carries its unit."""
     number, course = report_format.rounded, made.foreseen.course
     times = made.postures.times
     phase = course.phases(times)

@@ -1,4 +1,4 @@
-"""One clip measured as it is, from the bytes of its file."""
+"""The measures of one clip as it is, from the bytes of its file."""
 
 from __future__ import annotations
 

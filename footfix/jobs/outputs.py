@@ -1,4 +1,4 @@
-"""What comes of one clip, ready to be written."""
+"""The outputs of one clip, ready to be written."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Status = Literal["cleaned", "unchanged", "failed"]
 
 @dataclass(frozen=True)
 class Outputs:
-    """What came of one clip.
+    """The outputs of one clip.
 
     Args:
-        status: "cleaned", or "unchanged" where nothing needed doing.
-        motion: the corrected file; the very bytes that came in where nothing changed.
+        status: "cleaned", or "unchanged" where nothing needed correction.
+        motion: the corrected file; the same bytes as the input where nothing changed.
         contacts: the contacts file.
         report: the report file as a document.
         pages: further outputs by suffix (".report.html", ".png").

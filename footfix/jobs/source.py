@@ -1,4 +1,4 @@
-"""A file that comes in: read, its unit and up axis found, and what outputs say of it."""
+"""Reading an input file: its unit, up axis and motion frames, and its entry in the outputs."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from footfix.rig.params import RigParams
 from footfix.rig.units import infer_units
 from footfix.settings import Settings
 
-# Fewer frames than this hold no motion: there is no speed to look at.
+# A clip of fewer frames holds no motion: no speed can be computed.
 LEAST_FRAMES = 3
 
 
 @contextmanager
 def about(name: str) -> Iterator[None]:
-    """Let errors from below, where nothing knows of files, say which file they are about."""
+    """Add the file's name to errors that are raised where file names are not known."""
     try:
         yield
     except InputError as error:
@@ -36,16 +36,16 @@ def read(data: bytes, name: str, settings: Settings, *, beside: Beside | None = 
     """Read a file as a document in metres, y up; `beside` reads files that it names.
 
     Raises:
-        InputError: it can't be read, or holds numbers that are none.
+        InputError: it can't be read, or holds NaN or infinity.
     """
     return opened(data, name, settings, beside)[0]
 
 
 def opened(data: bytes, name: str, settings: Settings, beside: Beside | None) -> tuple[Document, slice]:
-    """Read a file as a document in metres, y up, and find the frames of it that are motion.
+    """Read a file as a document in metres, y up, and find its frames of motion, after a lead-in pose.
 
     Raises:
-        InputError: it can't be read, or holds numbers that are none.
+        InputError: it can't be read, or holds NaN or infinity.
     """
     document = open_document(data, name=name, limits=settings.limits, beside=beside)
     for broken in document.unusable:
@@ -60,10 +60,10 @@ def opened(data: bytes, name: str, settings: Settings, beside: Beside | None) ->
 def suited(
     data: bytes, name: str, settings: Settings, beside: Beside | None
 ) -> tuple[Document, slice, Settings]:  # fmt: skip
-    """Open a file, and suit settings to it: legs are shared by its animations, and those of games are likely cycles.
+    """Open a file and adapt settings to it: its animations share their legs, and those of games are likely cycles.
 
     Raises:
-        InputError: it can't be read, or holds numbers that are none.
+        InputError: it can't be read, or holds NaN or infinity.
     """
     settings = with_shared_legs(data, name, settings, beside)
     document, frame_range = opened(data, name, settings, beside)
@@ -75,13 +75,13 @@ def suited(
 def placed(
     document: Document, params: RigParams, frame_range: slice | None = None
 ) -> tuple[Document, tuple[Note, ...]]:
-    """Give a document its unit and up axis as found, and say what was doubtful about them."""
+    """Find unit and up axis of a document; return it in metres, y up, with notes on what was doubtful."""
     found = infer_units(document.clip, params, frame_range, metric=document.metric)
     return document.placed(unit_m=found.unit_m, up=found.up), found.notes
 
 
 def source_entry(data: bytes, name: str, clip: Clip) -> dict[str, Any]:
-    """Say which file contacts and report are about: its name, checksum, frames and frame time."""
+    """Make the entry on the input file of contacts and report: name, checksum, frames and frame time."""
     return {
         "file": bare(name),
         "sha256": hashlib.sha256(data).hexdigest(),

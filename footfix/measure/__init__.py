@@ -1,1 +1,1 @@
-"""What a clip's feet do, in numbers."""
+"""Measures of clips and plants, and the agreement of contact labels."""

@@ -16,13 +16,13 @@ from footfix.motion.contacts import runs
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames counted by agreement.
+    """Counts of frames: the confusion matrix of found contacts against true ones.
 
     Args:
-        both: in contact, and found so.
-        found: found in contact, and not.
-        missed: in contact, and not found.
-        neither: rightly not found.
+        both: in contact, and found (true positives).
+        found: found, and not in contact (false positives).
+        missed: in contact, and not found (false negatives).
+        neither: neither in contact nor found (true negatives).
     """
 
     both: int = 0
@@ -45,7 +45,7 @@ class Frames:
 
     @property
     def f1(self) -> float:
-        """Harmonic mean of precision and recall; 1 where there is nothing to find and nothing was found."""
+        """Harmonic mean of precision and recall; 1 where there are no contacts and none was found."""
         total = 2 * self.both + self.found + self.missed
         return 2 * self.both / total if total else 1.0
 
@@ -56,7 +56,7 @@ def frames(found: Bools, true: Bools, *, known: Bools | None = None, tolerance: 
     Args:
         found, true: (F,) in contact.
         known: (F,) frames in which the truth is known; all by default.
-        tolerance: a frame that disagrees is forgiven within this many frames of a true start or end.
+        tolerance: frames that disagree count as right within this many frames of a true start or end.
     """
     found = np.where(_near_edge(true, tolerance), true, found)
     scored = np.ones(len(true), dtype=np.bool_) if known is None else known
@@ -66,7 +66,7 @@ def frames(found: Bools, true: Bools, *, known: Bools | None = None, tolerance: 
 
 
 def _near_edge(mask: Bools, tolerance: int) -> Bools:
-    """Find (F,) the frames less than or just `tolerance` frames from a start or an end, on either side of it."""
+    """Mark the frames (F,) up to `tolerance` frames before or after a start or an end."""
     near = np.zeros(len(mask), dtype=np.bool_)
     for edge in (np.flatnonzero(np.diff(mask.astype(np.int8))) + 1).tolist():
         near[max(edge - tolerance, 0) : edge + tolerance] = True
@@ -74,10 +74,9 @@ def _near_edge(mask: Bools, tolerance: int) -> Bools:
 
 
 def edges(mask: Bools, frame_time: float) -> tuple[Floats, Floats]:
-    """Find the times [s] of strikes and offs of a mask (F,); contacts that are cut by the clip have none there.
+    """Find the times [s] of strikes and offs of a mask (F,); the clip's first and last frame are none of them.
 
-    A foot that is not in contact in one frame, and is in the next, has landed between the two: the time is
-    halfway.
+    A foot that is not in contact in one frame and is in the next landed between the two: the time is halfway.
     """
     stretches = runs(mask)
     strikes = [a - 0.5 for a, _ in stretches if a > 0]
@@ -92,7 +91,7 @@ class Events:
     Args:
         errors: (n,) [s] found minus true, of the pairs.
         missed: true events without a partner.
-        extra: found ones without.
+        extra: found events without a partner.
     """
 
     errors: Floats
@@ -101,11 +100,11 @@ class Events:
 
     @property
     def median(self) -> float:
-        """[s] of the absolute errors; NaN where nothing was paired."""
+        """The median absolute error [s]; NaN where nothing was paired."""
         return float(np.median(np.abs(self.errors))) if len(self.errors) else float("nan")
 
     def quantile(self, share: float) -> float:
-        """Find [s] the absolute error that this share of the pairs keeps within."""
+        """Find the absolute error [s] that this share of the pairs does not exceed."""
         return float(np.quantile(np.abs(self.errors), share)) if len(self.errors) else float("nan")
 
 
@@ -114,7 +113,7 @@ def events(found: Floats, true: Floats, *, window: float = 0.15) -> Events:
 
     Args:
         found, true: [s] times, in order.
-        window: [s] events farther apart than this are none of the same.
+        window: [s] events farther apart than this are never paired.
     """
     apart = found[None, :] - true[:, None]  # (true, found) [s]
     left = np.abs(apart)
@@ -133,12 +132,12 @@ def together(parts: list[Events]) -> Events:
 
 
 def feet(mask: Bools) -> Bools:
-    """Tell (F, legs) whether heel or toe of each foot is in contact, of a mask (F, 2 legs) of heel and toe by turns."""
+    """Find (F, legs) where heel or toe of a foot is in contact, from a mask (F, 2 legs) of alternating heel and toe."""
     return np.asarray(mask[:, 0::2] | mask[:, 1::2])
 
 
 def calibration(confidence: Floats, right: Bools, bins: int = 5) -> list[tuple[float, float, int]]:
-    """Tell whether confidences mean what they say: for each bin mean confidence, share that was right, and how many.
+    """Compare confidences with the share that was right: for each bin mean confidence, that share, and the count.
 
     Args:
         confidence: (n,) of contacts.

@@ -1,7 +1,7 @@
-"""The published measures over plain arrays, for who has positions and no skeleton.
+"""The published measures on plain arrays, for positions without a skeleton.
 
-Positions are in the world, in metres, y up; tracks are (F, 3), or (F, n, 3) for several points. One definition each:
-these are the functions that `measure` uses, with checks of what is handed in.
+Positions are in the world, in metres, y up; tracks are (F, 3), or (F, n, 3) for several points. They call the same
+functions as `measure`, after checking their arguments.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class PhysDiff(NamedTuple):
 
 
 def skating_ratio(toes: ArrayLike, frame_time: float, *, rest: ArrayLike = 0.0) -> float:
-    """Work out the foot-skating ratio of GMD and OmniControl: the share of frames in which a toe skates.
+    """Compute the foot-skating ratio of GMD and OmniControl: the share of frames in which a toe skates.
 
-    A toe skates where it is less than 5 cm over where it rests, now and in the next frame, and faster than 0.5 m/s,
-    now and in the mean of 5 frames; motion is resampled to the 20 fps for which these bounds were fixed. Source:
+    A toe skates where it is less than 5 cm above its height at rest, now and in the next frame, and faster than 0.5 m/s
+    now and in the mean of 5 frames; motion is resampled to the 20 fps for which these bounds were set. Source:
     Karunratanakul et al. 2023, Xie et al. 2024.
 
     Examples:
@@ -43,7 +43,7 @@ def skating_ratio(toes: ArrayLike, frame_time: float, *, rest: ArrayLike = 0.0) 
     Args:
         toes: (F, n, 3) [m] the toe joints, in the world.
         frame_time: [s].
-        rest: (n,) or one number [m]: the height at which a toe joint rests; 0 as published.
+        rest: (n,) or one number [m]: the height of a toe joint at rest; 0 as published.
     """
     points = _points("toes", toes, frame_time)
     rests = np.broadcast_to(np.asarray(rest, dtype=np.float64), (points.shape[1],))
@@ -51,7 +51,7 @@ def skating_ratio(toes: ArrayLike, frame_time: float, *, rest: ArrayLike = 0.0) 
 
 
 def weighted_skate(points: ArrayLike, frame_time: float, *, floor: float = 0.0, height: float = 0.033) -> float:
-    """Work out the mean of v (2 - 2^(h / H)) [cm/s] over points of the foot near the floor.
+    """Compute the mean of v (2 - 2^(h / H)) [cm/s] over points of the foot near the floor.
 
     Source: Zhang et al. 2018 (mode-adaptive neural networks), H = 3.3 cm as in later code.
 
@@ -66,19 +66,19 @@ def weighted_skate(points: ArrayLike, frame_time: float, *, floor: float = 0.0, 
 
 
 def physdiff(points: ArrayLike, *, floor: float = 0.0, tolerance: float = 0.005) -> PhysDiff:
-    """Work out penetrate, float and skate of PhysDiff (Yuan et al. 2023), over points of the soles.
+    """Compute penetrate, float and skate of PhysDiff (Yuan et al. 2023), over points of the soles.
 
     Args:
         points: (F, n, 3) [m] in the world; vertices in the paper.
         floor: [m] its height.
-        tolerance: [m] what is no farther from the floor is on it.
+        tolerance: [m] points no farther than this from the floor are on it.
     """
     tracks = _points("points", points, 1.0)
     return PhysDiff(*whole.physdiff(list(tracks.transpose(1, 0, 2)), floor, tolerance=tolerance))
 
 
 def jitter(positions: ArrayLike, frame_time: float) -> float:
-    """Work out the mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
+    """Compute the mean length of the third difference of joint positions x fps^3 [10^2 m/s^3].
 
     Source: Karunratanakul et al. 2024 (DNO); others divide by 10 in place of 100.
 
@@ -91,10 +91,9 @@ def jitter(positions: ArrayLike, frame_time: float) -> float:
 
 
 def slides(track: ArrayLike, contact: ArrayLike) -> Floats:
-    """Work out how far a point slides in each of its contacts.
+    """Compute how far a point slides in each of its contacts: the farthest horizontal distance from its median place.
 
-    That is the farthest horizontal distance from its median place. All frames count: leave out those in which a foot
-    lands or leaves, if that is what is wanted.
+    All frames count: leave those in which the foot lands or lifts out of `contact` if they should not.
 
     Examples:
         >>> track = np.zeros((6, 3))
@@ -117,7 +116,7 @@ def slides(track: ArrayLike, contact: ArrayLike) -> Floats:
 
 
 def _points(what: str, given: ArrayLike, frame_time: float) -> Floats:
-    """Take tracks (F, n, 3); refuse other shapes, numbers that are none, and a frame time that is a rate."""
+    """Check tracks (F, n, 3); refuse other shapes, NaN and infinity, and a frame time that must be a frame rate."""
     array = np.asarray(given, dtype=np.float64)
     if array.ndim == 2:
         array = array[:, None]

@@ -1,4 +1,4 @@
-"""Measures of a clip that was cleaned: what became of its plants, held and let go apart, and what cleaning cost."""
+"""Measures of a cleaned clip: plants that are held, plants that were let go, and what cleaning cost."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from footfix.measure.plants import NOTICED_MM
 class Held:
     """The plants that cleaning held, and those it let go.
 
-    A plant is let go, wholly or in part, where holding it would cost more than its slide: no leg is so long, no knee so
-    quick. The report of the clip says why, plant by plant. Of a clip that was never cleaned all plants count as held.
+    A plant is let go, wholly or in part, where holding it would cost more than its slide: the leg would be too long, or
+    the knee too quick. The clip's report gives the reason for each. In a clip never cleaned all plants count as held.
 
     Args:
         held_slide_mm: slide of the worst plant that is held [mm].
@@ -28,7 +28,7 @@ class Held:
 
 @dataclass(frozen=True)
 class Costs:
-    """What cleaning cost: measures of the clip over those it had before; 1 where nothing is known of that.
+    """What cleaning cost: measures of the clip divided by those before cleaning; 1 where those are not known.
 
     Args:
         jitter_ratio: jitter_100m_s3 now, over what it was [factor].
@@ -41,7 +41,7 @@ class Costs:
     knee_speed_ratio: float
 
 
-# Each of the costs, and the measure it is of.
+# Cost -> the measure that it compares.
 COST_OF: Mapping[str, str] = {
     "jitter_ratio": "jitter_100m_s3",
     "acceleration_ratio": "peak_acceleration_m_s2",
@@ -62,7 +62,7 @@ def held(slides: Sequence[float], let_go: Sequence[bool]) -> Held:
 
 
 def costs(now: Mapping[str, float | None], before: Mapping[str, float | None]) -> Costs:
-    """Hold measures of a clip, by name, against those it had before."""
+    """Compare measures of a clip, by name, with those before cleaning."""
     ratios = {}
     for name, measure in COST_OF.items():
         was = before.get(measure) or 0.0

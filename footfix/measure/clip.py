@@ -22,8 +22,8 @@ WORLD = ("skating_ratio", "weighted_skate_cm_s", "phys_penetrate_mm", "phys_floa
 class Measures:
     """What the feet of a clip do, in numbers; the unit is in the name.
 
-    A skate figure always stands beside `coverage`: lifting a foot off the floor is no cure. The measures from the
-    literature know no ground that moves; on a belt they are None.
+    Read any skate measure together with `coverage`: a foot lifted off the floor does not skate. The measures from the
+    literature are defined for ground at rest; on a belt they are None.
 
     Args:
         plants: contacts counted [count].
@@ -74,14 +74,14 @@ class Measures:
 def measure(
     clip: Clip, rig: Rig, contacts: Contacts, *, belt: Floats | None = None
 ) -> tuple[Measures, tuple[PlantMeasure, ...]]:
-    """Measure a clip against its contacts.
+    """Measure a clip, given its contacts.
 
     Args:
         clip: F frames.
         rig: its legs, sole points and floor.
         contacts: which sole points are planted when, in the order of `rig.soles`.
         belt: (F, 3) [m] how far the ground has moved, as under a figure on a treadmill; at rest by default. Plants
-            are measured against it.
+            are measured relative to it.
 
     Returns:
         The measures of the clip, and those of every contact, effector by effector, in order of time.
@@ -118,7 +118,7 @@ def measure(
 
 
 def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> dict[str, float | None]:
-    """Work out the measures of `WORLD`, by name; all of them are of a floor at rest."""
+    """Compute the measures of `WORLD`, by name; all of them are defined for a floor at rest."""
     tracks, planted = rig.tracks(pose), contacts.mask()
     toes, rests = [], []
     for e, sole in enumerate(rig.soles):
@@ -126,7 +126,7 @@ def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> di
             joint = rig.legs[sole.leg].toe
             toes.append(tracks[e] if joint is None else pose.position(joint))  # (F, 3) [m]
             resting = toes[-1][planted[:, e], 1]
-            rests.append(float(np.median(resting)) if len(resting) else -np.inf)  # one that never rests skates nowhere
+            rests.append(float(np.median(resting)) if len(resting) else -np.inf)  # a toe without rest never skates
     floor = float(rig.floor)
     figures = (
         skating_ratio(toes, rests, frame_time),
@@ -137,21 +137,21 @@ def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> di
 
 
 def _horizontal_steps(track: Floats) -> Floats:
-    """Measure (F - 1,) [m] how far a track (F, 3) [m] goes over the floor from frame to frame."""
+    """Measure the horizontal distance (F - 1,) [m] of a track (F, 3) [m] from each frame to the next."""
     return np.asarray(np.hypot(np.diff(track[:, 0]), np.diff(track[:, 2])))
 
 
 def skating_ratio(toes: Sequence[Floats], rests: Sequence[float], frame_time: float) -> float:
     """Measure the share of all frames in which a toe skates.
 
-    A toe skates where it is less than 5 cm over where it rests, now and in the next frame, and faster than 0.5 m/s
+    A toe skates where it is less than 5 cm above its height at rest, now and in the next frame, and faster than 0.5 m/s
     now and in the mean of 5 frames. Source: GMD (Karunratanakul 2023, `calculate_skating_ratio`) and OmniControl
-    (Xie 2024), at the 20 fps of their data: motion at another rate is resampled. Their floor is the height 0 of data
-    in which toe joints rest just over it; here each toe has its own.
+    (Xie 2024), at the 20 fps of their data: motion at another rate is resampled. They count height from 0, just below
+    the toe joints at rest in their data; here each toe has its own height at rest.
 
     Args:
         toes: (F, 3) [m] the track of each toe joint.
-        rests: [m] the height at which each of them rests.
+        rests: [m] the height of each of them at rest.
         frame_time: [s].
     """
     seen = [_at_rate(track, frame_time, GMD_FPS) for track in toes]
@@ -168,7 +168,7 @@ def skating_ratio(toes: Sequence[Floats], rests: Sequence[float], frame_time: fl
 
 
 def _at_rate(track: Floats, frame_time: float, fps: float) -> Floats:
-    """Resample a track (F, 3) to another frame rate, by straight lines between its frames."""
+    """Resample a track (F, 3) to another frame rate, by linear interpolation."""
     if not len(track):
         return track
     frames = int(np.floor((len(track) - 1) * frame_time * fps + 1e-6)) + 1
@@ -202,8 +202,8 @@ def physdiff(
     Args:
         tracks: (F, 3) [m] of each sole point.
         floor: [m] its height.
-        lowest: (F,) [m] heights of the lowest vertices near each sole point, of which the lowest counts in its place;
-            none without a skin.
+        lowest: (F,) [m] heights of the lowest vertices near each sole point, whose minimum replaces that of the sole
+            points; empty without a skin.
         tolerance: [m].
     """
     if not tracks or not len(tracks[0]):
@@ -252,7 +252,7 @@ def peak_acceleration(rig: Rig, pose: Pose, frame_time: float) -> float:
 
 
 def peak_knee_speed(rig: Rig, pose: Pose, frame_time: float) -> float:
-    """Measure the 99.9th percentile of the angular speed at which the knees bend and stretch [deg/s]."""
+    """Measure the 99.9th percentile of the angular speed of knee flexion and extension [deg/s]."""
     speeds = []
     for leg in rig.legs:
         thigh = pose.position(leg.hip) - pose.position(leg.knee)

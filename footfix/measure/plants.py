@@ -24,17 +24,17 @@ _NEAR = 0.05  # leg lengths: a plant whose median height is no farther from the 
 
 @dataclass(frozen=True)
 class PlantMeasure:
-    """What a planted foot does while it should stand still.
+    """How a planted foot moves while it should stand still.
 
-    All is measured over the ground, and over the whole contact but its first and last frame, in which the foot still
-    lands or leaves (contacts of less than 5 frames are taken whole).
+    All is measured relative to the ground, over the whole contact but its first and last frame, in which the foot still
+    lands or lifts (contacts of less than 5 frames are measured whole).
 
     Args:
         effector: name of the sole point.
         start, end: frames `[start, end)` of the contact.
         slide_mm: farthest horizontal distance of what is seen from its median place: of a toe plant the toe joint
-            (the toe's sole point where the foot has no toe joint), of a heel plant the ankle while heel and toe stand
-            (the heel's sole point where they never do).
+            (the toe's sole point where the foot has no toe joint), of a heel plant the ankle while heel and toe are
+            planted (the heel's sole point where they never are).
         tip_slide_mm: the same of the tip of the toes, for toe plants; None where the foot has no tip.
         sole_slide_mm: the same of the sole point.
         travel_mm: horizontal distance of what is seen from its first place to its last.
@@ -70,8 +70,8 @@ def slide(track: Floats, plants: Segments) -> Floats:
 def yaw(turns: Floats, plants: Segments) -> Floats:
     """Measure (S,) [rad] the farthest turn of rotations (F, 4) about the vertical from their median in each plant.
 
-    Each frame is held against the plant's middle one, in the world; of that turn, the twist about the
-    vertical counts, so a foot that only rolls from heel to toe does not turn.
+    Each frame is compared with the plant's middle one, in the world; of that rotation only the twist about the vertical
+    counts, so that a foot that rolls from heel to toe does not turn.
     """
     planted = turns[plants.frames]
     middle = planted[plants.middle()][plants.owner]
@@ -92,7 +92,7 @@ def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, 
     steps = np.zeros(len(plants.frames))
     steps[1:] = np.hypot(*np.diff(track[plants.frames][:, [0, 2]], axis=0).T) / frame_time
     follows = np.diff(plants.frames, prepend=-2) == 1
-    follows[plants.starts] = False  # the step into a plant is none of its own
+    follows[plants.starts] = False  # the step into a plant is not part of it
     steps[~follows] = 0.0
     share = plants.mean(follows.astype(np.float64))
     return plants.mean(steps) / np.maximum(share, 1e-12), plants.largest(steps)
@@ -104,7 +104,7 @@ def floor_levels(heights: Floats, plants: Segments, rig: Rig) -> Floats:
     Args:
         heights: (F,) [m] of the sole point; with a skin, of the lowest vertex of the foot.
         plants: its plants.
-        rig: its floor; a plant that is far from it (on a stair, a box) stands on its own level.
+        rig: its floor; a plant that is far from it (on a stair, a box) has a floor of its own.
     """
     own = plants.median(heights[plants.frames])
     return np.where(np.abs(own - rig.floor) < _NEAR * rig.leg_length, rig.floor, own)
@@ -144,7 +144,7 @@ def measure_plants(
 def _columns(
     seen: Seen, heights: Floats, deepest: Floats, turns: Floats, rig: Rig, frame_time: float
 ) -> list[tuple[Any, ...]]:
-    """Work out, for each plant of a sole point, what `PlantMeasure` holds after its frames.
+    """Compute, for each plant of a sole point, the fields of `PlantMeasure` after `end`.
 
     Args:
         seen: the plants of a sole point.

@@ -1,7 +1,7 @@
-"""What a viewer sees of a planted foot: the joints that a skin hangs on, not points that somebody guessed.
+"""What a viewer sees of a planted foot: the joints that its skin is bound to, not estimated sole points.
 
-A skinned toe is fixed to its toe joint, and a heel to its ankle; where on the sole of a capture heel and ball are is
-an estimate, and a foot that rolls over such a point may hold it still while all that is seen of it moves.
+The skin of the toes is bound to the toe joint, that of the heel to the ankle. Where heel and ball are on the sole is
+an estimate, and a foot that rolls over such a point may hold it still while everything that is seen of it moves.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from footfix.motion.kinematics import Pose, forward
 from footfix.motion.segments import Segments, segments
 from footfix.rig.rig import Rig
 
-_TRIMMED = 5  # frames from which on the first and the last one, in which a foot still lands or leaves, do not count
-FEWEST = 3  # frames that heel and toe must stand together for the ankle to be looked at
-_NO_TIP = 0.01  # [m] what ends no farther from the toe joint has no tip of its own
+_TRIMMED = 5  # contacts of so many frames are measured without the first and last, in which the foot lands or lifts
+FEWEST = 3  # frames that heel and toe must be planted together for the ankle to be measured
+_NO_TIP = 0.01  # [m] a foot that ends no farther from the toe joint has no tip
 
 
 def counted(contact: Contact) -> tuple[int, int]:
@@ -33,7 +33,7 @@ class Seen:
 
     Args:
         plants: the frames of each contact that are measured.
-        parts: those of them in which `track` is looked at.
+        parts: those of them in which `track` is measured.
         track: (F, 3) [m] of the joint that is seen, over the ground.
         sole: (F, 3) [m] of the sole point, over the ground.
         tip: (F, 3) [m] of the tip of the toes, None for heels and for feet that have none.
@@ -82,10 +82,10 @@ def seen_of(clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, ground: Floats
 
 
 def _heel(plants: Segments, together: Bools, ankle: Floats, point: Floats) -> tuple[Segments, Floats]:
-    """Find the frames of heel plants that are looked at, and (F, 3) [m] the track of what is seen in them.
+    """Choose the frames of heel plants that are measured, and the track (F, 3) [m] to measure in them.
 
-    While the toe stands as well, the ankle rests, too; where it never does, the foot rolls over its heel, and the
-    heel's sole point `point` (F, 3) [m] is the best there is.
+    While the toe is planted too, the ankle rests; where it never is, the foot rolls over its heel, and only the heel's
+    sole point `point` (F, 3) [m] is left to measure.
     """
     if not len(plants):
         return plants, point
@@ -97,7 +97,7 @@ def _heel(plants: Segments, together: Bools, ankle: Floats, point: Floats) -> tu
 
 
 def tip_of(skeleton: Skeleton, toe: int) -> tuple[int, Floats] | None:
-    """Find the tip of the toes: of all that hangs from the toe joint, what ends farthest from it at rest.
+    """Find the tip of the toes: among all joints and End Sites below the toe joint, the farthest from it at rest.
 
     Returns:
         The joint that carries the tip and where it is in that joint's frame (3,) [m]; None where nothing ends more
@@ -105,7 +105,7 @@ def tip_of(skeleton: Skeleton, toe: int) -> tuple[int, Floats] | None:
     """
     at = {toe: np.zeros(3)}  # [m] from the toe joint, at rest
     ends = []
-    for joint in range(toe + 1, len(skeleton)):  # parents stand before children
+    for joint in range(toe + 1, len(skeleton)):  # parents precede children
         parent = int(skeleton.parents[joint])
         if parent in at:
             at[joint] = at[parent] + np.nan_to_num(skeleton.offsets[joint])
@@ -118,6 +118,6 @@ def tip_of(skeleton: Skeleton, toe: int) -> tuple[int, Floats] | None:
 
 
 def posed(clip: Clip, rig: Rig) -> Pose:
-    """Work out where the joints are that measures look at: those of the rig, and what carries the tips of toes."""
+    """Compute the pose of the joints that are measured: those of the rig, and those that carry the tips of toes."""
     tips = [tip_of(clip.skeleton, leg.toe) for leg in rig.legs if leg.toe is not None]
     return forward(clip, clip.skeleton.with_ancestors((*rig.joints(), *(tip[0] for tip in tips if tip is not None))))

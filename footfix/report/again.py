@@ -12,16 +12,16 @@ from pathlib import Path
 
 from footfix.settings import Settings, flat, plain
 
-_NOT_REPEATED = ("follow", "gates", "limits", "loop", "report")  # they change nothing of how a clip is cleaned
+_NOT_REPEATED = ("follow", "gates", "limits", "loop", "report")  # settings without effect on how a clip is cleaned
 
 
 @dataclass(frozen=True)
 class Again:
-    """How a clip is cleaned again.
+    """How to clean a clip again after its contacts were edited.
 
     Args:
-        contacts: name of the contacts file that the edited one takes the place of, beside the page.
-        command: what to type in the folder of the page, quoted for a shell.
+        contacts: name of the contacts file, beside the page, to replace by the edited one.
+        command: the command to type in the folder of the page, quoted for a shell.
     """
 
     contacts: str
@@ -31,15 +31,15 @@ class Again:
 def clean_again(
     source: Path, target: Path, contacts: Path, settings: Settings, *, several: bool = False
 ) -> Again:  # fmt: skip
-    """Write the command that cleans a clip again, for the folder in which its contacts file and its page lie.
+    """Write the command that cleans a clip again, to be typed in the folder of its contacts file and its page.
 
-    It names no place of this machine but how clip and outputs lie to each other, so that it holds when all are moved.
+    All its paths are relative, so that it still works when clip and outputs are moved together.
 
     Args:
         source: path of the clip.
         target: path of the corrected clip.
         contacts: path of the contacts file.
-        settings: those that held; what differs from the defaults is repeated.
+        settings: those that the clip was cleaned with; what differs from the defaults is repeated.
         several: whether the file holds several clips: all are cleaned again, each from its contacts file in the folder.
     """
     folder = contacts.parent
@@ -53,19 +53,19 @@ def clean_again(
 
 
 def clean_loop_again(target: Path, contacts: Path, settings: Settings, *, several: bool = False) -> Again:
-    """Write the command that cleans a loop from edited contacts, which are of its frames, into a folder beside it.
+    """Write the command that cleans a loop again from its edited contacts, into a folder beside it.
 
     Args:
         target: path of the loop.
         contacts: path of its contacts file.
-        settings: those that held when it was made.
+        settings: those that it was made with.
         several: whether its file holds several clips.
     """
     return clean_again(target, target.parent / "cleaned" / target.name, contacts, settings, several=several)
 
 
 def _seen_from(folder: Path, path: Path) -> str:
-    """Make a path relative to a folder; as it is where they lie on different drives."""
+    """Make a path relative to a folder; unchanged where they are on different drives."""
     try:
         return os.path.relpath(path, folder)
     except ValueError:
@@ -73,7 +73,7 @@ def _seen_from(folder: Path, path: Path) -> str:
 
 
 def _where(folder: Path, source: Path, target: Path) -> list[str]:
-    """List the options that make the corrected clip land where it did."""
+    """List the options that write the corrected clip to the same path as before."""
     if os.path.realpath(source) == os.path.realpath(target):
         return ["--in-place"]
     if target.name == source.name:

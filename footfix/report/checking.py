@@ -23,11 +23,11 @@ class Row:
     """One clip that was checked.
 
     Args:
-        source: its path as it was named.
+        source: its path as given on the command line.
         status: "done", "over" or "failed".
         measures: of the clip as it is; None where there is nothing to measure.
-        gates: the most that some of them may be.
-        over: those that are more: {"measure", "value", "most"}, and of slides {"why"}.
+        gates: upper bound of each measure that is gated.
+        over: the measures over their bound: {"measure", "value", "most"}, and for slides {"why"}.
         notes: what is odd about the file.
         error: why it could not be measured.
         seconds: [s] it took to measure.
@@ -72,7 +72,7 @@ def document(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def text(rows: Sequence[Row], *, quiet: bool, verbose: bool) -> str:
-    """Write a table of the measures judged, what is over its gate and why, what is odd; then the count.
+    """Write a table of the gated measures, which are over their gates and why, what is odd; then the counts.
 
     Args:
         rows: the clips.
@@ -102,7 +102,7 @@ def text(rows: Sequence[Row], *, quiet: bool, verbose: bool) -> str:
 
 
 def _table(rows: Sequence[Row]) -> list[str]:
-    """Clip by clip the measures that were judged, the plants, and those that cleaning let go; * marks what is over."""
+    """Write a row a clip: its gated measures (* if over), its plants, and the plants that cleaning let go."""
     width = max((len(printable(each.source)) for each in rows), default=0)
     lines: list[str] = []
     shown: Mapping[str, float] = {}
@@ -130,7 +130,7 @@ def _shown(value: float | None) -> str:
 
 
 def as_csv(rows: Sequence[Row]) -> str:
-    """Write one row a clip: its status, every measure, and the measures that are over their gates."""
+    """Write CSV, one row a clip: its status, every measure, and the names of those over their gates."""
     names = list(dict.fromkeys(name for each in rows for name in each.measures))
     out = io.StringIO(newline="")
     writer = csv.writer(out, lineterminator="\n")
@@ -143,7 +143,7 @@ def as_csv(rows: Sequence[Row]) -> str:
 
 
 def listing(meanings: Mapping[str, Meaning], gates: Mapping[str, tuple[float, str]]) -> str:
-    """List every measure with its unit and meaning; of those gated by default, the bound and its reason.
+    """List every measure with its unit and meaning, then the default gates with their reasons.
 
     Args:
         meanings: of the measures, by name.
@@ -158,7 +158,7 @@ def listing(meanings: Mapping[str, Meaning], gates: Mapping[str, tuple[float, st
 
 
 def workflow_commands(rows: Sequence[Row]) -> Iterator[str]:
-    """Write workflow commands for gates and oddities; failures were told as they came."""
+    """Write GitHub annotations for gates and oddities; those for failures were written during the run."""
     for each in rows:
         for message in _failures(each):
             yield annotation("error", each.source, message, title="footfix check")

@@ -21,19 +21,19 @@ FORMAT, VERSION = "footfix-report", 1
 
 
 def rounded(value: float) -> float:
-    """Round a number to the digits that mean something: six, and no negative zero."""
+    """Round a number to six significant digits, and negative zero to zero."""
     return float(f"{value:.6g}") + 0.0
 
 
 def measures(found: Measures) -> dict[str, float | None]:
-    """Lay out measures as plain numbers, None where there is nothing to measure; each key carries its unit."""
+    """Convert measures to a dictionary: None where there is nothing to measure; each key carries its unit."""
     return {
         key: rounded(each) if isinstance(each, float) else each for key, each in dataclasses.asdict(found).items()
     }
 
 
 def note(each: Note) -> dict[str, Any]:
-    """Lay out a note with what it has to say, and no empty fields."""
+    """Convert a note to a dictionary without empty fields."""
     plain: dict[str, Any] = {"id": each.id, "severity": each.severity, "text": each.text}
     for key in ("line", "column", "start", "end"):
         if getattr(each, key) is not None:
@@ -44,12 +44,12 @@ def note(each: Note) -> dict[str, Any]:
 
 
 def notes(found: Iterable[Note]) -> list[dict[str, Any]]:
-    """Lay out notes in the order in which they arose, each once."""
+    """Convert notes in the order in which they arose, each once."""
     return [note(each) for each in dict.fromkeys(found)]
 
 
 def rig(found: Rig, clip: Clip, *, unit_m: float, up: str) -> dict[str, Any]:
-    """Describe the rig by joint names, with where each guess came from."""
+    """Describe the rig by joint names, with the origin of each guess."""
     names = clip.skeleton.names
     return {
         "unit_m": rounded(unit_m),
@@ -85,11 +85,11 @@ def rig(found: Rig, clip: Clip, *, unit_m: float, up: str) -> dict[str, Any]:
 def plants(
     found: Sequence[Footplant], before: Sequence[PlantMeasure], after: Sequence[PlantMeasure]
 ) -> list[dict[str, Any]]:
-    """Make one row a plant: what it did, what was done, what it does now.
+    """Describe each plant: its measures before and after, its outcome and the reason for it.
 
     Args:
-        found: the plants of a figure, each at its id.
-        before, after: what was measured of each, in the same order.
+        found: the plants of a figure; a plant's id is its index.
+        before, after: the measures of each, in the same order.
     """
     return [_plant(plant, before[plant.id], after[plant.id]) for plant in found]
 
@@ -124,10 +124,10 @@ def _plant(plant: Footplant, was: PlantMeasure, now: PlantMeasure) -> dict[str, 
 
 
 def _doubt(plant: Footplant, now: PlantMeasure) -> str:
-    """Say why a plant that is pinned shows a large number all the same."""
+    """Explain a large number on a plant that is pinned; "" where there is none."""
     if plant.outcome != "pinned":
         return ""
-    if now.slide_mm > NOTICED_MM:  # what holds is the sole, what is seen is a joint over it
+    if now.slide_mm > NOTICED_MM:  # the sole point is pinned, but the slide is that of a joint above it
         seen = "ankle" if plant.part == "heel" else "toe joint"
         return f"the {plant.part} of the sole is held, the {seen} over it moves"
     return "off its place only while it lands or leaves" if 1000.0 * plant.residual > NOTICED_MM else ""
@@ -144,11 +144,11 @@ NO_CORRECTION: Mapping[str, Any] = {
 
 
 def corrections(found: Sequence[Correction], clip: Clip) -> dict[str, Any]:
-    """Say how much was changed: the largest of all figures' numbers, and where.
+    """Describe how much was changed: the largest change of all figures, and where.
 
     Args:
         found: the correction of each figure.
-        clip: the clip that came in.
+        clip: the captured clip.
     """
     entries = [_correction(each, clip) for each in found]
     most = max(entries, key=lambda each: float(each["largest_change_deg"]))
@@ -181,9 +181,9 @@ def _correction(found: Correction, clip: Clip) -> dict[str, Any]:
 
 
 def worst(entries: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:
-    """Join the measures of several figures in one entry: the largest of each figure's numbers, plants counted together.
+    """Join the measures of several figures: the largest value of each measure, and the sum of the plants.
 
-    A number that one figure does not have (the figure is on a belt) is that of the others.
+    A measure that one figure lacks (since it is on a belt) is that of the others.
     """
     first, *others = entries
     if not others:
@@ -194,7 +194,7 @@ def worst(entries: Sequence[Mapping[str, float | None]]) -> dict[str, float | No
 
 
 def frame(source: Mapping[str, Any], version: str, *, status: str, output: str | None) -> dict[str, Any]:
-    """Make what every report begins with."""
+    """Make the entries that every report begins with."""
     return {
         "format": FORMAT,
         "version": VERSION,

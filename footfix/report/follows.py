@@ -1,4 +1,4 @@
-"""Walks along a path in words: the path, how it was walked, lean, strides, and what was handed over when."""
+"""Walks along a path in words: the path, the walks along it, lean, strides, and when one walk changes to the next."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 from footfix.report.verdict import Report, entries, number, section
 
-# notes that are about what was asked for
+# ids of notes on what was asked for
 _SAID = ("kinks-rounded", "path-ends", "blend-cut", "too-fast", "feet-let-go")
 
 

@@ -1,7 +1,7 @@
-"""A stroke font of our own: each letter as lines on a grid 4 wide and 8 high, for pictures drawn without a font.
+"""A stroke font: each letter as lines on a grid 4 wide and 8 high, for pictures drawn without a font file.
 
-A stroke is a run of points, two digits each: x, then y downwards. Capitals stand from 0 to 6, small
-letters from 2 to 6, what hangs below the line reaches 8. A stroke of one point is a dot.
+A stroke is a polyline of points, two digits each: x, then y downwards. Capitals reach from 0 to 6, small letters from
+2 to 6, descenders down to 8. A stroke of one point is a dot.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def glyph(char: str) -> tuple[Stroke, ...]:
 
 
 def advance(char: str) -> float:
-    """Measure how far the next character stands, in units of the grid."""
+    """Measure the distance from a character to the next, in units of the grid."""
     columns = [x for stroke in glyph(char) for x, _ in stroke]
     return max(columns) - min(columns) + 2.0 if columns else 3.0
 
@@ -54,7 +54,7 @@ def width(text: str) -> float:
 
 
 def strokes(text: str) -> list[list[tuple[float, float]]]:
-    """Lay out the strokes of a line of text, in units of the grid, from x = 0, its capitals' top at y = 0."""
+    """Lay out the strokes of a line of text, in units of the grid, from x = 0, the top of capitals at y = 0."""
     lines = []
     at = 0.0
     for char in text:

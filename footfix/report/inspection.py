@@ -1,4 +1,4 @@
-"""What `footfix inspect` says of a file, as text."""
+"""What `footfix inspect` found in a file, as text."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def describe(found: Mapping[str, Any], *, quiet: bool = False) -> str:
 
 
 def _figure(rig: Mapping[str, Any], which: str) -> list[str]:
-    """Legs, floor and root of a figure, in lines."""
+    """Describe legs, floor and root of a figure, a line each."""
     count = len(rig["legs"])
     head = (
         f"  {which}{count} {'leg' if count == 1 else 'legs'} of {rig['leg_length_m']:.3f} m, floor at "

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
-# XML 1.0 has no way to write these, not even escaped; a file name may hold them.
+# XML 1.0 can't hold these characters, not even escaped; file names can.
 _UNWRITABLE = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -17,9 +17,9 @@ class Case:
 
     Args:
         name: the clip.
-        failures: what is over its budget, a line each; the case failed.
-        error: why the clip could not be worked on; the case broke.
-        output: what else there is to say.
+        failures: the measures over their gates, a line each; any makes it a failed case.
+        error: why the clip could not be read or cleaned; any makes it a case with an error.
+        output: further lines, such as notes.
         seconds: [s] it took.
     """
 
@@ -31,7 +31,7 @@ class Case:
 
 
 def junit(suite: str, cases: Sequence[Case]) -> bytes:
-    """Write the cases as one test suite, each with its time; the suite's is their sum, on however many processes."""
+    """Write the cases as one test suite, each with its time; the suite's time is their sum."""
     counts = (
         f'tests="{len(cases)}" failures="{sum(bool(case.failures) for case in cases)}" '
         f'errors="{sum(bool(case.error) for case in cases)}"'

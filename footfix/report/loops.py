@@ -23,7 +23,7 @@ def loop_lines(report: Report) -> list[str]:
 
 
 def round_of(report: Report) -> dict[str, Any] | None:
-    """Find how a loop goes on, for the page's player: its turn [rad] and travel [m] as written, to be repeated."""
+    """Get turn [rad] and travel [m] of a loop as written, by which the page's player moves each repetition on."""
     loop = section(report, "loop")
     if not loop:
         return None
@@ -33,8 +33,8 @@ def round_of(report: Report) -> dict[str, Any] | None:
     return {"yaw": 0.0 if still else yaw, "travel": [0.0, 0.0] if still else [x, z], "closed": bool(loop.get("closed"))}
 
 
-def captured(clip: Clip, loop: Report) -> Clip:
-    """Take the frames of a clip that became a loop, one for each of it.
+def captured_frames(clip: Clip, loop: Report) -> Clip:
+    """Take the captured frames that a loop was made from, one for each of its frames.
 
     Raises:
         InputError: the clip has no such frames.
@@ -45,8 +45,8 @@ def captured(clip: Clip, loop: Report) -> Clip:
     return clip.frames((start + np.arange(count)) % len(clip))
 
 
-def seen_as(clip: Clip, rig: Rig, loop: Report) -> Clip:
-    """Take the loop's travel out of the captured frames, where it is written without."""
+def in_place_if_written_so(clip: Clip, rig: Rig, loop: Report) -> Clip:
+    """Take the travel out of the captured frames of a loop that was written in place."""
     turn = Travel(math.radians(_value(loop, "turn_deg")))
     travel = loop.get("travel_m")
     if not (loop.get("in_place") and isinstance(travel, list | tuple) and len(travel) == 2):

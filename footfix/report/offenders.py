@@ -14,20 +14,20 @@ from footfix.report.web.motion import Motion, seen_tracks
 
 Path = tuple[tuple[float, float], ...]
 
-_PLACES = 40  # of a path, at most
+_PLACES = 40  # points of a drawn path, at most
 
 
 @dataclass(frozen=True)
 class Offender:
-    """A plant that slid: small, plain and picklable.
+    """A plant that slides, with what a small picture of it needs; picklable.
 
     Args:
         effector: name of the sole point.
         start, end: frames `[start, end)`.
-        before_mm, after_mm: how far it slides.
-        path_before, path_after: [mm] the way of what is measured (the toe joint, the ankle of a flat foot) over the
-            floor, x to the right and z downwards, about the place where it stands after.
-        frame: where it was farthest from its place before.
+        before_mm, after_mm: its slide before and after cleaning [mm].
+        path_before, path_after: [mm] the horizontal path of what is measured (the toe joint, or the ankle of a flat
+            foot), x to the right and z downwards, relative to its median place after cleaning.
+        frame: when it was farthest from its place before cleaning.
         figure: the figure at that frame; empty where it is not drawn.
     """
 

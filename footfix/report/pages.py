@@ -1,4 +1,4 @@
-"""The pages of a clip: drawn when it is cleaned, or again from what lies on disk."""
+"""The pages of a clip: drawn when it is cleaned, or redrawn from its files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from footfix.formats.document import Beside, open_document
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.report.again import Again
-from footfix.report.loops import captured, seen_as
+from footfix.report.loops import captured_frames, in_place_if_written_so
 from footfix.report.offenders import Offender, worst_plants
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
@@ -35,7 +35,7 @@ def draw(
     again: Again | None = None,
     ground: Floats | None = None,
 ) -> tuple[dict[str, bytes], tuple[Offender, ...]]:
-    """Draw the pages that settings ask for, by suffix, and the worst plants as small pictures for an index.
+    """Draw the pages that the settings ask for, by suffix, and the worst plants as small pictures for an index.
 
     Args:
         before, after: the clip as read and as written; None where there is no motion to show.
@@ -67,17 +67,17 @@ def redraw(
     report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
     again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
 ) -> dict[str, bytes]:  # fmt: skip
-    """Draw the pages of a clip whose report is there already.
+    """Draw the pages of a clip again from its report, its contacts file and the clips before and after.
 
     Args:
         report: its report document.
         contacts: the bytes of its contacts file.
-        source: the bytes of the clip that came in.
+        source: the bytes of the captured clip.
         written: the bytes of the corrected one.
         params: which pages.
         again: how the clip is cleaned again from edited contacts, where that is known.
         beside: reads files that the clip names.
-        skin: the character that the report's `rig.skin` names, where it is at hand.
+        skin: the character that the report's `rig.skin` names, where its file was found.
 
     Raises:
         InputError: the files do not belong together.
@@ -94,7 +94,7 @@ def redraw(
         open_document(data, name=name, beside=beside).placed(unit_m=unit_m, up=up).clip for data in (source, written)
     )
     loop = report["loop"] if isinstance(report.get("loop"), Mapping) else None
-    before = clip if loop is None else captured(clip, loop)
+    before = clip if loop is None else captured_frames(clip, loop)
     if (len(before), len(before.skeleton)) != (len(after), len(after.skeleton)):
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
@@ -104,18 +104,18 @@ def redraw(
     whole = joined(rigs)
     belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
     if loop is not None:
-        before = seen_as(before, whole, loop)
+        before = in_place_if_written_so(before, whole, loop)
     return draw(before, after, whole, report, contacts, params, again, belt)[0]
 
 
 def _planted(clip: Clip, rig: Rig, contacts: bytes, whole: Rig | None = None) -> Contacts:
-    """The contacts of a figure out of the contacts file of all figures, `whole`."""
+    """Take the contacts of one figure from the contacts `whole` of all figures."""
     all_of_them, _ = labels_format.fit(labels_format.decode(contacts), (whole or rig).no_contacts(clip))
     return all_of_them.only(sole.name for sole in rig.soles)
 
 
 def _told(report: Mapping[str, Any]) -> Settings:
-    """What the settings in a report say of the rig and of moving ground, so that both are the same again."""
+    """Read the settings of the rig and of moving ground from a report, to find both again as they were."""
     said = report.get("settings") or {}
     ground = (said.get("enforce") or {}).get("ground") or {}
     return compose([Layer("report", {"rig": said.get("rig") or {}, "enforce": {"ground": ground}})])

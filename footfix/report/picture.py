@@ -14,7 +14,7 @@ _PAPER, _INK, _MUTED, _LINE = color("#fffefb"), color("#1a2027"), color("#5b6570
 _WAS, _LEFT, _RIGHT = color("#8450a6"), color("#0069a8"), color("#b34800")
 _TONES: dict[Tone, str] = {"good": "#146c43", "fair": "#8a5a00", "bad": "#a8201a", "quiet": "#5b6570"}
 
-_SMALL = 0.75  # [pixels] of a unit of the small figure
+_SMALL = 0.75  # [pixels] one unit of the small figure
 _PANEL, _GAP, _HEAD, _FOOT, _COLUMNS = 220, 16, 96, 48, 4  # [pixels]
 
 
@@ -22,7 +22,7 @@ def picture(motion: Motion | None, report: Report, most: int = 8) -> bytes:
     """Draw a PNG of the verdict and of the worst plants from above, before and after.
 
     Args:
-        motion: the figure before and after; None leaves the verdict alone.
+        motion: the figure before and after; None to draw the verdict alone.
         report: the report document.
         most: how many plants, at most.
     """
@@ -68,7 +68,7 @@ def _panel(raster: Raster, offender: Offender, left: float, top: float) -> None:
 
 
 def _figure(raster: Raster, drawing: Thumbnail, left: float, top: float) -> None:
-    """The figure at the frame where its foot is farthest off, in the corner of a panel."""
+    """Draw the figure, at the frame where its foot is farthest from its place, in the corner of a panel."""
     inks = dict(zip(LAYERS, (_WAS, _MUTED, _LEFT, _RIGHT), strict=True))
     for layer, path in zip(LAYERS, drawing, strict=False):
         for line in path.split("M")[1:]:

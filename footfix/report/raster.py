@@ -1,4 +1,4 @@
-"""Lines on pixels, and pixels as a PNG file: all that a small still picture needs."""
+"""Lines and text drawn on pixels, and pixels as a PNG file: all that a small still picture needs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def color(code: str) -> Color:
 
 
 class Raster:
-    """Pixels that lines are drawn on, from the top left corner, with soft edges.
+    """Pixels to draw antialiased lines on; coordinates begin at the top left corner.
 
     Args:
         width, height: in pixels.
@@ -52,7 +52,7 @@ class Raster:
 
     @staticmethod
     def _segment(cover: Floats, a: Floats, b: Floats, thick: float) -> None:
-        """Raise the cover of the pixels near a segment: 1 within it, falling to 0 over one pixel."""
+        """Raise the coverage of pixels near a segment: 1 within it, falling to 0 over one pixel."""
         reach = thick / 2.0 + 1.0
         x0, y0 = np.floor(np.minimum(a, b) - reach).astype(int).clip(0)
         x1, y1 = np.ceil(np.maximum(a, b) + reach).astype(int) + 1
@@ -65,7 +65,7 @@ class Raster:
         np.maximum(part, np.clip(thick / 2.0 + 0.5 - distance, 0.0, 1.0), out=part)
 
     def circle(self, x: float, y: float, radius: float, thick: float, ink: Color, dashes: int = 0) -> None:
-        """Draw a circle, whole or in so many dashes."""
+        """Draw a circle, solid or with a number of dashes."""
         turns = np.linspace(0.0, 2.0 * np.pi, 4 * max(dashes, 16) + 1)
         around = np.stack([x + radius * np.cos(turns), y + radius * np.sin(turns)], axis=1)
         if not dashes:

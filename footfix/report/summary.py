@@ -88,7 +88,7 @@ def _file(entry: Entry) -> dict[str, Any]:
 
 
 def _worst(plants: Sequence[Report]) -> dict[str, Any] | None:
-    """The plant that slides most now."""
+    """Find the plant that slides most after cleaning."""
     worst = max(plants, key=lambda plant: number(plant.get("slide_after_mm")) or 0.0, default=None)
     if worst is None:
         return None
@@ -96,7 +96,7 @@ def _worst(plants: Sequence[Report]) -> dict[str, Any] | None:
 
 
 def table(entries: Sequence[Entry], *, most: int = 10) -> str:
-    """Write the closing table for a terminal: what came of the run, and the clips to look at first."""
+    """Write the closing table for a terminal: counts of the run, and the clips to look at first."""
     counts = Counter(entry.status for entry in entries)
     said = ", ".join(f"{counts[key]} {key}" for key in ("cleaned", "unchanged", "failed") if counts[key])
     lines = [f"{len(entries)} {'clip' if len(entries) == 1 else 'clips'}: {said}"]

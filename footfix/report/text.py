@@ -69,9 +69,9 @@ def summarize(report: Report, *, verbose: bool = False) -> str:
 
 
 def released(report: Report) -> list[str]:
-    """Count the plants let go wholly or in part, or kept though they slide, by reason; give lines of text.
+    """Count by reason the plants that were let go, wholly or in part, or kept though they slide; a line for each.
 
-    Reasons that differ only in their figures count as one, with the range of the figures.
+    Reasons that differ only in their numbers are one line, with the range of the numbers.
     """
     groups: dict[tuple[str, str], list[str]] = {}
     for plant in entries(report, "plants"):
@@ -88,7 +88,7 @@ def released(report: Report) -> list[str]:
 
 
 def _ranged(reasons: Sequence[str]) -> str:
-    """One sentence for many that differ only in their figures."""
+    """Join sentences that differ only in their numbers into one, with the range of each number."""
     columns = [sorted(set(column), key=float) for column in zip(*map(_FIGURE.findall, reasons), strict=True)]
     ranges = iter(column[0] if len(column) == 1 else f"{column[0]}-{column[-1]}" for column in columns)
     return _FRAMES.sub(r"at frames \1", _FIGURE.sub(lambda _: next(ranges), reasons[0]))
@@ -99,12 +99,12 @@ def _unit(row: Row) -> str:
 
 
 def printable(text: str) -> str:
-    """Strip control characters from a stranger's text, so that it can't drive a terminal."""
+    """Strip control characters from text of unknown origin, so that it can't control a terminal."""
     return "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in text)
 
 
 def _travel(report: Report) -> str:
-    """How far the plants come from first to last frame, which a drift makes longer than any slide from the middle."""
+    """Describe the plants' travel from first to last frame, which a drift makes longer than the slides."""
     far = [
         max((number(plant.get(f"travel_{when}_mm")) or 0.0 for plant in entries(report, "plants")), default=0.0)
         for when in ("before", "after")

@@ -17,14 +17,14 @@ Thumbnail = tuple[str, ...]
 
 
 def thumbnail(motion: Motion, index: int) -> Thumbnail:
-    """Draw a figure at a shown frame, as seen from three quarters.
+    """Draw a figure at a shown frame, in three-quarter view.
 
     Args:
         motion: the figure before and after.
         index: which of the shown frames.
 
     Returns:
-        The path data of each of `LAYERS`: the figure before, and after what is of no leg, of a left, of a right one.
+        The path data of each of `LAYERS`: the figure before; and after, the body, the left legs and the right legs.
     """
     if not motion.bones:
         return ()
@@ -48,7 +48,7 @@ def _both(motion: Motion) -> tuple[Floats, Floats]:
 
 
 def _heading(motion: Motion, index: int) -> float:
-    """[rad] Where the figure faces: across its hips, or, without a left and a right one, along z."""
+    """Find the heading [rad]: perpendicular to the line between the hips; along z without a left and a right hip."""
     sides = {side: joint for joint, side in motion.hips}
     if not {"left", "right"} <= set(sides):
         return 0.0
@@ -58,7 +58,7 @@ def _heading(motion: Motion, index: int) -> float:
 
 
 def _seen(places: Floats, heading: float) -> Floats:
-    """(J, 2) places (J, 3) as a distant eye sees them, y downwards."""
+    """Project places (J, 3) orthographically to (J, 2), y downwards."""
     yaw = heading + _TURN
     right = np.array([np.cos(yaw), 0.0, -np.sin(yaw)])
     up = np.array([-np.sin(_TILT) * np.sin(yaw), np.cos(_TILT), -np.sin(_TILT) * np.cos(yaw)])
@@ -66,7 +66,7 @@ def _seen(places: Floats, heading: float) -> Floats:
 
 
 def _sides(motion: Motion) -> list[str]:
-    """For each joint "left", "right" or "" by the leg it belongs to; parents stand before their children."""
+    """Find for each joint the side of the leg it belongs to: "left", "right" or "" (parents precede children)."""
     own = dict(motion.hips)
     sides: list[str] = []
     for joint, parent in enumerate(motion.parents):
@@ -75,7 +75,7 @@ def _sides(motion: Motion) -> list[str]:
 
 
 def _path(places: Floats, bones: list[tuple[int, int]]) -> str:
-    """Bones as path data; one that goes on where the last ended goes on in one line."""
+    """Write bones as path data; a bone that begins where the last one ended continues its line."""
     parts: list[str] = []
     last = -1
     for parent, child in bones:

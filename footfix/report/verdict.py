@@ -16,7 +16,7 @@ Report = Mapping[str, Any]
 Tone = Literal["good", "fair", "bad", "quiet"]
 
 _LIMIT = f"{NOTICED_MM:g} mm"
-WORSE_MM = 5.0  # a plant that slides farther than it did by more than this came out worse
+WORSE_MM = 5.0  # a plant whose slide grew by more than this came out worse
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Verdict:
 
 
 def number(value: Any) -> float | None:
-    """Get a number of the report, None where it has none that can be shown."""
+    """Get a finite number of the report, None where there is none."""
     return float(value) if isinstance(value, int | float) and abs(value) < 1e15 else None
 
 
@@ -59,7 +59,7 @@ def source_name(report: Report) -> str:
 
 
 def entries(report: Report, key: str) -> list[Report]:
-    """Get the objects in a list of the report. A report may come from a stranger: what is no object is left out."""
+    """Get the objects in a list of the report; anything else in it is left out, for reports may come from anywhere."""
     found = report.get(key)
     return [each for each in found if isinstance(each, Mapping)] if isinstance(found, list | tuple) else []
 
@@ -76,7 +76,7 @@ def slides(plants: Sequence[Report], when: Literal["before", "after"]) -> list[f
 
 
 def worst_first(plants: Sequence[Report]) -> list[Report]:
-    """Sort plants by where to look first: what slides most now; among what stands, what slid most before."""
+    """Sort plants, the worst first: by slide after cleaning, and those that hardly slide by slide before it."""
 
     def slide(plant: Report) -> tuple[float, float]:
         after = number(plant.get("slide_after_mm")) or 0.0
@@ -109,12 +109,12 @@ def judge(report: Report) -> Verdict:
 
 
 def _helped(was: float, now: float) -> bool:
-    """Whether a plant slides less than it did: by `WORSE_MM`, or by half where there was something to see."""
+    """Tell whether a plant slides less than before: by `WORSE_MM`, or by half where the slide was noticeable."""
     return now < was - WORSE_MM or (was > 1.0 and now < was / 2.0)
 
 
 def _as_it_was(found: Verdict) -> tuple[Tone, str, str]:
-    """Tone, word and sentence for a clip that was not changed."""
+    """Choose tone, word and sentence for a clip that was not changed."""
     if found.over_before:
         some = _of(found.over_before, found.plants)
         return "fair", "left alone", f"Left as it was, though {some} {_slide(found.over_before)} more than {_LIMIT}"
@@ -123,7 +123,7 @@ def _as_it_was(found: Verdict) -> tuple[Tone, str, str]:
 
 
 def _words(found: Verdict) -> tuple[Tone, str, str]:
-    """Tone, word and sentence for a clip that was changed: what was helped weighs as well as what still slides."""
+    """Choose tone, word and sentence for a clip that was changed, by the plants improved and those still sliding."""
     before, after, plants = found.over_before, found.over_after, found.plants
     if not before and not after:
         longest = [f"{worst:.0f}" for worst in (found.worst_before, found.worst_after)]
@@ -162,12 +162,12 @@ class Measure:
 
     Args:
         key: its key in the report.
-        label: for people.
+        label: its name on the page.
         unit: "" where it has none.
         digits: decimals.
         scale: factor to that unit.
         headline: its label on the first screen, "" where it does not stand there.
-        tolerance: what it may grow by, in its unit, before that is called worse; None where more is not worse.
+        tolerance: how much it may grow, in its unit, before it counts as worse; None where growing is not worse.
     """
 
     key: str
@@ -238,7 +238,7 @@ def measure_rows(report: Report) -> list[Row]:
 
 
 def _is_worse(measure: Measure, before: float | None, after: float | None) -> bool:
-    """Whether a measure grew by a tenth and by more than it is allowed."""
+    """Tell whether a measure grew by more than a tenth and by more than its tolerance."""
     if before is None or after is None or measure.tolerance is None:
         return False
     return after * measure.scale > max(1.1 * before * measure.scale, before * measure.scale + measure.tolerance)
@@ -250,7 +250,7 @@ class Change:
 
     Args:
         joint: its name in the file.
-        degrees: how far it turns otherwise than in the clip that came in, in its parent's frame.
+        degrees: the angle between its rotations before and after, in its parent's frame.
         frame: when.
     """
 
@@ -268,7 +268,7 @@ def largest_change(report: Report) -> Change | None:
 
 
 def floor_taken(report: Report) -> str:
-    """Say which floor was taken and how it was found; "" where the report does not say."""
+    """Say which floor was used and how it was found; "" where the report does not tell."""
     rig = section(report, "rig")
     height, origin = number(rig.get("floor_m")), section(rig, "origins").get("floor")
     return "" if height is None or origin is None else f"{height:.3f} m: {origin}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-# Outcome of a plant: how people call it, and what it means.
+# Outcome of a plant -> (the word shown, what it means).
 OUTCOMES: Mapping[str, tuple[str, str]] = {
     "pinned": ("pinned", "held at one place for as long as it stands"),
     "kept": ("left alone", "it stood still enough, or for too short a time to be held, so it was not touched"),
@@ -12,7 +12,7 @@ OUTCOMES: Mapping[str, tuple[str, str]] = {
     "released": ("let go", "not held: holding it would have bent the motion too much"),
 }
 
-# Measure of the report: what it is.
+# Measure of the report -> what it is.
 MEASURES: Mapping[str, str] = {
     "slide_mm": "the farthest that the toe joint, or the ankle of a flat foot, gets from its place in one plant",
     "slide_median_mm": "half of the plants slide less than this",
@@ -45,5 +45,5 @@ WORSE = "slides more than 5 mm farther than it did"
 
 
 def outcome(key: str) -> str:
-    """Translate an outcome to what people call it; an unknown one stays as it is."""
+    """Translate an outcome to the word shown for it; an unknown one stays as it is."""
     return OUTCOMES[key][0] if key in OUTCOMES else key

@@ -80,7 +80,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
         branches = [c for c in skeleton.children[pelvis] if sample.reach[c] > 0.1 * size]
         if len(branches) < 2:
             continue
-        candidates = {c: _limbs(sample, pelvis, c, size) for c in branches}
+        candidates = {c: _limbs(sample, c, size) for c in branches}
         for a, b in combinations(branches, 2):
             best = max(
                 (_pair(sample, pelvis, x, y) for x in candidates[a] for y in candidates[b]),
@@ -124,7 +124,7 @@ def _way(sample: Sample, fork: int, size: float, joint: int) -> float:
     return float(sum(sample.bones[each] for each in above[:last]))
 
 
-def _limbs(sample: Sample, pelvis: int, branch: int, size: float) -> list[Limb]:
+def _limbs(sample: Sample, branch: int, size: float) -> list[Limb]:
     """Find the chains below one branch that are shaped like a leg, best first."""
     found: list[Limb] = []
     stack: list[tuple[int, tuple[int, ...], tuple[float, ...]]] = [(branch, (branch,), (0.0,))]

@@ -47,9 +47,9 @@ def stepping(
     faster = params.sharp * (logs[2] - logs[2][mate]) + unlikely - unlikely[mate]
     likely = 0.5 + 0.5 * np.tanh(0.5 * np.stack([params.sharp * (logs[0] - logs[1]), faster]))
     steps = planted[mate] * likely[0] * likely[1]
-    moves = (apart > np.maximum(params.still, params.calm * rest)) & (speeds > speeds[mate])
-    for k in np.flatnonzero(moves.any(axis=1)).tolist():
-        for a, b in from_rest_to_rest(moves[k], planted[k]):
+    leaves = np.where(speeds > speeds[mate], apart - np.maximum(params.still, params.calm * rest), 0.0)
+    for k in np.flatnonzero((leaves > 0.0).any(axis=1)).tolist():
+        for a, b in from_rest_to_rest(leaves[k], (even - params.parting)[k], planted[k]):
             one, mates_way = (_plain(each[:, k, a:b]) for each in (own, other))
             whole = whole_step(one, mates_way, float(rest[k, a:b].max()), params) * float(planted[mate[k], a:b].min())
             steps[k, a:b] = np.maximum(steps[k, a:b], max(whole, float(steps[k, a:b].max())))

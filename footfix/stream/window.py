@@ -132,7 +132,7 @@ class Window:
             captured, self._places(legs, x), window, self._ground, self.belt * self._frame_time, self._params.pins,
         )  # fmt: skip
         pins = pins_of(self._feet, legs, on, asked)
-        problem = self._problem(legs, pins, captured, window[-1:], last=last)
+        problem = self._problem(legs, captured, window[-1:], last=last)
         if last and n > BEFORE + 1:  # the only one that no frame waits for
             problem = replace(problem, pins=pins.apart(legs.kinds.tips))
             x = solve.descend(problem, x, rounds, first=_FIRST, last=rounds, fixed=window < self._shown)
@@ -164,7 +164,7 @@ class Window:
             off = (places - asked.captured)[::2, :ANKLE, k, shown.stop - 1]
             self.left[k] = foot.left or (self.left[k] and bool(np.any(np.hypot(*off) > near)))
 
-    def _problem(self, legs: Legs, pins: Stacked, captured: Floats, newest: Ints, *, last: bool) -> Problem:
+    def _problem(self, legs: Legs, captured: Floats, newest: Ints, *, last: bool) -> Problem:
         """The problem of a window; its pins are known apart from it."""
         fault = self._usual_fault(captured, newest)
         return Problem(

@@ -19,7 +19,7 @@ from walker_gaits import Gait
 from footfix import cli
 from footfix.batch.follow import named
 from footfix.formats.bvh import decode
-from footfix.formats.bvh.anew import going_on, with_motion
+from footfix.formats.bvh.anew import continuous_angles, with_motion
 from footfix.motion.kinematics import places
 
 Run = Callable[..., tuple[int, str, str]]
@@ -138,7 +138,7 @@ def test_angles_go_on_past_a_whole_turn_and_over_gimbal_lock() -> None:
     turn = np.linspace(0.0, 900.0, 301)
     wrapped = (turn + 180.0) % 360.0 - 180.0
     angles = np.stack([wrapped, 0.0 * turn, 10.0 + 0.0 * turn], axis=1)
-    assert np.allclose(going_on(angles, three=True)[:, 0], turn)
+    assert np.allclose(continuous_angles(angles, three=True)[:, 0], turn)
     flipped = angles.copy()
     flipped[100:] = np.stack([angles[100:, 0] + 180.0, 180.0 - angles[100:, 1], angles[100:, 2] - 180.0], axis=1)
-    assert np.allclose(going_on(flipped, three=True)[:, 0], turn)
+    assert np.allclose(continuous_angles(flipped, three=True)[:, 0], turn)

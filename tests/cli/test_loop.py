@@ -73,8 +73,8 @@ def test_hierarchy_channels_and_time_are_the_files_own() -> None:
     assert b"Frames: %d" % decode(written).frames in written
 
 
-@pytest.mark.parametrize("asked", [{}, {"in_place": True}, {"open": True}, {"straighten": True}],
-                         ids=["closed", "in place", "open", "straightened"])  # fmt: skip
+@pytest.mark.parametrize("asked", [{}, {"in_place": True}, {"straighten": True}],
+                         ids=["closed", "in place", "straightened"])  # fmt: skip
 def test_a_loop_looped_again_is_the_same_file(asked: dict[str, bool]) -> None:
     once = looped("curve", **asked)
     settings = Settings(loop=LoopParams(**asked), report=QUIET)  # type: ignore[arg-type]

@@ -10,10 +10,12 @@ from skinmaker import skin_of
 from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
+from footfix.enforce.leg import calibrate, tracks
 from footfix.enforce.mesh import sunk
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.run import enforce
 from footfix.enforce.task import task_of
+from footfix.enforce.vertices import vertices_of
 from footfix.measure.clip import measure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
@@ -95,3 +97,17 @@ def test_root_alone_puts_vertices_at_their_floor() -> None:
     lowest = np.min(rig.lowest(pose), axis=0)[planted] - rig.floor
     assert abs(float(lowest.mean())) < 0.008
     assert found.correction.joints == ()
+
+
+def test_vertices_as_captured_are_what_the_foot_and_its_toes_carry() -> None:
+    """What turns with the toes and what turns with the rest of the foot are together the mesh."""
+    clip, rig = spoiled(0.0)
+    pose = rig.pose(clip)
+    legs = tracks(clip, rig, pose, calibrate(rig, pose, clip))
+    for mesh in rig.meshes:
+        own = vertices_of(mesh, legs[mesh.leg], pose, 0.0, np.full(len(clip), rig.floor), clip.skeleton)
+        assert own.toes is not None
+        places = own.base + own.toes + legs[mesh.leg].ankle
+        every = mesh.tracks(pose, np.arange(len(mesh))).transpose(1, 2, 0)  # (V, 3, F)
+        off = np.abs(places[:, None] - every[None]).max(axis=(2, 3)).min(axis=1)
+        assert off.max() < 1e-9

@@ -61,3 +61,12 @@ def test_physdiffs_tolerance_is_half_a_centimetre() -> None:
     for height, floating, penetrating in ((0.004, 0.0, 0.0), (0.006, 6.0, 0.0), (-0.004, 0.0, 0.0), (-0.006, 0.0, 6.0)):
         found = arrays.physdiff(np.full((5, 1, 3), [0.0, height, 0.0]))
         assert (found.float_mm, found.penetrate_mm) == (pytest.approx(floating), pytest.approx(penetrating))
+
+
+def test_the_skate_of_two_points_on_the_floor_is_their_mean_and_a_raised_one_does_not_count() -> None:
+    points = np.zeros((5, 3, 3))
+    points[:, 0, 0], points[:, 1, 0], points[:, 2, 0] = (step * np.arange(5) for step in (0.004, 0.010, 0.5))
+    points[:, 2, 1] = 0.2
+    assert arrays.physdiff(points).skate_mm == pytest.approx(7.0)
+    points[2:, 1, 1] = 0.2  # from the second step on only the first is left
+    assert arrays.physdiff(points).skate_mm == pytest.approx((7.0 + 3 * 4.0) / 4)

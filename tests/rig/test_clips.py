@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 from functools import cache
 from pathlib import Path
 
@@ -30,6 +31,7 @@ from footfix.rig.units import AXES, FileUnits, infer_units
 pytestmark = pytest.mark.clips
 
 CMU = 1.0 / 17.7
+EVERY_CLIP = bool(os.environ.get("FOOTFIX_EVERY_CLIP"))
 with (Path(__file__).parents[1] / "rig_expectations.tsv").open(encoding="utf-8", newline="") as file:
     ROWS = list(csv.DictReader(file, delimiter="\t"))
 
@@ -58,7 +60,16 @@ def _found(name: str) -> tuple[Clip, FileUnits, Rig]:
     return placed, found, find_rig(placed)
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["file"])
+def _some(rows: list[dict[str, str]], most: int = 3) -> list[dict[str, str]]:
+    """Of the files of one origin of which a person says the same, the smallest few: they differ in length mostly."""
+    size = {row["file"]: path.stat().st_size if (path := SHARED / row["file"]).exists() else 0 for row in rows}
+    alike: dict[tuple[str, ...], list[dict[str, str]]] = {}
+    for row in sorted(rows, key=lambda row: size[row["file"]]):
+        alike.setdefault((str(Path(row["file"]).parent), *list(row.values())[1:]), []).append(row)
+    return [row for each in alike.values() for row in (each if EVERY_CLIP else each[:most])]
+
+
+@pytest.mark.parametrize("row", _some(ROWS), ids=lambda row: row["file"])
 def test_a_person_agrees(row: dict[str, str]) -> None:
     if row["legs"] == "no legs":
         clip = _read(row["file"]).clip
@@ -95,7 +106,7 @@ def test_names_only_confirm_what_shape_says(name: str) -> None:
     assert legs(find_rig(other), order) == legs(rig)
 
 
-@pytest.mark.parametrize("name", PLAIN[::2])
+@pytest.mark.parametrize("name", PLAIN[::3])
 def test_any_axis_can_be_up(name: str) -> None:
     clip, _, _ = _found(name)
     for up in AXES:

@@ -1,9 +1,9 @@
-"""BVH files: read without loss, written with only those numbers new that had to change."""
+"""BVH files: read without loss; on writing, only the numbers that changed are replaced."""
 
 from footfix.formats.bvh.anew import with_motion
 from footfix.formats.bvh.compose import compose
 from footfix.formats.bvh.document import Document
-from footfix.formats.bvh.glued import legible
+from footfix.formats.bvh.glued import separate_numbers
 from footfix.formats.bvh.read import decode, glance
 from footfix.formats.bvh.repair import repair
 from footfix.formats.bvh.select import select
@@ -11,6 +11,6 @@ from footfix.formats.bvh.text import Limits
 from footfix.formats.bvh.write import encode, rewrite
 
 __all__ = [
-    "Document", "Limits", "compose", "decode", "encode", "glance", "legible", "repair", "rewrite", "select",
+    "Document", "Limits", "compose", "decode", "encode", "glance", "repair", "rewrite", "select", "separate_numbers",
     "with_motion",
 ]  # fmt: skip

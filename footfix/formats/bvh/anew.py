@@ -1,4 +1,4 @@
-"""A BVH file with new motion: the header of a file as it stands, and rows of another clip of its skeleton."""
+"""A BVH file with new motion: the header of an existing file, and rows written from another clip of its skeleton."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _BLOCK = 1024  # rows formatted together
 def with_motion(document: Document, frames: Ints, clip: Clip) -> bytes:
     """Write a file of a clip of the same skeleton.
 
-    Where the clip has the very numbers of the file, so has what is written. Angles go on from frame to frame without
-    leaps, past 360 degrees, too.
+    Where the clip's values equal the file's, the file's own numbers are written. Angles are continuous from frame to
+    frame, and may pass 360 degrees.
 
     Args:
-        document: the file, whose header is kept.
-        frames: (F,) of its frames, those that the clip's are most like.
+        document: the file whose header is kept.
+        frames: (F,) for each frame of the clip, the index of the file's frame that it comes from.
         clip: F frames [m], y up.
     """
     values = document.values[frames].copy()
@@ -38,7 +38,7 @@ def with_motion(document: Document, frames: Ints, clip: Clip) -> bytes:
         axes = "".join("XYZ"[axis] for _, axis in columns)
         own = [column for column, _ in columns]
         if columns:
-            values[:, own] = going_on(values[:, own], sorted(axes) == ["X", "Y", "Z"])
+            values[:, own] = continuous_angles(values[:, own], sorted(axes) == ["X", "Y", "Z"])
     head, newline = header_for(document, len(frames))
     text = head + b"".join(_lines(np.nan_to_num(values), _places(document), newline))
     if document.rows.comma:
@@ -46,11 +46,11 @@ def with_motion(document: Document, frames: Ints, clip: Clip) -> bytes:
     return text.decode("utf-8").encode(document.encoding) if document.encoding else text
 
 
-def going_on(angles: Floats, three: bool) -> Floats:
-    """Find angles (F, n) [degrees] of the same rotations that go on from frame to frame.
+def continuous_angles(angles: Floats, three: bool) -> Floats:
+    """Find Euler angles (F, n) [degrees] of the same rotations that are continuous from frame to frame.
 
-    Of three different axes a rotation has two solutions, of which the one nearer to the frame before is taken: whether
-    to change over between two frames does not depend on where one is, so the choice is a running sum.
+    About three different axes a rotation has two sets of angles; the set nearer to the previous frame's is taken.
+    Whether to switch sets between two frames does not depend on the set in use, so the choice is a running sum.
     """
     if three:
         other = np.stack([angles[:, 0] + 180.0, 180.0 - angles[:, 1], angles[:, 2] + 180.0], axis=1)
@@ -67,7 +67,7 @@ def _turn(step: Floats) -> Floats:
 
 
 def _places(document: Document) -> int:
-    """Count decimals of the file's numbers, and at least as many as a new number has."""
+    """Choose how many decimals to write: as many as the file's own numbers, and at least `LEAST_DECIMALS`."""
     block = next(row_blocks(document.rows), None)
     if block is None:
         return LEAST_DECIMALS

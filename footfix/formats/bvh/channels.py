@@ -1,4 +1,4 @@
-"""Channels and clips: Euler angles, units and axes exist on this side only."""
+"""From channels to clips and back. Euler angles, file units and file axes exist only in this room."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from footfix.motion.clip import Bools, Clip, Floats, Skeleton, constant_track, p
 
 _BLOCK = 1 << 14  # rotations worked on together: their arrays stay in the cache of a core
 
-# Rows are x, y, z of footfix (y up, metres) in axes of the file; proper rotations, so nothing is mirrored.
+# Each row is one axis of footfix (x, y up, z) in the file's axes; proper rotations, so nothing is mirrored.
 AXES: dict[str, Floats] = {
     "y": np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]]),
     "-y": np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]]),
@@ -36,10 +36,10 @@ def joint_channels(channels: Sequence[Channel], joints: int, kind: str) -> list[
 def position_base(
     skeleton: Skeleton, channels: Sequence[Channel], column: Callable[[int], Floats], frames: int
 ) -> Floats:
-    """Find (J, 3) what position channels are counted from, in file units.
+    """Find the origin (J, 3) [file units] that the position channels of each joint are relative to.
 
-    Zero, for they take the place of the OFFSET. But where those of a joint below the root never leave zero, and
-    its OFFSET is not zero, the exporter counts from the OFFSET: else the bone would have no length.
+    It is zero, since position channels replace the OFFSET. But where those of a joint below the root are zero in every
+    frame and its OFFSET is not, the exporter wrote them relative to the OFFSET: else the bone would have no length.
 
     Args:
         skeleton: in the file's units and axes.
@@ -56,15 +56,15 @@ def position_base(
 
 
 def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, base: Floats, frame_time: float) -> Clip:
-    """Make the motion in units and axes of the file.
+    """Make a clip, in units and axes of the file, from the numbers of its rows.
 
-    Position channels take the place of the OFFSET; an axis without one keeps the OFFSET's value.
+    Position channels replace the OFFSET; an axis without a position channel keeps the OFFSET's value.
 
     Args:
         skeleton: in the file's units and axes.
         channels: what each column of `values` is.
         values: (F, C) as in the file: its units, degrees.
-        base: (J, 3) what positions are counted from.
+        base: (J, 3) the origin of each joint's positions, from `position_base`.
         frame_time: [s].
     """
     joints, frames = len(skeleton), len(values)
@@ -110,11 +110,11 @@ def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int]
     out[group, 3, span] = cacc * cb - sasc * sb_p
 
 
-def check_belief(unit_m: float, up: str) -> None:
-    """Check that a file can have such a unit [m] and upward axis.
+def check_unit_and_up(unit_m: float, up: str) -> None:
+    """Check that the unit [m] and the upward axis are valid.
 
     Raises:
-        ValueError: it can't.
+        ValueError: one of them is not.
     """
     if up not in AXES:
         raise ValueError(f"up must be one of {', '.join(AXES)}, not {up!r}")
@@ -133,7 +133,7 @@ def displaced(clip: Clip, unit_m: float, up: str) -> Clip:
 
 
 def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
-    """Turn the figure at its roots; below them only lengths change, and arrays that don't change are the same."""
+    """Scale all lengths and turn the root joints; arrays that don't change are shared with the input."""
     skeleton, roots = clip.skeleton, np.flatnonzero(clip.skeleton.parents < 0)
     places, rotations, offsets = [clip.position(j) for j in range(len(skeleton))], clip.rotations, skeleton.offsets
     if unit_m != 1.0:
@@ -151,19 +151,19 @@ def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
 
 
 def _permute(vectors: Floats, axes: Floats) -> Floats:
-    """Compute `axes @ vectors` for a matrix of zeros and signs: exact to the last bit, and -0 stays out."""
+    """Compute `axes @ vectors` for a matrix of 0, 1 and -1: exact to the last bit, and never -0."""
     source = np.argmax(np.abs(axes), axis=1)
     return np.asarray(vectors[..., source] * axes[np.arange(3), source] + 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """New numbers of one column, where they are to change.
+    """The new numbers of one column.
 
     Args:
-        column: which one.
-        frames: (F,) where.
-        values: (F,) in the file's units, or degrees; what stands where nothing changes means nothing.
+        column: its index.
+        frames: (F,) True in the frames that change.
+        values: (F,) [file units, or degrees] the new numbers; meaningless in frames that don't change.
     """
 
     column: int
@@ -174,18 +174,17 @@ class Change:
 def changes(
     channels: Sequence[Channel], values: Floats, base: Floats, old: Clip, new: Clip, unit_m: float, up: str
 ) -> Iterator[Change]:
-    """Find what is to be written so that the file says `new` where it says `old`.
+    """Find the numbers to write so that the file holds the motion `new` in place of `old`.
 
-    A joint's rotation is written on the Euler branch nearest to the file's own angles in the same frame. What
-    the channels of a joint can't express is left out; a joint with one or two rotation channels gets the nearest
-    rotation that they can.
+    A joint's rotation is written on the Euler branch nearest to the file's own angles in the same frame. Changes that
+    a joint has no channels for are left out; one or two rotation channels get the nearest rotation that they can make.
 
     Args:
         channels: what each column of `values` is.
         values: (F, C) of the file.
-        base: (J, 3) what its positions are counted from.
-        old: the clip that the file says, [m], y up.
-        new: the clip that is wanted; the same skeleton and frames.
+        base: (J, 3) the origin of its positions, from `position_base`.
+        old: the clip that the file holds [m], y up.
+        new: the clip to be written, of the same skeleton and number of frames.
         unit_m: metres in a unit of the file.
         up: the file's upward axis.
     """
@@ -237,8 +236,8 @@ def _turned(
 def nearest_angles(q: Floats, order: str, near: Floats, sweeps: int = 40) -> Floats:
     """Find the angles (N, n) [rad] whose rotation comes nearest to `q` (N, 4), for an order of any axes.
 
-    One angle after the other is set to its best, the rest held: for `A R(angle) B` nearest to `q` that is twice
-    the arc tangent of the axis' part of `A^-1 q B^-1` over its real part. Exact at once for one axis.
+    One angle at a time is optimised while the others are held: for `A R(angle) B` nearest to `q` the best angle is
+    twice the arc tangent of the axis component of `A^-1 q B^-1` over its real part. For one axis this is exact.
     """
     angles = near.copy()
     for _ in range(1 if len(order) == 1 else sweeps):

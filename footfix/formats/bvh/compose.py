@@ -1,4 +1,4 @@
-"""A BVH file for a clip that came from arrays rather than from a file."""
+"""A BVH file written from scratch, for a clip that was made from arrays rather than read from a file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def compose(clip: Clip, *, unit_m: float = 0.01) -> bytes:
     """Write a clip as a BVH file, y up.
 
     Args:
-        clip: F frames of J joints [m]. Rotations that a joint may not make by its skeleton are written too.
+        clip: F frames of J joints [m]. All rotations are written, also of joints whose skeleton says they have none.
         unit_m: [m] unit of the file, centimetres by default.
     """
     skeleton = clip.skeleton
@@ -94,10 +94,10 @@ def _rows(clip: Clip, order: list[int], unit_m: float) -> list[bytes]:
 
 
 def smooth_euler(q: Floats, order: str) -> Floats:
-    """Find Euler angles (F, 3) [rad] of rotations (F, 4) that go on from frame to frame without leaps.
+    """Find Euler angles (F, 3) [rad] of rotations (F, 4) that are continuous from frame to frame.
 
-    Of each rotation's two solutions the one nearer to the frame before: whether to change over from the first
-    solution to the second between two frames does not depend on where one is, so the choice is a running sum.
+    Each rotation has two sets of angles; the set nearer to the previous frame's is taken. Whether to switch sets
+    between two frames does not depend on the set in use, so the choice is a running sum.
     """
     first = rotation.to_euler(q, order)
     second = np.stack([first[:, 0] + np.pi, np.pi - first[:, 1], first[:, 2] + np.pi], axis=1)

@@ -1,7 +1,7 @@
 """A BVH file as a value: its text, its numbers, and what they mean.
 
-The text is kept: nobody wrote a standard for BVH, so a file is read as a person would mean it, and every assumption is
-a note.
+BVH has no written standard: a file is read as its author most likely meant it, every assumption is noted, and the text
+is kept as it is.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.formats.bvh.channels import check_belief, displaced, to_clip
+from footfix.formats.bvh.channels import check_unit_and_up, displaced, to_clip
 from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.tree import Channel
@@ -25,14 +25,14 @@ class Document:
 
     Args:
         name: of the file, for messages.
-        text: the file as bytes in which words can be found (UTF-16 becomes UTF-8).
-        encoding: what the text is to be encoded in again; empty where it is the file itself.
+        text: the bytes of the file; of a UTF-16 file, its text as UTF-8.
+        encoding: the encoding to write the text in, such as "utf-16-le"; empty where `text` is the file itself.
         skeleton: in the file's units and axes.
         channels: what each column of the rows is.
         rows: the numbers, and where they stand.
         frame_time: [s]; a plausible one where the file's own makes no sense.
         notes: what was assumed, and what is wrong.
-        base: (J, 3) what position channels are counted from, in file units.
+        base: (J, 3) [file units] the origin of each joint's position channels.
         motion_at: where in the text the MOTION part begins.
         unit_m: [m] one unit of the file.
         up: the file's upward axis: "y", "-y", "z", "-z", "x" or "-x".
@@ -82,11 +82,11 @@ class Document:
 
     @cached_property
     def clip(self) -> Clip:
-        """The motion in metres, y up. With `unit_m` and `up` as they come, it is the `file_clip`."""
+        """The motion in metres, y up."""
         if self.unit_m == 1.0 and self.up == "y":
             return self.file_clip
         found = in_metres(self.file_clip, self.unit_m, self.up)
-        self.__dict__.pop("file_clip", None)  # hardly asked for again, and half as large as the file
+        self.__dict__.pop("file_clip", None)  # rarely needed again, and half as large as the file
         return found
 
     def in_file(self, clip: Clip) -> Clip:
@@ -94,9 +94,9 @@ class Document:
         return displaced(clip, self.unit_m, self.up)
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
-        """Give the same file another belief about its unit and its upward axis."""
+        """Return the same file read with another unit [m] and upward axis."""
         unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
-        check_belief(unit_m, up)
+        check_unit_and_up(unit_m, up)
         document = replace(self, unit_m=unit_m, up=up)
         if "file_clip" in self.__dict__:
             document.__dict__["file_clip"] = self.file_clip

@@ -15,10 +15,10 @@ from footfix.motion.clip import Floats, Skeleton
 from footfix.notes import Severity
 
 USUAL_FRAME_TIME = 1.0 / 30.0  # [s] where a file says nothing of use
-HUGE = 1e9  # no place and no angle is so large in any unit
+HUGE = 1e9  # no position and no angle is so large in any unit
 _MANY_TURNS = 36_000.0  # [deg] a hundred turns: no joint does that
 
-# Frame rates in use, to tell rates and milliseconds from each other where seconds make no sense.
+# Frame rates in use: where a frame time makes no sense in seconds, they tell a rate from milliseconds.
 _RATES = (12, 12.5, 15, 20, 23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 72, 75, 90, 100, 120, 144, 150,
           180, 200, 240, 250, 300, 360, 480, 500, 600, 960, 1000)  # fmt: skip
 
@@ -178,7 +178,7 @@ def _odd_channels(tree: Hierarchy, skeleton: Skeleton, base: Floats, notes: Note
 
 
 def _motion(tree: Hierarchy, skeleton: Skeleton, rows: Rows, notes: Notes) -> None:
-    """Note what no motion does: nothing moves, or the figure is elsewhere from one frame to the next."""
+    """Note motion that can't be real: nothing moves, or the figure jumps from one frame to the next."""
     values = rows.values
     if len(values) > 1 and np.array_equal(values[0], values[-1]) and np.all(values == values[0]):
         notes.add("frozen", "nothing moves: all frames are the same", at=offset_of(rows, 0, 0),

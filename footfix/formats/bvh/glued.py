@@ -1,4 +1,4 @@
-"""Numbers that run together, a blank missing between them (`12.5-3.1`): found, and put apart where that is certain."""
+"""Numbers that run together for want of a blank (`12.5-3.1`): found, and separated where that is certain."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ _CHANNELS = re.compile(rb"\bCHANNELS[ \t]+(\d+)", re.IGNORECASE)
 _LINE = re.compile(rb"[^\r\n]+")
 
 
-def apart(word: bytes) -> list[bytes]:
-    """Split a word that runs numbers together, each but the first with its sign. One or none: the word itself."""
+def split_numbers(word: bytes) -> list[bytes]:
+    """Split a word of numbers that run together, before each sign; any other word is returned as it is, alone."""
     return _SEAM.split(word) if _GLUED.fullmatch(word) else [word]
 
 
-def legible(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
-    """Put blanks between numbers that run together, in rows that have as many numbers as there are channels then.
+def separate_numbers(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
+    """Put blanks between numbers that run together, in rows that then have a number for each channel.
 
     Args:
         data: a BVH file.
 
     Returns:
-        The file, the same bytes where nothing was to be done; and a note that says how much was.
+        The file (the same bytes where no numbers run together), and a note on how many were separated.
     """
     motion = _MOTION.search(data)
     if motion is None or not _ANY.search(data, motion.end()):
@@ -43,11 +43,11 @@ def legible(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
         if not _ANY.search(line[0]):
             continue
         words = line[0].split()
-        count = sum(len(apart(word)) for word in words)
+        count = sum(len(split_numbers(word)) for word in words)
         if count != columns or count == len(words):
             continue
         first = first or line.start()
-        parts += [data[done : line.start()], re.sub(rb"\S+", lambda word: b" ".join(apart(word[0])), line[0])]
+        parts += [data[done : line.start()], re.sub(rb"\S+", lambda word: b" ".join(split_numbers(word[0])), line[0])]
         done, rows, numbers = line.end(), rows + 1, numbers + count - len(words)
     if not rows:
         return data, ()
@@ -57,7 +57,7 @@ def legible(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
 
 
 def said(word: bytes) -> tuple[str, str]:
-    """Describe a word that runs numbers together: what it is, and what to do next."""
-    first, second, *_ = (each.decode("ascii", "replace") for each in apart(word))
+    """Describe a word of numbers that run together: what is wrong, and what to do next."""
+    first, second, *_ = (each.decode("ascii", "replace") for each in split_numbers(word))
     what = f"two numbers run together, '{readable(word)}': a blank is missing between {first} and {second}"
     return what, "`footfix inspect --repair` puts such numbers apart"

@@ -71,7 +71,7 @@ def read_hierarchy(cursor: Cursor, limits: Limits) -> Hierarchy:
 
 
 def _property(cursor: Cursor, tree: Hierarchy, stack: list[_Open], word: bytes) -> None:
-    """Read what a block says of itself."""
+    """Read one property of a joint: its OFFSET, its CHANNELS, or its End Site."""
     key = word.upper()
     if stack and _END.fullmatch(word):
         _open_end_site(cursor, tree, stack)
@@ -119,8 +119,8 @@ def _unknown(cursor: Cursor, word: bytes) -> Exception:
 
 
 def _braced(cursor: Cursor) -> bool:
-    """Tell whether braces in the rest of the line are part of a name: the one that opens the joint stands below it."""
-    # a name is no longer than that; a line may be, and is not to be read through for each of its joints
+    """Tell whether braces in the rest of the line are part of a name: the joint's own brace is on the next line."""
+    # names are short; a line may be very long, and must not be scanned whole for each of its joints
     line = re.compile(rb"([^\r\n]{0,1000})[\r\n]+\s*\{").match(cursor.text, cursor.pos)
     return line is not None and b"{" in line[1] and not line[1].rstrip().endswith(b"{")
 
@@ -284,14 +284,14 @@ def _finish(cursor: Cursor, tree: Hierarchy, stack: list[_Open], notes: Notes) -
 
 
 def _check_indents(cursor: Cursor, tree: Hierarchy) -> None:
-    """Tell by the indentation, where braces don't pair up, whether the tree is still the one that was meant."""
+    """Check by the indentation, where braces don't pair up, whether the tree is still the intended one."""
     depths, indents = list[int](), dict[int, bytes]()
     for joint, (parent, at) in enumerate(zip(tree.parents, tree.places, strict=True)):
         depths.append(depths[parent] + 1 if parent >= 0 else 0)
         start = max(cursor.text.rfind(b"\n", 0, at), cursor.text.rfind(b"\r", 0, at)) + 1
         indent = cursor.text[start:at]
         if indent.strip() or not (indent or depths[joint] == 0):
-            return  # several joints on a line, or no indentation: it says nothing
+            return  # several joints on a line, or no indentation: nothing to check by
         if indents.setdefault(depths[joint], indent) != indent:
             raise cursor.fail(
                 f"braces don't pair up: joint '{readable(tree.names[joint])}' is {depths[joint]} deep by "

@@ -66,7 +66,7 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
     Args:
         cursor: stands where the rows begin.
         layouts: how many columns a row may have, the likeliest first.
-        declared: what `Frames:` says, None if nothing of use.
+        declared: the number of frames that `Frames:` gives, None if it gives none.
         max_frames: more rows than this are refused.
 
     Returns:
@@ -90,7 +90,7 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
 
 
 def _read_regular(text: bytes, start: int, layouts: list[int]) -> Rows | None:
-    """Read rows as they should be: one a line, all equally long."""
+    """Read well-formed rows: one a line, all of the same length; None where they are not."""
     values = read_plain(text, start)
     if values is None:
         try:

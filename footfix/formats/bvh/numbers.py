@@ -1,4 +1,4 @@
-"""Numbers as text: where they stand in a block of bytes, what they mean, and fixed-point formatting of arrays."""
+"""Numbers as text: where they are in a block of bytes, their values, and how many decimals they have."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def token_chunks(text: bytes, start: int, stop: int) -> Iterator[tuple[Ints, Int
 
 
 def foreign(text: bytes, starts: Ints, start: int, stop: int) -> Ints:
-    """Find the words of `text[start:stop]` that hold bytes no plain number is made of; give their indices."""
+    """Find the indices of those words of `text[start:stop]` that hold bytes other than a plain number's."""
     raw = np.frombuffer(text, np.uint8, stop - start, start)
     strange = np.flatnonzero(~(_PLAIN | _BLANK)[raw]) + start
     return np.asarray(np.unique(np.searchsorted(starts, strange, side="right") - 1))
@@ -88,7 +88,7 @@ def decimals(text: bytes, starts: Ints, ends: Ints) -> Ints:
         powers = np.append(np.flatnonzero((raw | 32) == ord("e")), len(raw))
         last = np.minimum(last, powers[np.searchsorted(powers, starts - low)])
     elif (first := text.find(b".", low, int(ends.flat[0]))) >= 0:
-        # Most files write one number of decimals throughout: to see that is five times faster than to find all points.
+        # Most files have one number of decimals throughout: to check that is five times faster than to find all points.
         places = int(ends.flat[0]) - first - 1
         likely = last - places - 1
         if np.all(likely >= starts - low) and np.all(raw[likely] == ord(".")):

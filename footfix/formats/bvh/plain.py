@@ -1,7 +1,7 @@
 """The motion rows of most files: every number with the same few decimals, rows of one length, one a line.
 
-Such numbers are whole numbers over one power of ten. Their digits are taken eight at a time out of the text, which
-takes 60 % of the time of numpy's reader; that one reads what is not as plain, and both find the same to the last bit.
+Such numbers are integers over one power of ten. Their digits are read eight at a time, in 60 % of the time of numpy's
+reader, which reads all other files; both give the same values to the last bit.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ _CHUNK = 1 << 18  # [bytes] looked at together: the arrays made of them fit into
 _MOST = 8  # digits before the point, and after it
 _EXACT = 15  # digits of a whole number that a float holds
 _ZEROS, _SIXES, _HIGH = (np.uint64(int(_MOST * letter, 16)) for letter in ("30", "06", "f0"))
-# Of a word the last 0 to 8 letters.
+# Masks that keep the last 0 to 8 characters of eight.
 _LAST = np.array([(1 << 64) - (1 << 8 * (_MOST - count)) for count in range(_MOST + 1)], dtype=np.uint64)
 
 
 def read_plain(text: bytes, start: int) -> Floats | None:
-    """Read (F, C) the numbers of the rows, from `start` to the end of a text; None where they are not that plain."""
+    """Read the numbers (F, C) of the rows, from `start` to the end of a text; None where rows are not so regular."""
     first = text.find(b".", start)
     decimals = 0
     while first >= 0 and text[first + 1 + decimals : first + 2 + decimals].isdigit():
@@ -47,7 +47,7 @@ def read_plain(text: bytes, start: int) -> Floats | None:
 
 
 def _tokens(text: bytes, start: int, stop: int) -> tuple[Ints, Ints, Ints] | None:
-    """Find where the words of some lines start and end in the text, and how many each line has that has any."""
+    """Find where the words of some lines start and end in the text, and the number of words of each non-empty line."""
     raw = np.frombuffer(text, np.uint8, stop - start, start)
     newlines = np.flatnonzero(raw == ord("\n"))
     others = np.count_nonzero(raw < 32) - len(newlines)
@@ -67,7 +67,7 @@ def _tokens(text: bytes, start: int, stop: int) -> tuple[Ints, Ints, Ints] | Non
 
 
 def _values(text: bytes, words: Words, starts: Ints, ends: Ints, decimals: int) -> Floats | None:
-    """Read (N,) the numbers of words; None where one is not of digits, with a point where it ought to be."""
+    """Read the numbers (N,) of words; None where one is not digits with a point at the usual place."""
     raw = np.frombuffer(text, np.uint8)
     points = ends - (decimals + 1)
     negative = raw[starts] == ord("-")
@@ -87,7 +87,7 @@ def _values(text: bytes, words: Words, starts: Ints, ends: Ints, decimals: int) 
 
 
 def _digits(letters: Words, keep: Words | np.uint64) -> Words | None:
-    """Read the letters that are kept as whole numbers; None where one of them is no digit."""
+    """Read the characters that are kept as integers; None where one of them is no digit."""
     letters ^= _ZEROS
     letters &= keep
     beyond = letters + _SIXES

@@ -1,4 +1,4 @@
-"""Motion rows that are not as they should be: wrapped, cut, too long or short, with text or commas among them."""
+"""Irregular motion rows: wrapped, cut off, too long or too short, with text or commas among the numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.formats.bvh.glued import apart, said
+from footfix.formats.bvh.glued import said, split_numbers
 from footfix.formats.bvh.numbers import foreign, number, tokens, words
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor, Notes, readable
@@ -54,7 +54,7 @@ def read_ragged(cursor: Cursor, layouts: list[int], declared: int | None) -> Row
 
 
 def _blank_out(cursor: Cursor) -> tuple[bytes, int, int, bool]:
-    """Blank comments, second parts and separating commas; tell where the text ends, and is the comma decimal."""
+    """Blank out comments, a second MOTION part, separating commas; return the end, and whether commas are decimal."""
     text, start = cursor.text, cursor.pos
     stop = len(text)
 
@@ -112,7 +112,7 @@ def _lines(text: bytes, starts: Ints, start: int, stop: int) -> Ints:
 
 
 def _refuse_glued(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange: Bools, layouts: list[int]) -> None:
-    """Refuse numbers that run together, in lines that are rows when they are put apart.
+    """Refuse numbers that run together, in lines that become whole rows when they are separated.
 
     Raises:
         InputError: there are such.
@@ -121,7 +121,7 @@ def _refuse_glued(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange:
     more = np.zeros_like(counts)
     first: dict[int, int] = {}
     for k in np.flatnonzero(strange).tolist():
-        extra = len(apart(cursor.text[starts[k] : ends[k]])) - 1
+        extra = len(split_numbers(cursor.text[starts[k] : ends[k]])) - 1
         if extra:
             more[line[k]] += extra
             first.setdefault(int(line[k]), k)
@@ -164,7 +164,7 @@ def _line_counts(line: Ints, keep: Bools) -> tuple[Ints, Ints]:
 def _arrange(
     cursor: Cursor, starts: Ints, firsts: Ints, counts: Ints, columns: int, declared: int | None
 ) -> tuple[Ints, Ints | None] | None:
-    """Find how lines make up rows of `columns` numbers: where each begins, and how long rows are if some are short."""
+    """Group lines into rows of `columns` numbers: where each row begins, and the rows' lengths if some are short."""
     notes, total, right = cursor.notes, int(counts.sum()), counts == columns
     tidy = np.array_equal(firsts, np.cumsum(counts) - counts)  # nothing was passed over between the rows
     usual = 2 * right.sum() >= len(counts) and declared != total / columns
@@ -191,7 +191,7 @@ def _arrange(
 
 
 def _is_wrapped(counts: Ints, columns: int, declared: int | None) -> bool:
-    """Tell whether rows run over line ends: does each begin on a new line, or does each line hold whole rows?"""
+    """Tell whether rows are wrapped, each beginning on a new line, or lines hold one or more whole rows."""
     total, ends = int(counts.sum()), np.cumsum(counts)
     if total < columns:
         return False
@@ -204,7 +204,7 @@ def _is_wrapped(counts: Ints, columns: int, declared: int | None) -> bool:
 
 
 def _note_cut(notes: Notes, at: int, found: int, columns: int, whole: int, declared: int | None) -> None:
-    """Note that the rest of a file is lost that ends in mid-row: no small thing; a scrap after the last row is."""
+    """Note that a file ends in the middle of a row: an error if frames are missing, else a warning."""
     lost = declared is None or whole < declared
     rest = "the file is cut short; export or copy it again, or let `footfix inspect --repair` take that row out"
     notes.add("last-row-cut", f"the last row has {found} of {columns} numbers: "
@@ -222,7 +222,7 @@ def _misfit(cursor: Cursor, starts: Ints, firsts: Ints, counts: Ints, layouts: l
 
 
 def _gather(rows: Rows, columns: int) -> Rows:
-    """Gather rows that begin anywhere into an array; rows too short are interpolated from whole neighbours."""
+    """Gather rows into an array; values that short rows lack are interpolated from whole neighbours."""
     first, flat = rows.first, rows.values
     assert first is not None
     index = first[:, None] + np.arange(columns)

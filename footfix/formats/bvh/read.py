@@ -1,4 +1,4 @@
-"""Reading BVH: without loss, and as a person would mean it; what has no meaning is refused, saying where and why."""
+"""Reading BVH: without loss, as its author most likely meant it; an error says where and why a file can't be read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from footfix.formats.bvh.hierarchy import read_hierarchy
 from footfix.formats.bvh.motion import Headings, read_headings, read_rows
 from footfix.formats.bvh.numbers import number
 from footfix.formats.bvh.rows import Rows
-from footfix.formats.bvh.text import Cursor, Limits, Notes, refuse_strangers, unmask
+from footfix.formats.bvh.text import Cursor, Limits, Notes, refuse_other_formats, searchable_text
 from footfix.formats.bvh.tree import Hierarchy
 from footfix.motion.clip import frozen
 
@@ -27,10 +27,10 @@ def decode(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document
     Args:
         data: the file.
         name: what it is called in errors.
-        limits: beyond these it is refused.
+        limits: a file beyond them is refused.
 
     Raises:
-        InputError: it is no BVH, or damaged beyond reading; with line and column.
+        InputError: it is not BVH, or too damaged to read; with line and column.
     """
     try:
         return _decode(data, name, limits)
@@ -39,16 +39,16 @@ def decode(data: bytes, *, name: str = "", limits: Limits = _LIMITS) -> Document
 
 
 def glance(head: bytes, *, limits: Limits = _LIMITS) -> None:
-    """Look at the first bytes of a large file, so that gigabytes of something else need not be read.
+    """Check the first bytes of a large file, so that gigabytes of something else need not be read.
 
     Args:
         head: the first bytes.
-        limits: if there are as many as a header may have, the motion must have begun in them.
+        limits: a head as long as `limits.header` must contain the beginning of the motion.
 
     Raises:
-        InputError: whatever follows, it will be refused.
+        InputError: the file will be refused, whatever follows.
     """
-    refuse_strangers(head)
+    refuse_other_formats(head)
     wide = head.startswith((b"\xff\xfe", b"\xfe\xff"))
     if len(head) >= limits.header and not wide and not _MOTION.search(head):
         raise InputError(f"there is no MOTION in the first {limits.header} bytes", hint="limits.header allows more")
@@ -59,7 +59,7 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
         raise InputError(f"{len(data)} bytes, more than {limits.bytes}", hint="limits.bytes allows more")
     notes = Notes()
     notes.text = data
-    text, encoding = unmask(data, notes)
+    text, encoding = searchable_text(data, notes)
     notes.text = text
     cursor = Cursor(text, notes)
     tree = read_hierarchy(cursor, limits)
@@ -84,10 +84,10 @@ def _decode(data: bytes, name: str, limits: Limits) -> Document:
 
 
 def _fit(cursor: Cursor, tree: Hierarchy, headings: Headings, limits: Limits) -> Rows:
-    """Read the rows, and settle by them what the channels are.
+    """Read the rows, and decide by their length what the channels are.
 
-    A row may have the channels of End Sites, or do without. Where the count after CHANNELS is not that of the
-    names, rows of as many numbers as there are names settle it; else it is what's wrong with the file.
+    Rows may hold the channels of End Sites or leave them out. Where the count after CHANNELS differs from the number
+    of names, rows as long as there are names decide for the names; else the count is reported as the error.
     """
     columns = len(tree.channels)
     layouts = [columns, columns - len(tree.end_channels)] if tree.end_channels else [columns]

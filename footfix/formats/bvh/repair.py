@@ -1,6 +1,6 @@
-"""Write what a strict reader wants, and say what was changed.
+"""Repair a BVH file so that strict readers can read it, with a note for each change.
 
-Whatever is in order stays as it stands in the file; a hierarchy that is not is written anew, and so are the rows.
+Parts in order stay as they are in the file; a hierarchy, headings or rows that are not are rewritten.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _AXES = "XYZ"
 _LONGEST = 64  # [bytes] of a number that is left as it is written
 _DECIMALS = 9  # of a number that was written with an exponent, or had to be filled in
 
-# What each note of the reader is mended by: the hierarchy anew, the rows anew, or the lines of the headings.
+# How each oddity that the reader notes is repaired: by rewriting the hierarchy, the rows or the headings.
 _HIERARCHY = {
     "byte-order-mark": "byte order mark taken out", "encoding-utf16": "written as UTF-8",
     "name-encoding": "names written as UTF-8", "name-empty": "names given to joints without one",
@@ -75,15 +75,15 @@ _PARAMS = RepairParams()
 
 
 def repair(document: Document, params: RepairParams = _PARAMS) -> tuple[bytes, tuple[Note, ...]]:
-    """Make the file as a strict reader wants it; say what was changed.
+    """Repair a file so that strict readers can read it, with a note for each change.
 
     Args:
         document: the file.
         params: what is filled in.
 
     Returns:
-        The bytes to write, in UTF-8, and a note for each change, with the id of the oddity that is mended; those
-        of severity "error" say what could not be. A file without oddities comes back as it is.
+        The bytes to write, in UTF-8, and a note for each change, with the id of the oddity that is repaired; notes
+        of severity "error" tell what could not be. A file without oddities is returned unchanged.
     """
     odd = {note.id: note for note in document.notes}
     values, filled, notes = _fill(document, params)
@@ -127,7 +127,7 @@ def _exact(values: Floats) -> bytes:
 
 
 def _with_end_sites(skeleton: Skeleton) -> Skeleton:
-    """Let limbs that end without an End Site go on as they came, half as far."""
+    """Add an End Site to each limb that lacks one: in the direction of its last bone, half as long."""
     ended = set(skeleton.end_parents.tolist())
     bare = [j for j, children in enumerate(skeleton.children) if not children and j not in ended]
     return replace(
@@ -159,7 +159,7 @@ def _heading_change(document: Document, id: str) -> str:
 
 
 def _fill(document: Document, params: RepairParams) -> tuple[Floats, Bools, list[Note]]:
-    """Fill short gaps in the values; say which those are, and what is to be told."""
+    """Fill short gaps in the values; return the values, which were filled, and the notes about it."""
     values = document.values
     with np.errstate(invalid="ignore"):
         bad = ~(np.abs(values) < HUGE)
@@ -188,7 +188,7 @@ def _fill(document: Document, params: RepairParams) -> tuple[Floats, Bools, list
 
 
 def _bridge(column: Floats, start: int, end: int, *, wraps: bool) -> None:
-    """Fill `column[start:end]` in a straight line between its neighbours; angles go the shorter way round."""
+    """Fill `column[start:end]` by linear interpolation between its neighbours; angles by the shorter way round."""
     before = column[start - 1] if start else column[end]
     after = column[end] if end < len(column) else column[start - 1]
     step = after - before

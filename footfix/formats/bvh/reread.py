@@ -1,6 +1,6 @@
-"""What a file says after some of its numbers were written anew, without reading it again.
+"""The motion of a file after some of its numbers were replaced, found without reading it again.
 
-Reading is the slowest step of all, and the writer knows what it wrote: fixed decimals, which mean one number each.
+Reading is the slowest step of all, and the values of the new numbers are known from writing them.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ Column = Callable[[int], Floats]
 
 
 def reread_motion(document: Document, new: Mapping[int, Floats]) -> Clip | None:
-    """Find the motion that a document would have if it were written with other numbers and read again.
+    """Find the motion that a document would have if some numbers were replaced and it were read again.
 
     Args:
         document: the file as it was.
-        new: column -> (F,) what its numbers are now, in the file's units, or degrees.
+        new: column -> (F,) [file units, or degrees] its numbers after writing.
 
     Returns:
-        The clip [m], y up, to the last bit what reading gives; None where only reading can say: a row that is odd
-        may be read otherwise when its numbers change, and so may channels that were zero throughout.
+        The clip [m], y up, equal to the last bit to what reading gives; None where it must be read to know: irregular
+        rows, and channels that were zero throughout, may be interpreted differently with other numbers.
     """
     rows = document.rows
     if rows.text is not document.text or rows.first is not None or rows.comma:
@@ -43,7 +43,7 @@ def reread_motion(document: Document, new: Mapping[int, Floats]) -> Clip | None:
     roots = [joint for joint in changed if clip.skeleton.parents[joint] < 0]
     others = [joint for joint in changed if clip.skeleton.parents[joint] >= 0]
     places, turns = dict[int, Floats](), dict[int, Floats]()
-    for joints, up in ((roots, document.up), (others, "y")):  # below the roots there are no axes of the file
+    for joints, up in ((roots, document.up), (others, "y")):  # below the roots the file's axes don't matter
         if joints:
             alone = placed(_alone(document, joints, column), document.unit_m, up)
             places |= {joint: alone.position(k) for k, joint in enumerate(joints) if joint in owners["P"]}
@@ -52,7 +52,7 @@ def reread_motion(document: Document, new: Mapping[int, Floats]) -> Clip | None:
 
 
 def _alone(document: Document, joints: Sequence[int], column: Column) -> Clip:
-    """Take some joints, each by itself, in the units and axes of the file."""
+    """Make a clip of some joints, each as a root, in the units and axes of the file."""
     own = {joint: k for k, joint in enumerate(joints)}
     mine = [k for k, channel in enumerate(document.channels) if channel.joint in own]
     channels = [document.channels[k]._replace(joint=own[document.channels[k].joint]) for k in mine]

@@ -1,4 +1,4 @@
-"""The motion rows as numbers, and where each stands in the text."""
+"""The motion rows as numbers, and where each is in the text."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ class Rows:
 
     Args:
         values: (F, C) the numbers.
-        text: the text in which words are numbers: the file's, with what is no number blanked out, every byte
-            in its place.
+        text: the file's text with everything but numbers blanked out, so that offsets stay the same.
         start, stop: where the numbers begin and end in it.
         first: (F,) for each row the index of its first word, or None where row f begins at word f C.
         width: (F,) for each row how many words it has, or None where all have C or more.

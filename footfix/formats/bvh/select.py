@@ -1,4 +1,4 @@
-"""Some frames of a file as a file: the hierarchy and every row as they stand, and another number of frames."""
+"""Some frames of a file as a file of its own: hierarchy and rows as they are, with another number of frames."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits =
         limits: beyond these it can't be read again.
 
     Returns:
-        A document whose text holds the header of the file, with the new number of frames, and the rows of those
-        frames as they are written; what it says of unit, axes and oddities is the file's.
+        A document of the file's header, with the new number of frames, and the rows of those frames as they are
+        written; its unit, axes and notes are the file's.
     """
     which = np.asarray(frames, dtype=np.intp)
     text, rows = document.text, document.rows
@@ -47,7 +47,7 @@ def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits =
 
 
 def header_for(document: Document, frames: int) -> tuple[bytes, bytes]:
-    """Write a file's header as it stands, for another number of frames, with the end of its last line; its newline."""
+    """Copy a file's header for another number of frames, with its last line end; return it and the newline used."""
     text = document.text
     newline = b"\r\n" if b"\r\n" in text[:1000] else b"\n" if b"\n" in text[:1000] else b"\r"
     head = text[: document.motion_at] + _FRAMES.sub(

@@ -1,4 +1,4 @@
-"""Writing: new numbers are spliced into the old text, and everything else is copied."""
+"""Writing: new numbers are put into the old text in place of the old ones, and everything else is copied."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from footfix.formats.bvh.channels import Change
-from footfix.formats.bvh.digits import Bytes, fixed, meant
+from footfix.formats.bvh.digits import Bytes, fixed, read_back
 from footfix.formats.bvh.numbers import decimals, token_chunks, tokens
 from footfix.formats.bvh.rows import Rows, consecutive
 from footfix.motion.clip import Bools, Floats, Ints
@@ -18,7 +18,7 @@ from footfix.motion.clip import Bools, Floats, Ints
 LEAST_DECIMALS = 6  # of a number that changes: a micrometre in a file in metres
 _LONGEST = 64  # [bytes] of a number that goes into a table of letters
 _WIDEST_GAP = 16  # [bytes] between numbers that are written together
-_ROW_END = b"\xff"  # between rows of new numbers; no number and hardly a blank has it
+_ROW_END = b"\xff"  # between rows of new numbers; never part of a number, hardly ever of the gaps between
 
 RowBlock = tuple[int, Ints, Ints]  # first frame; where each number starts and ends, (rows, C)
 Columns = dict[int, Floats]  # column -> (F,) its numbers
@@ -30,10 +30,10 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, C
     Args:
         text: the file.
         rows: where its numbers stand.
-        changed: what is to stand there.
+        changed: the new numbers.
 
     Returns:
-        The new text, and what it says in the columns that were to change; of rows that lack numbers, nothing.
+        The new text, and the numbers that it holds in the columns with changes; none of rows that lack numbers.
     """
     changed = sorted((change for change in changed if change.frames.any()), key=lambda change: change.column)
     numbers = {change.column: rows.values[:, change.column].copy() for change in changed}
@@ -58,7 +58,7 @@ def splice(text: bytes, rows: Rows, changed: Sequence[Change]) -> tuple[bytes, C
 
 
 def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
-    """Write a row that lacks numbers anew, all of it: it can't be mended number by number."""
+    """Write a whole row in place of one that lacks numbers, which can't be replaced number by number."""
     values = rows.values[frame].copy()
     for change in changed:
         values[change.column] = change.values[frame]
@@ -67,7 +67,7 @@ def _row_text(rows: Rows, frame: int, changed: list[Change]) -> bytes:
 
 
 def row_blocks(rows: Rows) -> Iterator[RowBlock]:
-    """List the places of all numbers, some thousand rows at a time; a row that lacks some comes by itself."""
+    """List where all numbers are, some thousand rows at a time; a row that lacks some is a block by itself."""
     columns = rows.values.shape[1]
     if not rows.values.size:
         return
@@ -91,13 +91,13 @@ def row_blocks(rows: Rows) -> Iterator[RowBlock]:
 def _splice_block(
     text: bytes, rows: Rows, span: slice, starts: Ints, ends: Ints, changed: list[Change], done: int, numbers: Columns
 ) -> tuple[bytes, int]:
-    """Write the text from `done` up to the block's last new number, and note its numbers in `numbers`; give its end."""
+    """Write the text from `done` to the block's last new number, record its numbers in `numbers`; return the end."""
     columns = np.array([change.column for change in changed])
     mask = np.stack([change.frames[span] for change in changed], axis=1)
     values = np.stack([change.values[span] for change in changed], axis=1)
     starts, ends = starts[:, columns], ends[:, columns]
     places = max(LEAST_DECIMALS, int(decimals(rows.text, starts, ends).max(where=mask, initial=0)))
-    # A number that would say the same at the decimals written stays as it is.
+    # A number that would be the same at the decimals written stays as it is.
     mask &= np.isfinite(values)
     mask &= np.abs(values - rows.values[span, columns]) > 0.5 * 10.0**-places
     used = np.flatnonzero(mask.any(axis=1))
@@ -105,7 +105,7 @@ def _splice_block(
         return b"", done
     if len(used) < len(starts):
         starts, ends, mask, values = starts[used], ends[used], mask[used], values[used]
-    _note_down(numbers, columns, span.start + used, mask, meant(values[mask], places))
+    _note_down(numbers, columns, span.start + used, mask, read_back(values[mask], places))
     low, high = int(starts[0, 0]), int(ends[-1, -1])
     if (ends - starts).max() > _LONGEST or any(text.find(own, low, high) >= 0 for own in (b"\0", _ROW_END)):
         return _one_by_one(text, rows.comma, starts[mask], ends[mask], fixed(values[mask], places), done)
@@ -123,7 +123,7 @@ def _splice_block(
 
 
 def _one_by_one(text: bytes, comma: bool, starts: Ints, ends: Ints, new: Bytes, done: int) -> tuple[bytes, int]:
-    """Replace number by number what does not fit into tables of letters."""
+    """Replace one number after the other: for numbers or gaps too long for arrays of characters."""
     pieces = list[bytes]()
     for start, end, letters in zip(starts.tolist(), ends.tolist(), new, strict=True):
         word = letters.tobytes().translate(None, b"\0")
@@ -140,7 +140,7 @@ def _note_down(numbers: Columns, columns: Ints, frames: Ints, mask: Bools, new: 
 
 
 def _words(text: bytes, starts: Ints, ends: Ints) -> Bytes:
-    """Make (N, longest) the letters of words, NUL behind them."""
+    """Copy words into an array (N, longest) of characters, padded with NUL at the end."""
     sizes = ends - starts
     low, longest = int(starts[0]), int(sizes.max())
     raw = np.frombuffer(text, np.uint8, min(len(text), int(starts[-1]) + longest) - low, low)
@@ -151,7 +151,7 @@ def _words(text: bytes, starts: Ints, ends: Ints) -> Bytes:
 
 
 def _run_text(text: bytes, comma: bool, starts: Ints, ends: Ints, mask: Bools, formatted: Bytes) -> list[bytes]:
-    """Write the text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers as they were."""
+    """Write the text of neighbouring columns (rows, n), row by row; gaps and unchanged numbers are copied."""
     count, n = starts.shape
     raw = np.frombuffer(text, np.uint8)
     if comma:

@@ -1,6 +1,6 @@
-"""What a file is, and how its text is walked: encodings, words, lines and columns.
+"""What kind of file the bytes are, and a cursor over its text: encodings, words, lines and columns.
 
-Everything works on bytes and on offsets into them, so that what is not changed can be given back as it was.
+Everything works on bytes and on offsets into them, so that unchanged parts can be copied to the byte.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from footfix.notes import Note, Severity
 _WORD = re.compile(rb"[{}]|[^\s{}]+")
 _COMMENT = re.compile(rb"(?:#|//|;)[^\r\n]*")
 
-# What is found under the name .bvh and is none, by its first bytes.
-_STRANGERS = (
+# Other formats that are found under the name .bvh: first bytes, what it is, what to do.
+_OTHER_FORMATS = (
     (b"version https://git-lfs", "this is a Git LFS pointer, not the file itself", "fetch it with `git lfs pull`"),
     (b"Kaydara FBX Binary", "this is a binary FBX file under the name of a BVH", "export it as BVH"),
     (b"; FBX", "this is an FBX text file under the name of a BVH", "export it as BVH"),
@@ -33,36 +33,36 @@ _STRANGERS = (
 )
 
 
-def refuse_strangers(head: bytes) -> None:
-    """Name what is found under the name of a BVH and is none, by its first bytes.
+def refuse_other_formats(head: bytes) -> None:
+    """Refuse files of other formats under the name of a BVH, told by their first bytes.
 
     Raises:
-        InputError: it is one of those.
+        InputError: it is one of those; says which, and what to do.
     """
     start_of_text = head[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    for start, what, hint in _STRANGERS:
+    for start, what, hint in _OTHER_FORMATS:
         if start_of_text[: len(start)].lower() == start.lower():
             raise InputError(what, hint=hint)
 
 
-def unmask(data: bytes, notes: Notes) -> tuple[bytes, str]:
-    """Decode a file as bytes that words can be found in; say in which encoding to give it back.
+def searchable_text(data: bytes, notes: Notes) -> tuple[bytes, str]:
+    """Decode a file to ASCII-compatible bytes, in which words can be searched for; return the encoding to write in.
 
     Args:
         data: the file.
-        notes: told what was assumed.
+        notes: assumptions are added here.
 
     Returns:
         (text, encoding): the encoding is empty where the text is the file itself.
 
     Raises:
-        InputError: it is empty, or something else than BVH.
+        InputError: it is empty, or something other than BVH.
     """
     blank = b"\0 \t\r\n\x1a"
-    if not data[:4096].strip(blank) and not data.strip(blank):  # stripping copies: not what is large and sound
+    if not data[:4096].strip(blank) and not data.strip(blank):  # stripping copies: not of sound files
         what = "the file is empty" if not data else "the file holds nothing but blanks"
         raise InputError(what, hint="export or download it again")
-    refuse_strangers(data)
+    refuse_other_formats(data)
     for bom, encoding in ((b"\xff\xfe\0\0", "utf-32"), (b"\0\0\xfe\xff", "utf-32"),
                           (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be")):  # fmt: skip
         if data.startswith(bom):
@@ -88,7 +88,7 @@ def _from_wide(data: bytes, encoding: str, notes: Notes) -> bytes:
 
 
 def readable(word: bytes | str, limit: int = 40) -> str:
-    """Make a word of a file fit to be shown: printable, and not long."""
+    """Make a word of a file safe to show: printable characters only, and not too long."""
     shown = word[: limit + 1] if isinstance(word, str) else word[: limit + 1].decode("utf-8", "replace")
     shown = "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in shown)
     return shown if len(shown) <= limit else shown[:limit] + "..."
@@ -105,7 +105,7 @@ def place(text: bytes, offset: int) -> tuple[int, int]:
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What is too much. A file beyond them is refused before memory is spent on it.
+    """How large a file may be. A file beyond a limit is refused before memory is spent on it.
 
     Args:
         bytes: of a file; the default holds an hour of 200 joints at 120 frames per second [bytes].
@@ -149,7 +149,7 @@ class Notes:
 
 @dataclass
 class Cursor:
-    """Walks over a text word by word. `start` is where the last word began, `pos` where it ended."""
+    """A cursor that reads a text word by word. `start` is where the last word began, `pos` where it ended."""
 
     text: bytes
     notes: Notes
@@ -165,7 +165,7 @@ class Cursor:
                 return b""
             self.start = found.start()
             if not found[0].startswith((b"#", b"//", b";")):
-                # a word of many megabytes is no word of this format: its beginning says enough
+                # a word of many megabytes is none of this format: its beginning is enough to see that
                 return self.text[self.start : min(found.end(), self.start + 1000)]
             comment = _COMMENT.match(self.text, self.start)
             if not self.notes.has("comment"):
@@ -185,6 +185,6 @@ class Cursor:
         return found[0] if found else b""
 
     def fail(self, what: str, *, at: int | None = None, hint: str = "") -> InputError:
-        """Make the error that says where the walk stopped making sense."""
+        """Make the error for text that can't be read, with its line and column."""
         line, column = place(self.text, self.start if at is None else at)
         return InputError(what, line=line, column=column, hint=hint)

@@ -14,8 +14,8 @@ class Channel(NamedTuple):
     """One column of the motion rows.
 
     Args:
-        joint: whose it is; -1 where an End Site or a kind that is passed over (scale) owns it.
-        kind: "P" position, "R" rotation, "" passed over.
+        joint: index of its joint; -1 for a channel of an End Site, or of a kind that is ignored (scale).
+        kind: "P" position, "R" rotation, "" ignored.
         axis: 0, 1, 2 for x, y, z.
     """
 

@@ -1,4 +1,4 @@
-"""Writing BVH: only those numbers are new that had to change, and all else is the file's own text."""
+"""Writing BVH: only the numbers that changed are replaced; everything else is the file's own text."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _LIMITS = Limits()
 def encode(document: Document, clip: Clip | None = None) -> bytes:
     """Write the file with the motion of `clip`.
 
-    Where `clip` has the very numbers of `document.clip`, the text stays as it is to the byte. Elsewhere the
-    numbers of the channels that changed are replaced: with the file's own decimals and at least 6, without
-    exponents, on the Euler branch nearest to the file's own angles.
+    Where the values of `clip` equal those of `document.clip`, the text stays the same to the byte. The numbers of
+    channels that changed are replaced: with as many decimals as the file has and at least 6, without exponents, on
+    the Euler branch nearest to the file's own angles.
 
     Args:
         document: the file.
@@ -31,12 +31,12 @@ def encode(document: Document, clip: Clip | None = None) -> bytes:
 
 
 def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tuple[bytes, Clip]:
-    """Write the file with the motion of `clip`, as `encode` does, and say what reading it again will find.
+    """Write the file with the motion of `clip`, as `encode` does, and return the clip that reading it again gives.
 
     Args:
         document: the file.
         clip: F frames of its joints [m], y up.
-        limits: beyond these it can't be read again.
+        limits: those that it is read again with.
 
     Returns:
         The file, and the motion in it [m], y up; `document.clip` itself where nothing changed.
@@ -58,13 +58,13 @@ def _encoded(document: Document, text: bytes) -> bytes:
 
 
 def _spliced(document: Document, clip: Clip) -> tuple[bytes, Columns]:
-    """Splice the motion of `clip` into the text; say what it holds in the columns that changed."""
+    """Put the motion of `clip` into the text; return it, and the numbers of the columns that changed."""
     old, rows = document.clip, document.rows
     if clip is old:
         return document.text, {}
     if (len(clip), len(clip.skeleton)) != (len(old), len(old.skeleton)):
         of = [f"{len(each)} frames of {len(each.skeleton)} joints" for each in (clip, old)]
         raise ValueError(f"the clip has {of[0]}, the file {of[1]}")
-    with np.errstate(invalid="ignore"):  # numbers that are none stay as they stand
+    with np.errstate(invalid="ignore"):  # NaN in the file stays as it is
         found = changes(document.channels, rows.values, document.base, old, clip, document.unit_m, document.up)
         return splice(document.text, rows, list(found))

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.formats.bvh.channels import check_belief
+from footfix.formats.bvh.channels import check_unit_and_up
 from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.gltf.container import Container
 from footfix.formats.gltf.grid import Grid
@@ -147,7 +147,7 @@ class Document:
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
         """Give the same file another belief about its unit and its upward axis."""
         unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
-        check_belief(unit_m, up)
+        check_unit_and_up(unit_m, up)
         document = replace(self, unit_m=unit_m, up=up)
         for key in ("file_clip", "scales", "crooked", "unusable"):
             if key in self.__dict__:

@@ -1,1 +1,1 @@
-"""The pages that people open in a browser: one HTML file each, which loads nothing."""
+"""The pages for a browser: one HTML file each, which loads no other files."""

@@ -1,4 +1,4 @@
-"""Which lines make the figure: every bone but poles to joints that do not belong to it."""
+"""Which bones of a skeleton are drawn: all but lines to roots, targets and props that are no part of the body."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 
-_STRETCHES = 0.1  # of the figure's height: what grows or shrinks by more is no bone
-_PLACES = 200  # frames that are looked at, at most
+_STRETCHES = 0.1  # of the figure's height: a line whose length changes by more is no bone
+_PLACES = 200  # frames that are examined, at most
 
 
 def bones_of(parents: Sequence[int], joints: int, places: Floats) -> tuple[tuple[int, int], ...]:
     """Choose the bones that are drawn.
 
-    A root that stays where it is while the figure walks away would be drawn as a pole to its hips, and one on the floor
-    below them as a third leg. So what lies above the first joint with two branches is left out, and so is every line
-    whose length changes much over the clip (targets and props that hang on such a root).
+    A root that stays at the origin while the figure walks away would be drawn as a pole to its hips, and one on the
+    floor below them as a third leg. So the joints above the first one with two branches are left out, and so is every
+    line whose length changes much over the clip (targets and props below such a root).
 
     Args:
         parents: (J,) -1 for a root; joints first, then End Sites.
@@ -42,7 +42,7 @@ def bones_of(parents: Sequence[int], joints: int, places: Floats) -> tuple[tuple
 
 
 def _above_the_figure(parents: Sequence[int], joints: int) -> set[int]:
-    """The joints whose line to their parent is left out: from each root down to the first joint with two branches."""
+    """Find the joints whose line to their parent is left out: from each root to the first joint with two branches."""
     children: dict[int, list[int]] = {}
     for child, parent in enumerate(parents[:joints]):
         children.setdefault(parent, []).append(child)
@@ -52,6 +52,6 @@ def _above_the_figure(parents: Sequence[int], joints: int) -> set[int]:
         while len(children.get(at, [])) == 1:
             (at,) = children[at]
             chain.append(at)
-        if at in children:  # it ends in a branch, not in a leaf: a chain alone is a figure, too
+        if at in children:  # the chain ends in a branch; one that ends in a leaf is a figure itself
             found.update(chain)
     return found

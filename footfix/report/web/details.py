@@ -1,4 +1,4 @@
-"""How a clip was done, in words: every value of the report's rig, correction and settings as a row of a table."""
+"""The details of a report: every value of its rig, correction and settings in words, as a row of a table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PARTS = {
     "settings": "Settings",
     "seconds": "Times",
 }
-# What a key ends in -> the unit of its value.
+# Ending of a key -> the unit of its value.
 _UNITS = {
     "m": "m", "mm": "mm", "cm": "cm", "deg": "degrees", "s": "s", "cm_s": "cm/s", "m_s": "m/s", "m_s2": "m/s²",
     "deg_s": "degrees/s", "hz": "Hz", "fps": "frames/s",
@@ -24,7 +24,7 @@ _UNITS = {
 
 
 def details_table(report: Report) -> str:
-    """Write how it was done: rig, correction, settings and times, as table rows under a heading for each part."""
+    """Write rig, correction, settings and times as table rows, under a heading for each part."""
     parts = []
     for key, title in _PARTS.items():
         part = report.get(key) if key else {name: report.get(name) for name in ("method", "output")}
@@ -45,7 +45,7 @@ def _row(path: Sequence[str], value: str, unit: str) -> str:
 
 
 def _leaves(path: tuple[str, ...], value: Any, unit: str = "") -> Iterator[tuple[tuple[str, ...], str, str]]:
-    """The path, the words and the unit of every value below one; what is not said is left out."""
+    """List path, words and unit of every value within a value; those without words are left out."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             words, of_key = _words_of(str(key))
@@ -62,7 +62,7 @@ def _leaves(path: tuple[str, ...], value: Any, unit: str = "") -> Iterator[tuple
 
 
 def _words_of(key: str) -> tuple[str, str]:
-    """A key as words, and the unit that it ends in."""
+    """Split a key into its words and the unit that it ends in."""
     pieces = key.split("_")
     for count in (3, 2, 1):
         unit = "_".join(pieces[-count:])
@@ -72,7 +72,7 @@ def _words_of(key: str) -> tuple[str, str]:
 
 
 def _said(value: Any) -> str:
-    """A value in words; "" for one that is not said."""
+    """Write a value in words; "" for one that is not shown."""
     if value is None or value == "":
         return ""
     if isinstance(value, bool):

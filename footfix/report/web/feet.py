@@ -1,4 +1,4 @@
-"""The outline of a mesh's soles for the page: parts of the foot, each laid by three places that the page knows."""
+"""The outline of a mesh's soles for the page: parts of the foot, each placed by three points that the page has."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from footfix.motion.kinematics import Pose, forward
 from footfix.rig.mesh import FootMesh
 from footfix.rig.rig import Rig
 
-_FRAMES = 25  # of a clip, from which it is told where an outline lies in its part
+_FRAMES = 25  # frames of a clip that the place of an outline in its part is measured on
 _CORNERS = 24  # of an outline, at most
 
 _PARTS: tuple[Part, ...] = ("heel", "toe")
@@ -29,8 +29,8 @@ class SolePart:
 
     Args:
         lane: the sole point it belongs to.
-        at, to, beside: places that move with it. It is drawn from `at`, its first axis is the way to `to`, and its
-            third is across that and the way to `beside`.
+        at, to, beside: points that move with it. `at` is its origin, its first axis points to `to`, and its third is
+            perpendicular to that and to the direction of `beside`.
         outline: (N, 3) [m] its corners along these axes.
     """
 
@@ -74,7 +74,7 @@ def sole_parts(clip: Clip, rig: Rig) -> tuple[SolePart, ...]:
 def _places(
     clip: Clip, rig: Rig, number: int, part: Part, lanes: Mapping[tuple[int, Part], int]
 ) -> tuple[Place, Place, Place]:
-    """Choose three places that move with a part of a foot."""
+    """Choose three points that move with a part of a foot."""
     leg = rig.legs[number]
     heel, toe = ("point", lanes[number, "heel"]), ("point", lanes[number, "toe"])
     if leg.toe is None:
@@ -93,7 +93,7 @@ def _places(
 def _along(
     pose: Pose, rig: Rig, clip: Clip, places: tuple[Place, Place, Place], mesh: FootMesh, corners: Any
 ) -> Floats:
-    """(N, 3) [m] where corners usually are along the axes of a part."""
+    """Find the median places of corners along the axes of a part (N, 3) [m]."""
     at, to, beside = (_track(pose, rig, clip, place) for place in places)
     first = _unit(to - at)
     third = _unit(np.cross(first, beside - at))

@@ -114,12 +114,12 @@ def _tiles(judged: Sequence[tuple[IndexRow, Verdict]]) -> str:
 
 
 def _came_worse(report: Report, verdict: Verdict) -> bool:
-    """Whether some plant slides farther than before, or a measure of the first screen grew."""
+    """Tell whether a plant slides farther than before, or a measure of the first screen grew."""
     return bool(verdict.worse) or any(row.worse for row in measure_rows(report) if row.headline)
 
 
 def _link(row: IndexRow, frame: int | None = None) -> str:
-    """The name of a clip, as a link to its page, and to a frame of it, where it has one."""
+    """Write the name of a clip, as a link to a frame on its page where it has one."""
     if not row.page:
         return path_name(row.source)
     return f'<a href="{_address(row.page)}{"" if frame is None else f"#f={frame}"}">{path_name(row.source)}</a>'
@@ -152,23 +152,23 @@ def _row(row: IndexRow, verdict: Verdict, pictured: bool) -> str:
 
 
 def _without_path(error: str, source: str) -> str:
-    """An error without the path that it begins with: the clip's name stands beside it."""
+    """Cut the path from the beginning of an error, since the clip's name is shown beside it."""
     at = error.find(f"{source}:")
     return error[at + len(source) + 1 :].strip() if at >= 0 else error
 
 
 def _address(page: str) -> str:
-    """A relative address that can't be taken for one with a scheme or a host of its own."""
+    """Write a relative address so that it can't be read as one with a scheme or a host."""
     try:
-        raw = page.encode("utf-8", "surrogateescape")  # a name that is no UTF-8 keeps its bytes
+        raw = page.encode("utf-8", "surrogateescape")  # a name that is not UTF-8 keeps its bytes
     except UnicodeEncodeError:
         raw = page.encode("utf-8", "surrogatepass")
     return text("./" + quote(raw, safe="/").lstrip("/"))
 
 
 def _offenders(rows: Sequence[IndexRow]) -> Iterator[str]:
-    pairs = [(row, offender) for row in rows for offender in row.offenders[:2]]  # one clip must not fill the wall
-    pairs = [pair for pair in pairs if max(pair[1].before_mm, pair[1].after_mm) >= 1.0]  # these two stand still
+    pairs = [(row, offender) for row in rows for offender in row.offenders[:2]]  # one clip must not fill the list
+    pairs = [pair for pair in pairs if max(pair[1].before_mm, pair[1].after_mm) >= 1.0]  # others hardly slide
     pairs.sort(key=lambda pair: (pair[1].after_mm, pair[1].before_mm), reverse=True)
     for row, offender in pairs[:MOST_OFFENDERS]:
         title = f"{offender.effector.replace('_', ' ')}, frames {offender.start}–{offender.end}"
@@ -180,7 +180,7 @@ def _offenders(rows: Sequence[IndexRow]) -> Iterator[str]:
 
 
 def _figure(drawing: Thumbnail) -> str:
-    """A figure before and after, small; what is no drawing (a journal of another version) is left out."""
+    """Draw a figure before and after, small; nothing if its data is invalid (from a journal of another version)."""
     if len(drawing) != len(LAYERS) or not all(isinstance(path, str) and _PATH.fullmatch(path) for path in drawing):
         return ""
     paths = "".join(f'<path class="{layer}" d="{path}"/>' for layer, path in zip(LAYERS, drawing, strict=True) if path)
@@ -188,7 +188,7 @@ def _figure(drawing: Thumbnail) -> str:
 
 
 def _picture(offender: Offender) -> str:
-    """The way of a plant from above, before and after, with the ring of what viewers notice."""
+    """Draw the path of a plant from above, before and after, with the 21 mm circle that viewers notice."""
     reach = 1.3 * NOTICED_MM
     places = [(-reach, -reach), (reach, reach), *offender.path_before, *offender.path_after]
     (x0, x1), (z0, z1) = ((min(axis), max(axis)) for axis in zip(*places, strict=True))
@@ -196,7 +196,7 @@ def _picture(offender: Offender) -> str:
     left, top = (scale * (low + high) / 2 - _SIZE / 2 for low, high in ((x0, x1), (z0, z1)))
 
     def line(path: Path) -> str:
-        # A point alone is drawn too: a line of no length with round ends.
+        # A single point becomes a line of zero length, whose round ends show as a dot.
         return "M" + " ".join(f"{x * scale:.1f} {z * scale:.1f}" for x, z in (path if len(path) > 1 else path * 2))
 
     return (

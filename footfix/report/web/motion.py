@@ -52,19 +52,19 @@ class Motion:
         parents: (J,) -1 for a root.
         root: the joint that carries the figure's travel.
         bones: (parent, child) joints that a line is drawn between.
-        hips: the joint at the top of each leg and its side, "left", "right" or "" where sides mean nothing.
+        hips: the joint at the top of each leg and its side: "left", "right" or "" where it has none.
         legs: hip, knee and ankle of each leg.
         leg_names: the name of each leg, `front_left`.
         soles: (E,) the joint that carries each sole point, in the order of the contacts' effectors.
         sole_names: (E,) their names, `left_heel`.
-        seen: (E,) the joint that measures look at: of a toe the toe joint, of a heel the ankle; -1 where only the
-            sole point is there to be looked at.
-        by_sole: (D, E) where it is the sole point that they look at all the same: a heel that stands alone.
-        counts: (D, E) the frames of plants that they count.
+        seen: (E,) the joint that the slide is measured on: of a toe the toe joint, of a heel the ankle; -1 where the
+            foot has none and the sole point is measured.
+        by_sole: (D, E) where the sole point is measured in place of that joint: a heel planted without its toe.
+        counts: (D, E) the frames of plants that count for the slide.
         ground: (D, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
         joints_before, joints_after: (D, J, 3) [m] y up.
         soles_before, soles_after: (D, E, 3) [m].
-        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of what measures look at, over the ground.
+        speeds_before, speeds_after: (D, E) [m/s] horizontal speed of what is measured, over the ground.
         floor: [m] height of the floor.
         meshes: the soles of a skin, where one was given.
     """
@@ -109,7 +109,7 @@ def film(
     Args:
         before, after: the clip as read and as written [m], y up.
         rig: its legs and sole points.
-        contacts: when each sole point is planted, in the order of `rig.soles`; never where it is not said.
+        contacts: when each sole point is planted, in the order of `rig.soles`; without them never.
         ground: (F, 3) [m] how far the ground under planted feet has moved, as on a treadmill; at rest by default.
         most: frames that the page may hold.
     """
@@ -139,7 +139,7 @@ def film(
 
 
 def seen_tracks(motion: Motion) -> tuple[Floats, Floats]:
-    """Get what measures look at, joint or sole point, before and after: (D, E, 3), (D, E, 3) [m] over the ground."""
+    """Get the tracks that slides are measured on, before and after: (D, E, 3), (D, E, 3) [m] over the ground."""
     joints = np.maximum(motion.seen, 0)
     pairs = ((motion.joints_before, motion.soles_before), (motion.joints_after, motion.soles_after))
     first, second = (np.where(motion.by_sole[..., None], soles, places[:, joints]) for places, soles in pairs)
@@ -147,7 +147,7 @@ def seen_tracks(motion: Motion) -> tuple[Floats, Floats]:
 
 
 def _seen_joint(rig: Rig, sole: int) -> int:
-    """The joint that measures look at for a sole point, -1 where there is none."""
+    """Find the joint that the slide of a sole point is measured on, -1 where there is none."""
     leg = rig.legs[rig.soles[sole].leg]
     if rig.soles[sole].part == "heel":
         return leg.ankle
@@ -157,7 +157,7 @@ def _seen_joint(rig: Rig, sole: int) -> int:
 def _looked_at(
     rig: Rig, seen: tuple[int, ...], frames: int, contacts: Contacts | None
 ) -> tuple[Bools, Bools]:
-    """(F, E) where measures look at the sole point itself, not at a joint, and (F, E) what they count of the plants."""
+    """Find (F, E) where the sole point itself is measured, not a joint, and (F, E) the frames of plants that count."""
     by_sole, counts = (np.zeros((frames, len(seen)), dtype=np.bool_) for _ in range(2))
     by_sole[:, [joint < 0 for joint in seen]] = True
     spans = [[c for c in each.contacts if c.wish != "forbid"] for each in contacts.effectors] if contacts else []
@@ -180,16 +180,16 @@ def _looked_at(
 
 
 def side_of(name: str) -> str:
-    """Tell the side that the name of a leg or an effector speaks of: "left", "right" or ""."""
+    """Read the side from the name of a leg or an effector: "left", "right" or ""."""
     return next((side for side in ("left", "right") if side in name.lower()), "")
 
 
 def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
-    """(D, J, 3) joints and End Sites, and (D, E, 3) sole points, in the world [m]."""
+    """Compute joints and End Sites (D, J, 3), and sole points (D, E, 3), in the world [m]."""
     pose = forward(clip)
     skeleton = clip.skeleton
     count = len(skeleton)
-    # laid out as they are packed, series by series: packing takes half the time
+    # in memory order of the packed series, which halves the time of packing
     joints = np.empty((count + len(skeleton.end_parents), 3, len(clip)))
     joints[:count] = pose.positions.transpose(1, 2, 0)
     for k, (parent, offset) in enumerate(zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True)):
@@ -203,7 +203,7 @@ def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
 def _speeds(
     clip: Clip, rig: Rig, shown: Ints, seen: tuple[int, ...], by_sole: Bools, ground: Floats
 ) -> Floats:
-    """(D, E) [m/s] horizontal speed over the ground of what measures look at, from the frames beside each shown one."""
+    """Compute (D, E) [m/s] horizontal speed over the ground of what is measured, by central differences."""
     if len(clip) < 2 or not rig.soles:
         return np.zeros((len(shown), len(rig.soles)))
     behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)
@@ -219,14 +219,14 @@ def _speeds(
     return np.where(by_sole, soles, np.stack(joints, axis=1))
 
 
-_JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # what one step of the packed integers means [m, m, m/s]
+_JOINT, _POINT, _SPEED = 5e-4, 1e-4, 1e-3  # units of the packed integers [m, m, m/s]
 
 
 def packed(motion: Motion, lines: Lines) -> dict[str, Any]:
     """Pack the motion as the page's script reads it (codec.js), as plain JSON values.
 
-    Corrections mostly shift the whole figure and turn a few joints of the legs, so of the figure after
-    only the root's shift is written, and the joints that move otherwise.
+    Corrections mostly shift the whole figure and turn a few joints of the legs, so of the figure after cleaning only
+    the root's shift is written, and the joints that move otherwise.
     """
     before = quantize(motion.joints_before, _JOINT)
     points, points_after = (quantize(each, _POINT) for each in (motion.soles_before, motion.soles_after))
@@ -259,7 +259,7 @@ def _packed_unless_same(first: NDArray[np.int32], second: NDArray[np.int32]) -> 
 
 
 def _packed_change(motion: Motion) -> dict[str, Any]:
-    """What the correction does to the joints: the shift of the root, and who moves besides."""
+    """Pack the change of the joints: the shift of the root, and the joints that move otherwise."""
     if motion.joints_after is motion.joints_before:
         return {"shift": None, "moved": [], "own": ""}
     change = motion.joints_after - motion.joints_before  # (D, J, 3) [m]

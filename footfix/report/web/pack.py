@@ -1,7 +1,7 @@
 """Motion as compact text: rounded, second differences, variable-length bytes, base64.
 
-A joint in motion goes on nearly as it went, so the second difference of its place, counted in half
-millimetres, mostly fits a single byte. The page undoes it with one loop (codec.js).
+A joint moves smoothly, so the second difference of its position, in half millimetres, mostly fits a single byte. The
+page decodes it with one loop (codec.js).
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from footfix.motion.clip import Floats
 
-_LARGEST = 1 << 28  # what survives two differences in the 32 bits of the page's integers
+_LARGEST = 1 << 28  # its second differences still fit the 32 bits of the page's integers
 
 
 def quantize(values: Floats, quantum: float) -> NDArray[np.int32]:
-    """Round values to whole multiples of a quantum; what is not finite or far out of range is brought in."""
+    """Round values to whole multiples of a quantum; NaN becomes 0, large values are clipped."""
     finite = np.nan_to_num(values / quantum, nan=0.0, posinf=_LARGEST, neginf=-_LARGEST)
     return np.rint(np.clip(finite, -_LARGEST, _LARGEST)).astype(np.int32)
 
@@ -42,7 +42,7 @@ def pack(steps: NDArray[np.int32]) -> str:
 
 
 def _groups(values: NDArray[np.uint32]) -> NDArray[np.uint8]:
-    """Each value in as many 7-bit groups as it needs."""
+    """Split each value into as many 7-bit groups as it needs."""
     sizes = np.ones(len(values), np.uint8)
     for bits in (7, 14, 21, 28):
         sizes += values >= np.uint32(1 << bits)
@@ -61,7 +61,7 @@ def _groups(values: NDArray[np.uint32]) -> NDArray[np.uint8]:
 
 
 def unpack(packed: str, shape: tuple[int, ...]) -> NDArray[np.int32]:
-    """Invert `pack`, for tests and for those who want the motion out of a page.
+    """Invert `pack`, for tests and to read the motion out of a page.
 
     Args:
         packed: what `pack` gave.

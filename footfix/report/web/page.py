@@ -1,4 +1,4 @@
-"""The report of a clip as one HTML file that opens anywhere and loads nothing."""
+"""The report of a clip as one HTML file, which opens anywhere and loads no other files."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ class PageData:
 
     Args:
         report: the report document (the contract's report file).
-        contacts: the contacts document (the contract's contacts file); what the page hands back after
-            editing is this document with other contacts.
+        contacts: the contacts document (the contract's contacts file); the page saves edited contacts as this
+            document with other intervals.
         motion: the figure before and after; None where there is none to show (a clip that failed).
         lines: drawn into the curves of height and speed.
         again: how the clip is cleaned again from edited contacts; None where that is not known.
@@ -68,7 +68,7 @@ def script(*files: str) -> str:
 
 @cache
 def fingerprint(source: str) -> str:
-    """Compute the hash by which a content security policy lets a script or a style sheet in."""
+    """Compute the hash by which a content security policy allows a script or a style sheet."""
     return "sha256-" + base64.b64encode(hashlib.sha256(source.encode()).digest()).decode("ascii")
 
 
@@ -114,7 +114,7 @@ def _length(motion: Motion | None) -> str:
 
 
 def _viewer(data: PageData) -> str:
-    """The stage, the timeline and the editor; a still picture of the feet where no script runs."""
+    """Write the 3D view, the timeline and the editor, with a still picture of the feet where no script runs."""
     if data.motion is None:
         return ""
     file = source_name(data.report).replace("\\", "/").rsplit("/", 1)[-1]
@@ -130,12 +130,12 @@ def _viewer(data: PageData) -> str:
 
 
 def _command(file: str, stem: str) -> str:
-    """What to type where nothing is known of the folders."""
+    """Write a command to clean the clip again, for where the folders are not known."""
     return quoted(["footfix", "clean", file, "-o", "cleaned", "--labels", f"{stem}.contacts.json", "--force"])
 
 
 def _data(data: PageData) -> str:
-    """What the script works on, in elements of the page."""
+    """Write the script and its data as elements of the page."""
     if data.motion is None:
         return ""
     document = {
@@ -148,13 +148,13 @@ def _data(data: PageData) -> str:
 
 
 def _fate(plant: Report) -> list[Any]:
-    """What became of a plant, as the timeline wants to know it."""
+    """List what the timeline shows of a plant: effector, start, slides and outcome."""
     slides = (number(plant.get(f"slide_{when}_mm")) for when in ("before", "after"))
     return [str(plant.get("effector", "")), plant.get("start"), *slides, str(plant.get("outcome") or "")]
 
 
 def _finite(value: Any) -> Any:
-    """A document without the numbers that JSON does not know."""
+    """Replace NaN and infinity in a document, which JSON can't hold, by None."""
     if isinstance(value, Mapping):
         return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

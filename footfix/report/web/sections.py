@@ -1,4 +1,4 @@
-"""The parts of the page that are plain HTML: they stand there without any script."""
+"""The parts of the page that are plain HTML and need no script."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _MARKS: Mapping[Tone, str] = {
 
 
 def badge(tone: Tone, word: str, told: str = "") -> str:
-    """Write a mark and a word: how a clip came out, and the sentence behind it as a tooltip."""
+    """Write the badge of a clip: a mark and the word of its verdict, with the sentence as a tooltip."""
     title = f' title="{text(told)}"' if told else ""
     return (
         f'<span class="badge {tone}"{title}><svg viewBox="0 0 16 16" aria-hidden="true">{_MARKS[tone]}</svg>'
@@ -45,7 +45,7 @@ def badge(tone: Tone, word: str, told: str = "") -> str:
 
 
 def tiles(report: Report, verdict: Verdict) -> str:
-    """Write the first screen's numbers: what was wrong, what it cost, and nothing that is zero before and after."""
+    """Write the numbers of the first screen: slides, changes and costs, but none that are zero before and after."""
     parts = []
     if verdict.plants:
         parts.append(tile("Footplants", "", str(verdict.plants), meaning=words.PLANT))
@@ -71,7 +71,7 @@ def tiles(report: Report, verdict: Verdict) -> str:
 
 
 def tile(label: str, unit: str, before: str, after: str = "", worse: bool = False, meaning: str = "") -> str:
-    """Write one number, or one before and one after; a triangle where it got worse; nothing where both are zero."""
+    """Write one number, or one before and one after, with a triangle if it got worse; nothing if both are zero."""
     if after and _is_zero(before) and _is_zero(after):
         return ""
     figure = f"<b>{text(before)}</b>"
@@ -88,12 +88,12 @@ def tile(label: str, unit: str, before: str, after: str = "", worse: bool = Fals
 
 
 def placed_tile(label: str, unit: str, figure: str, where: str, meaning: str) -> str:
-    """Write one number and where it is from; `where` is HTML."""
+    """Write one number and the place where it occurs; `where` is HTML."""
     return f'{_label(label, unit, meaning)}<dd><b>{text(figure)}</b> <small class="where">{where}</small></dd></div>'
 
 
 def _at(frame: int) -> str:
-    """A frame, as a link that shows it."""
+    """Write a frame number as a link that shows the frame."""
     return f'<a href="#f={max(frame, 0)}">frame {frame}</a>'
 
 
@@ -115,7 +115,7 @@ _FATES = (
 
 
 def fate(report: Report) -> str:
-    """Say what became of the plants, in a line."""
+    """Count the plants by outcome, in a line."""
     counts = Counter(str(plant.get("outcome")) for plant in entries(report, "plants"))
     return ", ".join(f"{counts[key]} {words}" for key, words in _FATES if counts[key])
 
@@ -126,7 +126,7 @@ def loop_list(report: Report) -> str:
 
 
 def released_list(report: Report) -> str:
-    """List what was let go, and why: the commonest reasons, since the table of plants has them all."""
+    """List why plants were let go: the commonest reasons; the table of plants has all of them."""
     return "".join(f"<li>{text(line)}</li>" for line in shortened(released(report), 3))
 
 
@@ -173,7 +173,7 @@ def _plant_row(plant: Report, longest: float) -> str:
 
 
 def _travel(plant: Report, when: str) -> str:
-    """What is shown beside a slide where one points at it: the way from the first frame to the last."""
+    """Write the tooltip of a slide: the travel from the first frame to the last."""
     far = number(plant.get(f"travel_{when}_mm"))
     return "" if far is None else f' title="{far:.1f} mm from its first frame to its last"'
 
@@ -183,7 +183,7 @@ def _figure(value: float | None) -> str:
 
 
 def bars(before: float | None, after: float | None, longest: float) -> str:
-    """Draw the slides as two bars, with the mark of what viewers notice."""
+    """Draw the slides as two bars, with a mark at 21 mm, which viewers notice."""
     wide = [44.0 * min((value or 0.0) / longest, 1.0) for value in (before, after)]
     mark = 44.0 * NOTICED_MM / longest
     return (
@@ -193,14 +193,14 @@ def bars(before: float | None, after: float | None, longest: float) -> str:
 
 
 def plants_caption(plants: Sequence[Report]) -> str:
-    """Say so where the table does not hold every plant."""
+    """Write the caption of the table of plants, which says so if it does not list all of them."""
     if len(plants) <= MOST_PLANTS:
         return "How far each plant slides, the worst first. Click one to see it in a loop; the ring is 21 mm."
     return f"The worst {MOST_PLANTS} of {len(plants)} plants, by how far they slide. Click one to see it in a loop."
 
 
 def notes_list(notes: Sequence[Report]) -> str:
-    """Write the notes as list items, the pressing ones first."""
+    """Write the notes as list items: errors first, then warnings."""
     order = {"error": 0, "warning": 1}
     items = []
     for note in sorted(notes, key=lambda note: order.get(str(note.get("severity")), 2)):

@@ -47,7 +47,7 @@ def test_any_bytes(junk: bytes, at: int) -> None:
 def test_damage_to_real_files() -> None:
     paths = need(one_of_each_origin(2e5), "clips")
     rng = np.random.default_rng(0)
-    for path in paths[::2]:
+    for path in paths[::3]:
         data = path.read_bytes()
         for _ in range(3):
             survives(damaged(data, rng, int(rng.integers(1, 4))))
@@ -56,20 +56,20 @@ def test_damage_to_real_files() -> None:
 BOMBS = {
     "nested joints": b"HIERARCHY ROOT a { " + b"JOINT b { " * 8_000,
     "nested braces": b"HIERARCHY ROOT a " + b"{ " * 8_000,
-    "closing braces": b"HIERARCHY " + b"} " * 8_000,
-    "long name": b"HIERARCHY ROOT " + b"a" * 500_000,
-    "long word": b"HIERARCHY ROOT a { " + b"a" * 500_000,
-    "long OFFSET": b"HIERARCHY ROOT a { OFFSET " + b"0 " * 8_000,
-    "blanks": b"HIERARCHY " + b" " * 500_000,
-    "one comment": b"#" * 400_000,
-    "comments": b"# c\n" * 8_000,
-    "long last row": plain() + b"1 " * 8_000,
-    "rows of one number": plain() + b"1\n" * 8_000,
-    "words after the rows": plain() + b"x " * 8_000,
-    "lines of words after the rows": plain() + b"x\n" * 8_000,
-    "comments after the rows": plain() + b"# no\n" * 8_000,
-    "line ends after the rows": plain() + b"\n" * 400_000,
-    "long number": plain(("0.10 9.01", "0" * 60_000 + "0.10 9.01" + "0" * 60_000)),
+    "closing braces": b"HIERARCHY " + b"} " * 4_000,
+    "long name": b"HIERARCHY ROOT " + b"a" * 200_000,
+    "long word": b"HIERARCHY ROOT a { " + b"a" * 200_000,
+    "long OFFSET": b"HIERARCHY ROOT a { OFFSET " + b"0 " * 4_000,
+    "blanks": b"HIERARCHY " + b" " * 200_000,
+    "one comment": b"#" * 200_000,
+    "comments": b"# c\n" * 4_000,
+    "long last row": plain() + b"1 " * 4_000,
+    "rows of one number": plain() + b"1\n" * 4_000,
+    "words after the rows": plain() + b"x " * 4_000,
+    "lines of words after the rows": plain() + b"x\n" * 4_000,
+    "comments after the rows": plain() + b"# no\n" * 4_000,
+    "line ends after the rows": plain() + b"\n" * 200_000,
+    "long number": plain(("0.10 9.01", "0" * 30_000 + "0.10 9.01" + "0" * 30_000)),
     "long gap": plain(("0.10 9.01", "0.10" + " " * 150_000 + "9.01")),
     "frame count": plain(("Frames: 4", "Frames: 1000000000000")),
     "channel count": plain(("CHANNELS 6", "CHANNELS 999999999")),

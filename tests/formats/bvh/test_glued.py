@@ -8,8 +8,8 @@ from bvhmaker import PLAIN, plain
 from conftest import SHARED
 
 from footfix.errors import InputError
-from footfix.formats.bvh import decode, legible, repair
-from footfix.formats.bvh.glued import apart
+from footfix.formats.bvh import decode, repair, separate_numbers
+from footfix.formats.bvh.glued import split_numbers
 from footfix.jobs.inspect import repair_file
 from footfix.settings import Settings
 
@@ -21,7 +21,7 @@ from footfix.settings import Settings
     ("1.2.3", ["1.2.3"]), ("1-", ["1-"]), ("--1", ["--1"]), ("a-1", ["a-1"]), ("2024-01-02x", ["2024-01-02x"]),
 ])  # fmt: skip
 def test_a_sign_begins_a_number_unless_it_is_an_exponents(word: str, numbers: list[str]) -> None:
-    assert apart(word.encode()) == [each.encode() for each in numbers]
+    assert split_numbers(word.encode()) == [each.encode() for each in numbers]
 
 
 def glued(data: bytes, rows: slice = slice(None)) -> bytes:
@@ -52,7 +52,7 @@ def test_they_are_named_with_their_place_and_repair_puts_them_apart(rows: slice,
     line = 1 + data[: data.index(b"9.00-1.25")].count(b"\n")
     assert (told.value.line, told.value.column) == (line, 6)
     assert "-1.25" in str(told.value) and "--repair" in str(told.value)
-    mended, notes = legible(data)
+    mended, notes = separate_numbers(data)
     assert mended == whole  # to the byte
     assert [(note.id, note.line) for note in notes] == [("numbers-run-together", line)]
     again, told_all = repair_file(data, "a.bvh", Settings())
@@ -63,11 +63,11 @@ def test_they_are_named_with_their_place_and_repair_puts_them_apart(rows: slice,
 
 def test_what_is_in_order_and_what_is_not_certain_stay_as_they_are() -> None:
     for data in (plain(), minus(), plain().replace(b"0.00 9.00", b"1e-5 9.00", 1), b"", b"no BVH, 1-2"):
-        assert legible(data) == (data, ())
+        assert separate_numbers(data) == (data, ())
     odd = minus().replace(b" 9.00 -1.25", b" 9.00-1.25 7", 1)  # as many words as there are channels
-    assert legible(odd) == (odd, ())
+    assert separate_numbers(odd) == (odd, ())
     short = glued(minus()).replace(b" 0 0 0-0.50", b" 0 0-0.50", 1)  # one number too few, however it is read
-    assert legible(short)[0].split(b"\n")[-7] == short.split(b"\n")[-7]
+    assert separate_numbers(short)[0].split(b"\n")[-7] == short.split(b"\n")[-7]
 
 
 def test_a_file_from_the_field_is_mended() -> None:

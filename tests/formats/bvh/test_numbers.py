@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from footfix.formats.bvh.digits import fixed, meant
+from footfix.formats.bvh.digits import fixed, read_back
 from footfix.formats.bvh.numbers import decimals, number, token_chunks, tokens, words
 
 VALUES = st.floats(allow_nan=False, allow_infinity=False, width=64) | st.floats(-1e4, 1e4)
@@ -40,7 +40,7 @@ def test_formatting_is_exact_near_ties(scale: float, places: int) -> None:
 
 @given(st.lists(VALUES | TIES, min_size=1, max_size=40), st.integers(0, 20))
 def test_what_is_written_means_what_is_read(values: list[float], places: int) -> None:
-    said = meant(np.array(values), places)
+    said = read_back(np.array(values), places)
     assert said.tobytes() == np.array([float(printed(value, places)) for value in values]).tobytes()
 
 
@@ -50,7 +50,7 @@ def test_what_is_written_means_what_is_read_near_ties(scale: float, places: int)
     values = np.random.default_rng(places).normal(0.0, scale, 2000)
     values[:1000] = np.round(values[:1000], places) + 0.5 * 10.0**-places
     said = [float(printed(value, places)) for value in values.tolist()]
-    assert meant(values, places).tobytes() == np.array(said).tobytes()
+    assert read_back(values, places).tobytes() == np.array(said).tobytes()
 
 
 @given(st.binary(max_size=300))
