@@ -222,6 +222,8 @@ def follow_entry(found: Follow, asked: str, clips: Sequence[tuple[str, bytes]]) 
                 "from": each.before, "to": each.after, "start_s": number(each.start), "end_s": number(each.end),
                 "start_m": number(each.metres), "by": each.effector,
                 "asked_s": number(each.asked) if np.isfinite(each.asked) else None, "clamped": each.clamped,
+                "peak_times": None if each.peak is None else number(each.peak),
+                "asked_peak_times": None if each.asked_peak is None else number(each.asked_peak),
             }
             for each in found.transitions
         ],

@@ -61,15 +61,22 @@ def _changes(follow: Report) -> list[str]:
     for each in entries(follow, "transitions"):
         after = _file(clips, each.get("to"))
         seconds = _value(each, "end_s") - _value(each, "start_s")
-        clamped = ""
-        if each.get("clamped"):
-            asked = number(each.get("asked_s"))
-            clamped = " (no length by what differs most)" if asked is None else f" ({asked:.2f} s by what differs most)"
         out.append(
             f"{after} takes over at {_value(each, 'start_s'):.2f} s, {_value(each, 'start_m'):.2f} m on, within "
-            f"{seconds:.2f} s{clamped}"
+            f"{seconds:.2f} s{_why(each)}"
         )
     return out
+
+
+def _why(change: Report) -> str:
+    """Why a blend takes as long as it does, where that is not by what differs most alone."""
+    if not change.get("clamped"):
+        return ""
+    asked, peak, other = (number(change.get(key)) for key in ("asked_s", "peak_times", "asked_peak_times"))
+    by = "no length by what differs most" if asked is None else f"{asked:.2f} s by what differs most"
+    if peak is None or other is None or other <= peak:
+        return f" ({by})"
+    return f" ({by}, but joints would accelerate {other:.2f} times as much as in the clips; now {peak:.2f} times)"
 
 
 def _file(clips: list[Report], which: Any) -> str:

@@ -64,6 +64,7 @@ def test_what_is_written_and_said(run: Run, clips: Path, tmp_path: Path) -> None
     assert report["follow"]["transitions"][0]["start_s"] == 1.0
     assert "rounded to a radius" in said
     assert "run.bvh takes over at 1.00 s" in said
+    assert "joints would accelerate" in said
     contacts = json.loads((tmp_path / "out.contacts.json").read_text("utf-8"))
     assert contacts["source"]["frames"] == report["follow"]["walked"]["frames"]
     code, _, said = run(clips / "way.csv", clips / "walk.bvh", "-o", out)

@@ -13,10 +13,6 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import places
 
-_STEEP = 0.02  # of a clip's 99th percentile of acceleration, that a blend may add
-_BEND = 6.0  # of `handed` in unit time: the most that it accelerates
-_PHASES = 32  # at which two walks are compared
-
 
 def ease(u: Floats) -> Floats:
     """A step from 0 to 1 over u from 0 to 1, at rest at both ends: 6 u^5 - 15 u^4 + 10 u^3."""
@@ -43,7 +39,9 @@ class Transition:
         metres: [m] on the path where it starts.
         effector: joint by which its length was told.
         asked: [s] its length by K 6.2.
-        clamped: whether that was too short or too long.
+        clamped: whether it takes longer or shorter.
+        peak: the most by which a joint accelerates in it [times the 99th percentile in the walks],
+        asked_peak: and in one that takes as long as asked; None where that was not looked at.
     """
 
     before: int
@@ -54,11 +52,13 @@ class Transition:
     effector: str
     asked: float
     clamped: bool
+    peak: float | None = None
+    asked_peak: float | None = None
 
 
 def blend_length(
     one: Walk, other: Walk, keys: tuple[Keys, Keys], at: float, ends: Sequence[int]
-) -> tuple[int, float, float]:  # fmt: skip
+) -> tuple[int, float]:  # fmt: skip
     """Tell how long the change from one walk to another takes (K 6.2): dD / |T_a - T_b|, at equal phase.
 
     Args:
@@ -68,8 +68,7 @@ def blend_length(
         ends: the end effectors: head, hands and feet.
 
     Returns:
-        The effector that differs most, the length by it [s], and the least [s] in which the blend itself accelerates
-        no joint by much of what the walks do.
+        The effector that differs most, and the length by it [s].
     """
     pair = tuple(zip((one, other), keys, strict=True))
     here = [places(walk.at(key.frame(np.array([at]))))[0, list(ends)] for walk, key in pair]
@@ -78,26 +77,13 @@ def blend_length(
     speeds = [_speed(walk, ends[most]) for walk in (one, other)]
     differ = abs(speeds[0] - speeds[1])
     asked = float(apart[most] / differ) if differ > 1e-9 else np.inf if apart[most] > 1e-9 else 0.0
-    time = np.linspace(0.0, float(np.lcm(one.strides, other.strides)), _PHASES * one.strides, endpoint=False)
-    whole = [places(walk.at(key.frame(time))) for walk, key in pair]
-    gap = np.linalg.norm(whole[1] - whole[0], axis=2).max(axis=0)
-    steep = np.max([_acceleration(walk) for walk in (one, other)], axis=0)
-    floor = 0.2 * float(np.median(steep))
-    least = float(np.sqrt(_BEND * gap / (_STEEP * np.maximum(steep, max(floor, 1e-6)))).max())
-    return ends[most], asked, least
+    return ends[most], asked
 
 
 def _speed(walk: Walk, joint: int) -> float:
     """[m/s] of a joint in the world, in the mean."""
     track = places(walk.clip)[:, joint] + np.outer(np.arange(walk.frames + 1), [0.0, 0.0, walk.length / walk.frames])
     return float(np.linalg.norm(np.diff(track, axis=0), axis=1).mean()) / walk.clip.frame_time
-
-
-def _acceleration(walk: Walk) -> Floats:
-    """(J,) [m/s^2] the 99th percentile of each joint's acceleration."""
-    tracks = places(walk.clip)
-    second = np.diff(np.concatenate([tracks[-2:-1], tracks]), n=2, axis=0) / walk.clip.frame_time**2
-    return np.asarray(np.percentile(np.linalg.norm(second, axis=2), 99.0, axis=0))
 
 
 def check_order(starts: Sequence[float], names: Sequence[str]) -> None:

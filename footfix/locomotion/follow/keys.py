@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,12 +25,14 @@ class Keys:
         frames: (n,) their frames.
         strides: of a round.
         length: [frames] of a round.
+        stances: for each leg when it comes down and for how long it stands [strides]; None where that is unclear.
     """
 
     times: Floats
     frames: Floats
     strides: int
     length: int
+    stances: tuple[tuple[float, float] | None, ...] = ()
 
     def frame(self, time: Floats) -> Floats:
         """Frames (F,) at generic times (F,)."""
@@ -95,11 +97,15 @@ def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
     events = [_events(walk) for walk in walks]
     names = [name for name in events[0] if all(name in each for each in events)]
     strikes = [name for name in names if name[1] == "strike"]
-    for wanted in (names, strikes, strikes[:1]):
-        found = _aligned(walks, events, wanted)
-        if found is not None:
-            return found
-    return tuple(Keys(np.zeros(1), np.zeros(1), walk.strides, walk.frames) for walk in walks)
+    tried = (_aligned(walks, events, wanted) for wanted in (names, strikes, strikes[:1]))
+    keys = next((found for found in tried if found is not None), None)
+    if keys is None:
+        keys = tuple(Keys(np.zeros(1), np.zeros(1), walk.strides, walk.frames) for walk in walks)
+    legs = range(len(walks[0].rig.legs))
+    return tuple(
+        replace(each, stances=tuple(stance_of(walk, each, leg) for leg in legs))
+        for walk, each in zip(walks, keys, strict=True)
+    )
 
 
 def _events(walk: Walk) -> dict[tuple[int, str], Ints]:

@@ -103,6 +103,13 @@ def lay_walks(
     return Laid(posed, laid, clip, arc, speed, scale, Lean(angle, neck, params.head, lowered), aside, off, stride)
 
 
+def lay_straight(walks: Sequence[Walk], timeline: Timeline) -> tuple[Posed, Clip]:
+    """Lay body and feet straight on, upright, as captured where nothing is blended: on the spot, and along z."""
+    posed, still = pose(walks, timeline), np.zeros(len(timeline))
+    firm = np.asarray(timeline.blended(), dtype=np.float64)
+    return posed, _figure(posed, _LINE, timeline.gone, still, Lean(still), still + 1.0, firm)[1]
+
+
 def _straight(posed: Posed, gone: Floats) -> Clip:
     """The walks straight on along z."""
     still = np.zeros(len(gone))

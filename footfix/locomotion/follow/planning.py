@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from footfix.enforce.params import EnforceParams
 from footfix.errors import UsageError
 from footfix.locomotion.follow.balance import end_effectors
 from footfix.locomotion.follow.blend import Transition, blend_length, check_order
 from footfix.locomotion.follow.keys import Keys
+from footfix.locomotion.follow.lengths import Handover, choose_length
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.stride import Way
@@ -37,7 +39,7 @@ class At:
 
 def transitions_of(
     walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way,
-    params: FollowParams,
+    params: FollowParams, holding: EnforceParams,
 ) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
     """Tell when each walk is handed over to the next, and for how long (K 6.2).
 
@@ -46,6 +48,7 @@ def transitions_of(
         keys, paces, ats: and of each its key-times, how it is gone, and where it begins.
         way: how they get on along the path.
         params: how long a blend may be.
+        holding: how footplants are enforced.
 
     Returns:
         The transitions, and what a person should know.
@@ -66,19 +69,19 @@ def transitions_of(
         starts.append(start)
         check_order(starts, [walk.name for walk in walks])
         if found and start < found[-1].end:
-            found[-1] = replace(found[-1], end=start, clamped=True)
+            found[-1] = replace(found[-1], end=start, clamped=True, peak=None)
             text = f"{walks[k].name} begins while {walks[k - 1].name} is still handed over to: that blend is shorter"
             notes.append(Note("blend-cut", text))
         frame, gone = frame_at(start, walks, keys, paces, found)
-        pair = walks[k - 1], walks[k]
-        seconds = np.mean([w.stride_seconds * p.time for w, p in zip(pair, paces[k - 1 : k + 1], strict=True)])
+        over = Handover(
+            (walks[k - 1], walks[k]), (keys[k - 1], keys[k]), (paces[k - 1], paces[k]), start, frame, holding
+        )  # fmt: skip
         moment = float(keys[k - 1].time(np.array([frame]))[0])
-        joint, asked, least = blend_length(*pair, (keys[k - 1], keys[k]), moment, ends)
-        high = max(params.shortest_blend, params.longest_blend * float(seconds))
-        length = float(np.clip(asked, min(max(params.shortest_blend, least), high), high))
+        joint, asked = blend_length(*over.walks, over.keys, moment, ends)
+        length = choose_length(over, asked, params)
         found.append(Transition(
-            k - 1, k, start, start + length, float(way.arc(np.array([gone]))[0]), skeleton.names[joint], asked,
-            length != asked,
+            k - 1, k, start, start + length.seconds, float(way.arc(np.array([gone]))[0]), skeleton.names[joint], asked,
+            length.seconds != asked, length.peak, length.asked_peak,
         ))  # fmt: skip
     return tuple(found), tuple(notes)
 

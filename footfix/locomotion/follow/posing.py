@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.enforce.papers.leg import effector_tracks
 from footfix.locomotion.follow.blend import ease
-from footfix.locomotion.follow.keys import Keys, in_step, stance_of
+from footfix.locomotion.follow.keys import Keys, in_step
 from footfix.locomotion.follow.mixing import joined, mixed, mixed_clip
 from footfix.locomotion.follow.steps import Steps, find_steps
 from footfix.locomotion.follow.timeline import Timeline, Zone
@@ -122,7 +122,7 @@ def _in_zone(
 ) -> tuple[tuple[Floats, Floats], Bools]:  # fmt: skip
     """Which moments (F,) of either walk a leg shows, and (n, E) what is planted then."""
     pair, own = [walks[k] for k in zone.walks], [keys[k] for k in zone.walks]
-    at = zone.at if zone.at[0] is zone.at[1] else _in_step(pair, own, leg, zone.at, weight)
+    at = zone.at if zone.at[0] is zone.at[1] else _in_step(own, leg, zone.at, weight)
     return at, _planted(pair, at, zone.frames, weight)
 
 
@@ -192,14 +192,14 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
 
 
 def _in_step(
-    pair: Sequence[Walk], keys: Sequence[Keys], leg: int, at: tuple[Floats, Floats], weight: Floats
+    keys: Sequence[Keys], leg: int, at: tuple[Floats, Floats], weight: Floats
 ) -> tuple[Floats, Floats]:  # fmt: skip
     """Moments (F,) of two walks at which one leg is equally far in its stance, or in its swing.
 
     Key-times bring strikes together, but a foot that stands for longer in one walk than in the other would be lifted
     by the one while it stands in the other. Where they are mixed, it stands for as long as in both in the mean.
     """
-    one, two = (stance_of(walk, key, leg) for walk, key in zip(pair, keys, strict=True))
+    one, two = (key.stances[leg] for key in keys)
     mix = (weight > 0.0) & (weight < 1.0)
     if one is None or two is None or not np.any(mix) or abs(one[1] - two[1]) < _ALIKE:
         return at

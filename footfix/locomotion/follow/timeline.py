@@ -131,7 +131,7 @@ class Blend:
 
 def make_timeline(
     walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition],
-    frames: int, lead: int, frame_time: float,
+    frames: int, lead: int, frame_time: float, piece: Piece = START,
 ) -> Timeline:  # fmt: skip
     """Lay walks one after the other, blended where one is handed over to the next.
 
@@ -145,15 +145,16 @@ def make_timeline(
         frames: from the start on.
         lead: frames before the start, and after the end.
         frame_time: [s].
+        piece: what the first walk shows at the start.
     """
     time: Floats = np.asarray(np.arange(-lead, frames + lead) * frame_time, dtype=np.float64)
-    blends = lay_blends(walks, keys, paces, wanted)
+    blends = lay_blends(walks, keys, paces, wanted, piece)
     cuts = [0]
     for one, two in pairwise(blends):
         cuts.append(int(np.searchsorted(time, 0.5 * (one.times[-1] + two.times[0]))))
     cuts.append(len(time))
     if not blends:
-        at, gone = _uniform(walks, paces, START, time)
+        at, gone = _uniform(walks, paces, piece, time)
         zone = Zone(slice(0, len(time)), (0, 0), (at, at), np.zeros(len(time)))
         return Timeline((zone,), gone, lead, frame_time, tuple(keys))
     zones, far = [], []
@@ -165,10 +166,11 @@ def make_timeline(
 
 
 def lay_blends(
-    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition],
+    piece: Piece = START,
 ) -> list[Blend]:  # fmt: skip
-    """The blends one after the other, on their own clocks."""
-    piece, blends = START, list[Blend]()
+    """The blends one after the other, on their own clocks, from what the first walk shows at the start on."""
+    blends = list[Blend]()
     for change in wanted:
         blends.append(_blend(walks, keys, paces, piece, change))
         piece = blends[-1].then

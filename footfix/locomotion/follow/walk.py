@@ -16,7 +16,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
-from footfix.motion.spline import spline
+from footfix.motion.spline import Cubic, spline
 from footfix.rig.rig import Rig
 
 _MARGIN = 12  # frames before and after a round, over which what lies between frames is found
@@ -96,20 +96,31 @@ class Walk:
             return self.clip.frames(near.astype(np.intp) % self.frames)
         within = frames - np.floor(frames / self.frames) * self.frames
         joints = range(len(self.clip.skeleton))
-        places, turns = list[Floats](), list[Floats]()
-        for joint in joints:
-            places.append(self._track(self.clip.position(joint), within))
-            turns.append(rotation.normalize(self._track(self.clip.rotation(joint), within, turn=True)))
+        still = len(within)
+        places = [np.broadcast_to(self.clip.position(joint)[:1], (still, 3)) for joint in joints]
+        turns = [np.broadcast_to(self.clip.rotation(joint)[:1], (still, 4)) for joint in joints]
+        moved, turned, curve = self._curve
+        found = curve(within).T  # by components: a column is one stretch of memory
+        for k, joint in enumerate(moved):
+            places[joint] = found[3 * k : 3 * k + 3].T
+        found = found[3 * len(moved) :]
+        for k, joint in enumerate(turned):
+            turns[joint] = rotation.normalize(found[4 * k : 4 * k + 4].T)
         return Clip.from_tracks(self.clip.skeleton, places, turns, self.clip.frame_time)
 
-    def _track(self, track: Floats, frames: Floats, *, turn: bool = False) -> Floats:
-        if not np.any(track != track[0]):
-            return np.broadcast_to(track[:1], (len(frames), track.shape[1]))
+    @cached_property
+    def _curve(self) -> tuple[tuple[int, ...], tuple[int, ...], Cubic]:
+        """The joints that move in their parents' frames, those that turn, and the curves of the ones and the others."""
         count: Ints = np.arange(-_MARGIN, self.frames + _MARGIN + 1)
-        around = track[count % self.frames]
-        if turn:
-            around = rotation.continuous(around)
-        return spline(count.astype(np.float64), around)(frames)
+        joints, tracks = range(len(self.clip.skeleton)), list[Floats]()
+        moved = tuple(joint for joint in joints if np.ptp(self.clip.position(joint), axis=0).any())
+        turned = tuple(joint for joint in joints if np.ptp(self.clip.rotation(joint), axis=0).any())
+        for joint in moved:
+            tracks.append(self.clip.position(joint)[count % self.frames])
+        for joint in turned:
+            tracks.append(rotation.continuous(self.clip.rotation(joint)[count % self.frames]))
+        around = np.concatenate(tracks, axis=1) if tracks else np.zeros((len(count), 0))
+        return moved, turned, spline(count.astype(np.float64), around)
 
     def planted(self, frames: Floats) -> Bools:
         """(F, E) which sole points are planted at moments (F,)."""

@@ -10,24 +10,27 @@ from footfix.enforce.correction import apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.leg import (
     CapturedLeg,
+    LegTurns,
     can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
+    flexion_for,
     local_rotations,
-    two_bones,
     where_moved,
     within_reach,
 )
 from footfix.locomotion.loop.travel import Travel
 from footfix.motion import rotation
-from footfix.motion.clip import Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.contacts import runs
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
 _MOST = 0.0055  # [leg lengths] a pinned plant strays no farther; what does has a reason, and is left
 _FADE = 0.12  # [s] before and after a plant, over which the foot comes back to its way
 _FEWEST = 3  # frames
+_HARDLY = 0.06  # [rad] a knee that is bent by no more than before
 
 
 def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats) -> Clip:
@@ -53,11 +56,33 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, g
         moves = np.any(shift != 0.0, axis=1)
         if np.any(moves):
             goal = _lifted(captured, captured.ankle + shift)
-            new = local_rotations(clip, pose, captured, two_bones(captured, goal), captured.turn)
+            new = local_rotations(clip, pose, captured, _solved(captured, goal, moves), captured.turn)
             turns |= where_moved(clip, new, moves)
     for turn in turns.values():
         turn[-1] = turn[0]
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
+
+
+def _solved(leg: CapturedLeg, ankle: Floats, moves: Bools) -> LegTurns:
+    """Solve a leg for a goal of its ankle (F, 3) [m]; a knee that is overstretched and hardly moves stays so.
+
+    A leg as long bends forwards as far as backwards. Where a foot comes to be moved by a little, a knee that is bent
+    backwards by some degrees would be thrown forwards by twice as many, in one frame.
+
+    Args:
+        leg: as it is.
+        ankle: (F, 3) [m] its goal.
+        moves: (F,) where that is anywhere else.
+    """
+    bent = flexion_for(leg, ankle)
+    over: Bools = np.asarray(moves & (leg.flexion < 0.0) & (bent > 0.0))
+    for start, end in runs(moves):
+        some = slice(start, end)
+        if np.all((bent + leg.flexion)[some][over[some]] <= _HARDLY):
+            bent[some] = np.where(over[some], -bent[some], bent[some])
+    bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
+    thigh, shank = leg.knee - leg.hip, leg.ankle - leg.knee
+    return LegTurns(rotation.between(thigh + rotation.rotate(bend, shank), ankle - leg.hip), bend)
 
 
 def _lifted(leg: CapturedLeg, ankle: Floats) -> Floats:

@@ -172,13 +172,19 @@ def test_strikes_come_together_and_feet_stand_while_one_walk_takes_over(path: st
     assert second[some].max() <= 1.1 * max(float(np.percentile(each, 99)) for each in usual)
 
 
-@pytest.mark.parametrize(("path", "names"), [("line:9", ("walk", "run")), ("line:12", ("run", "walk"))])
+@pytest.mark.parametrize(("path", "names"), [
+    ("line:9", ("walk", "run")), ("line:12", ("run", "walk")), ("line:9", ("walk", "tiptoe")),
+    ("line:9", ("tiptoe", "walk")),
+])  # fmt: skip
 def test_no_joint_is_jolted_while_one_walk_takes_over(path: str, names: tuple[str, str]) -> None:
     usual = np.max([np.percentile(accelerations(stride(name).clip), 99, axis=0) for name in names], axis=0)
     found = along(path, *names)
     change, dt = found.transitions[0], found.clip.frame_time
     most = accelerations(found.clip)[round(change.start / dt) : round(change.end / dt)].max(axis=0)
     assert np.all(most <= 1.1 * np.maximum(usual, 0.05 * usual.max()))
+    assert change.peak is not None
+    assert change.asked_peak is not None
+    assert change.peak <= max(change.asked_peak, 1.05)
 
 
 def accelerations(clip: Clip) -> Floats:

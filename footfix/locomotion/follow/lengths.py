@@ -1,0 +1,140 @@
+"""How long a walk takes to be handed over to another: by what differs most, or so that no joint is thrown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footfix.enforce.correction import apply
+from footfix.enforce.params import EnforceParams
+from footfix.locomotion.follow.blend import Transition
+from footfix.locomotion.follow.holding import held_on
+from footfix.locomotion.follow.keys import Keys
+from footfix.locomotion.follow.laying import lay_straight
+from footfix.locomotion.follow.params import FollowParams
+from footfix.locomotion.follow.posing import contacts_of
+from footfix.locomotion.follow.timeline import Pace, Piece, lay_blends, make_timeline
+from footfix.locomotion.follow.walk import Walk
+from footfix.motion.clip import Clip, Floats
+from footfix.motion.kinematics import places
+
+_SMOOTH = 1.05  # times what joints accelerate by in the walks: enough, since curves add some
+_LENGTHS = (1.0, 0.75, 0.5, 1.4, 2.0)  # [strides] that are tried where the length by what differs most is too steep
+_ALIKE = 0.1  # of a length, by which another one differs that is tried
+_BESIDE = 0.7  # [strides] before a blend and after it that are laid, too: feet step into it and out of it
+_FAINT = 0.05  # of what the joint accelerates that does most; less is no matter
+
+
+@dataclass(frozen=True)
+class Length:
+    """How long a blend takes.
+
+    Args:
+        seconds: [s] that were chosen.
+        asked: [s] by the end effector that differs most (K 6.2), within what a blend may take.
+        peak: the most by which a joint accelerates in it [times the 99th percentile in the walks],
+        asked_peak: and in one that takes as long as asked; None where that was not looked at.
+    """
+
+    seconds: float
+    asked: float
+    peak: float | None = None
+    asked_peak: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Handover:
+    """Two walks, one handed over to the other.
+
+    Args:
+        walks: both.
+        keys, paces: of either its key-times, and how it is gone.
+        start: [s] on the clock of the frames written.
+        frame: of the first walk then.
+        holding: how footplants are enforced.
+    """
+
+    walks: tuple[Walk, Walk]
+    keys: tuple[Keys, Keys]
+    paces: tuple[Pace, Pace]
+    start: float
+    frame: float
+    holding: EnforceParams
+
+    @property
+    def stride(self) -> float:
+        """[s] of a stride, in the mean."""
+        return float(np.mean([w.stride_seconds * p.time for w, p in zip(self.walks, self.paces, strict=True)]))
+
+    @property
+    def changes(self) -> bool:
+        """Whether there is anything to blend."""
+        return self.walks[0] is not self.walks[1] or self.paces[0] != self.paces[1]
+
+
+def choose_length(over: Handover, asked: float, params: FollowParams) -> Length:
+    """Choose how long a blend takes.
+
+    That is what K 6.2 asks for, where no joint accelerates by more than in the walks; or else the one of a few other
+    lengths in which joints do that least. Too short, it throws them; and what comes in the middle of a blend, a strike
+    or a swing, is another thing for every length.
+
+    Args:
+        over: the walks, and where they are handed over.
+        asked: [s] its length by K 6.2.
+        params: how short and how long it may be.
+    """
+    low = params.shortest_blend
+    high = max(low, params.longest_blend * over.stride)
+    first = float(np.clip(asked, low, high))
+    if not over.changes:
+        return Length(first, first)
+    usual = np.max([_usual(walk, pace, over.walks[0].clip.frame_time)
+                    for walk, pace in zip(over.walks, over.paces, strict=True)], axis=0)  # fmt: skip
+    usual = np.maximum(usual, _FAINT * usual.max())
+    tried = {first: _peak(over, first, usual)}
+    for strides in _LENGTHS:
+        if min(tried.values()) <= _SMOOTH:
+            break
+        length = float(np.clip(strides * over.stride, low, high))
+        if all(abs(length - other) > _ALIKE * other for other in tried):
+            tried[length] = _peak(over, length, usual)
+    best = min(tried, key=lambda length: max(tried[length], _SMOOTH))
+    return Length(best, first, tried[best], tried[first])
+
+
+def _peak(over: Handover, length: float, usual: Floats) -> float:
+    """The most by which a joint accelerates in a blend of some length [s], of what (J,) [m/s^2] is usual."""
+    dt = over.walks[0].clip.frame_time
+    rest = over.start - np.floor(over.start / dt) * dt  # frames are where they will be written
+    change = Transition(0, 1, rest, rest + length, 0.0, "", length, False)
+    piece = Piece(0, rest, over.frame, 0.0)
+    blend = lay_blends(over.walks, over.keys, over.paces, [change], piece)[0]
+    lead = int(np.ceil(_BESIDE * over.stride / dt)) + 2
+    frames = int(np.ceil(blend.times[-1] / dt)) + 1
+    timeline = make_timeline(over.walks, over.keys, over.paces, [change], frames, lead, dt, piece)
+    posed, laid = lay_straight(over.walks, timeline)
+
+    def steepest(clip: Clip) -> float:
+        return float((_accelerations(places(clip), dt)[lead - 1 : lead + frames - 1].max(axis=0) / usual).max())
+
+    peak = steepest(laid)
+    if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
+        return peak
+    held = held_on(laid, posed.rig, contacts_of(posed, slice(0, len(laid))), over.holding)
+    return max(peak, steepest(apply(laid, held.correction)))
+
+
+def _usual(walk: Walk, pace: Pace, dt: float) -> Floats:
+    """(J,) [m/s^2] the 99th percentile of each joint's acceleration in a walk, seen every `dt` seconds."""
+    step = dt / (walk.clip.frame_time * pace.time)  # [frames]
+    count = int(np.ceil(walk.frames / step))
+    tracks = places(walk.at(np.arange(count + 2, dtype=np.float64) * step))
+    # as of rounds without end, not of one: of these 1 % may be less than a frame
+    return np.asarray(np.percentile(_accelerations(tracks, dt), 99.0, axis=0, method="inverted_cdf"))
+
+
+def _accelerations(tracks: Floats, dt: float) -> Floats:
+    """(F - 2, J) [m/s^2] of tracks (F, J, 3) [m]."""
+    return np.asarray(np.linalg.norm(np.diff(tracks, n=2, axis=0), axis=2)) / dt**2
