@@ -25,7 +25,7 @@ _LACKS = 0.0006  # [leg lengths] by which the lowest of all vertices may be belo
 _MOST = 20  # vertices of a foot
 _LOOKED_AT = 300  # frames
 _TILTS = (-0.45, -0.2, 0.0, 0.2, 0.45)
-_SIGMA = 0.0005  # [leg lengths]
+_SIGMA = 0.001  # [leg lengths]
 
 
 @dataclass(frozen=True, eq=False)
