@@ -6,6 +6,7 @@ import gc
 import json
 import os
 import stat
+import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import IO
 
-from footfix.errors import FootfixError, InputError
+from footfix.errors import ExitCode, FootfixError, InputError
 from footfix.formats.bvh.document import Document
 from footfix.notes import Note
 from footfix.settings import Settings
@@ -27,6 +28,7 @@ from footfix.stream.sources import Came, Gone, Peer, Source
 _OFTEN = 3  # times that one kind of fault is said in full
 _RATE_SPAN = 2.0  # [s] over which the pace of rows is looked at
 _PACED = 0.5  # share of the time that nothing waits, in a stream that comes at a pace
+_ENDING = 5.0  # [s] that the end of an interrupted stream may take, whatever its reader or its threads wait for
 
 
 def json_line(event: Event) -> bytes:
@@ -158,8 +160,12 @@ class Run:
                 if item is not None:
                     self._take(item)
         except KeyboardInterrupt:
+            last = threading.Timer(_ENDING, os._exit, (ExitCode.INTERRUPTED,))
+            last.daemon = True
+            last.start()
             with suppress(Exception):  # it may have come within a step, of which only a part is done
                 self._end(backlog, sources)
+            last.cancel()
             raise
         except BaseException:
             self._end(backlog, sources)
