@@ -67,7 +67,7 @@ def _led_along(before: Clip, after: Clip, follower: Follower) -> Clip:
     place = now.position(foot) + rotation.rotate(turn, was.position(joint) - was.position(foot))
     turned = rotation.multiply(turn, was.rotation(joint)) if follower.turns else was.rotation(joint)
     off = np.linalg.norm(place - now.position(joint), axis=1) > _NOTHING
-    twisted = rotation.angle(rotation.multiply(rotation.inverse(turned), now.rotation(joint))) > _NOTHING
+    twisted = rotation.apart(turned, now.rotation(joint)) > _NOTHING
     if parent >= 0:
         back = rotation.inverse(now.rotation(parent))
         place, turned = rotation.rotate(back, place - now.position(parent)), rotation.multiply(back, turned)

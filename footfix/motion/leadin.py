@@ -84,7 +84,7 @@ def _steps(clip: Clip, order: Ints) -> tuple[Floats, Floats]:
 
 def _between(clip: Clip, firsts: Ints, seconds: Ints) -> tuple[Floats, Floats]:
     a, b = clip.rotations[firsts], clip.rotations[seconds]
-    angles = np.nan_to_num(rotation.angle(rotation.multiply(rotation.inverse(a), b)))
+    angles = np.nan_to_num(rotation.apart(a, b))
     both, roots = np.stack([firsts, seconds]), np.flatnonzero(clip.skeleton.parents < 0).tolist()
     places = np.nan_to_num(np.stack([clip.position(root)[both] for root in roots], axis=2), posinf=0.0, neginf=0.0)
     shifts = np.linalg.norm(places[1] - places[0], axis=-1).max(axis=1, initial=0.0)

@@ -122,6 +122,11 @@ def angle(q: Floats) -> Floats:
     return np.asarray(2.0 * np.arctan2(sine, np.abs(q[..., 3])))
 
 
+def apart(a: Floats, b: Floats) -> Floats:
+    """Compute (...) [rad] how far rotations (..., 4) are turned from others."""
+    return angle(multiply(inverse(a), b))
+
+
 def between(a: Floats, b: Floats) -> Floats:
     """Find the shortest rotation (..., 4) that takes directions `a` (..., 3) to directions `b` (..., 3).
 

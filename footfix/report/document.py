@@ -165,7 +165,7 @@ def _correction(found: Correction, clip: Clip) -> dict[str, Any]:
         new, old = found.rotations[:, k], clip.rotation(joint)  # (F, 4)
         changed = np.flatnonzero(np.any(new != old, axis=1))
         if len(changed):
-            turns = rotation.angle(rotation.multiply(rotation.inverse(old[changed]), new[changed]))  # [rad]
+            turns = rotation.apart(old[changed], new[changed])  # [rad]
             at = int(np.argmax(turns))
             if turns[at] > largest:
                 largest, name, frame = float(turns[at]), clip.skeleton.names[joint], int(changed[at])

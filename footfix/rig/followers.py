@@ -126,7 +126,7 @@ def _follows(pose: Pose, joint: int, foot: int, parent: int, leg_length: float) 
         return False
     seen = _in_frame(pose, foot, parent) / leg_length
     turned = rotation.multiply(rotation.inverse(pose.rotation(parent)), pose.rotation(foot))
-    turns = rotation.angle(rotation.multiply(rotation.inverse(turned[:1]), turned))
+    turns = rotation.apart(turned[:1], turned)
     return bool(np.ptp(seen, axis=0).max() > _MOVES and turns.max() > _TURNS)
 
 

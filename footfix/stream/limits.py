@@ -30,18 +30,13 @@ def limited(wanted: Floats, last: Floats, most: float) -> tuple[Floats, Bools]:
     """
     late = np.zeros(wanted.shape[1:3], dtype=np.bool_)
     before = np.concatenate([last[:, :, None], wanted[:, :, :-1]], axis=2)
-    if np.all(_apart(before, wanted) <= most):
+    if np.all(rotation.apart(before, wanted) <= most):
         return wanted, late
     out, now = wanted.copy(), last
     for t in range(wanted.shape[2]):
-        far = _apart(now, wanted[:, :, t]).max(axis=0)  # (L,)
+        far = rotation.apart(now, wanted[:, :, t]).max(axis=0)  # (L,)
         late[:, t] = far > most
         reached = rotation.slerp(now, wanted[:, :, t], most / np.maximum(far, most))
         now = np.where(late[:, t, None], reached, wanted[:, :, t])
         out[:, :, t] = now
     return out, late
-
-
-def _apart(a: Floats, b: Floats) -> Floats:
-    """(...) [rad] the turn from rotations (..., 4) to others."""
-    return rotation.angle(rotation.multiply(rotation.inverse(a), b))
