@@ -82,7 +82,7 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
             continue
         captured = captured_leg(rig, seen, number, tracks)
         moves = norm(goal.ankle - captured.ankle) > _MOVED
-        moves |= rotation.angle(rotation.multiply(rotation.inverse(captured.turn), goal.turn)) > _MOVED
+        moves |= rotation.apart(captured.turn, goal.turn) > _MOVED
         if not np.any(moves):
             continue
         line = goal.ankle - captured.hip
@@ -137,7 +137,7 @@ def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, pelvis: Floats, wide: in
 
 def _lifted(
     leg: CapturedLeg, some: slice, led: tuple[Floats, Floats], asked: tuple[Floats, Floats]
-) -> Floats:  # fmt: skip
+) -> Floats:
     """Find (n,) [m] by which a swinging foot is lifted so that it gets no lower than it ever does by itself.
 
     Args:
@@ -152,10 +152,10 @@ def _lifted(
         return np.asarray(np.min([(ankle + rotation.rotate(turn, end))[:, 1] for end in ends], axis=0))
 
     lack = low(*asked).min() - low(*led)[some]
-    u = np.arange(1, len(lack) + 1) / (len(lack) + 1)
-    soft = 0.5 * (lack + np.hypot(lack, _CLEAR))
     if not np.any(lack > 0.0):
         return np.zeros(len(lack))
+    u = np.arange(1, len(lack) + 1) / (len(lack) + 1)
+    soft = 0.5 * (lack + np.hypot(lack, _CLEAR))
     return np.asarray(soft * ease(u / _ENDS) * ease((1.0 - u) / _ENDS))
 
 

@@ -16,6 +16,7 @@ from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.posing import contacts_of
 from footfix.locomotion.follow.timeline import Pace, Piece, lay_blends, make_timeline
 from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.loop.seam import accelerations_of
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import places
 
@@ -117,7 +118,7 @@ def _peak(over: Handover, length: float, usual: Floats) -> float:
     posed, laid = lay_straight(over.walks, timeline)
 
     def steepest(clip: Clip) -> float:
-        return float((_accelerations(places(clip), dt)[lead - 1 : lead + frames - 1].max(axis=0) / usual).max())
+        return float((accelerations_of(places(clip), dt)[lead - 1 : lead + frames - 1].max(axis=0) / usual).max())
 
     peak = steepest(laid)
     if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
@@ -132,9 +133,4 @@ def _usual(walk: Walk, pace: Pace, dt: float) -> Floats:
     count = int(np.ceil(walk.frames / step))
     tracks = places(walk.at(np.arange(count + 2, dtype=np.float64) * step))
     # as of rounds without end, not of one: of these 1 % may be less than a frame
-    return np.asarray(np.percentile(_accelerations(tracks, dt), 99.0, axis=0, method="inverted_cdf"))
-
-
-def _accelerations(tracks: Floats, dt: float) -> Floats:
-    """(F - 2, J) [m/s^2] of tracks (F, J, 3) [m]."""
-    return np.asarray(np.linalg.norm(np.diff(tracks, n=2, axis=0), axis=2)) / dt**2
+    return np.asarray(np.percentile(accelerations_of(tracks, dt), 99.0, axis=0, method="inverted_cdf"))

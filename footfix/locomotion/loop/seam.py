@@ -86,9 +86,13 @@ def accelerations(clip: Clip, rig: Rig) -> Floats:
     """(F, joints) [m/s^2] of the root and what hangs on it; nothing where the clip begins and ends."""
     found = np.zeros((len(clip), 0))
     if len(clip) > 2:
-        sharp = np.linalg.norm(np.diff(figure(clip, rig), n=2, axis=0), axis=2) / clip.frame_time**2
-        found = np.pad(sharp, ((1, 1), (0, 0)))
+        found = np.pad(accelerations_of(figure(clip, rig), clip.frame_time), ((1, 1), (0, 0)))
     return found
+
+
+def accelerations_of(tracks: Floats, frame_time: float) -> Floats:
+    """Compute (F - 2, J) [m/s^2] of tracks (F, J, 3) [m], frame by frame."""
+    return np.asarray(np.linalg.norm(np.diff(tracks, n=2, axis=0), axis=2) / frame_time**2)
 
 
 def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
@@ -107,7 +111,7 @@ def ratios_of(seen: Floats, travel: Travel, frame_time: float) -> tuple[float, f
     one = seen[:-1]
     length = len(one)
     track = np.concatenate([travel.places_back(one[-1:]), one, travel.places(one[:1])])
-    sharp = np.linalg.norm(np.diff(track, n=2, axis=0), axis=2) / frame_time**2  # frame by frame
+    sharp = accelerations_of(track, frame_time)
     frame = np.arange(length)
     near = max(min(BESIDE, (length - _INNER) // 2), 1)  # of a short one some frames are left
     beside = (frame <= near) | (frame >= length - near)
