@@ -101,9 +101,9 @@ def open_document(
     return document
 
 
-def own_skin(document: Document, params: RigParams) -> Skin | None:
-    """Give the character whose meshes a document's own file shows, unless `params` name another one or none."""
-    return document.skin if params.skin is None else None
+def shown_skin(document: Document, params: RigParams, named: Skin | None) -> Skin | None:
+    """Give the character whose feet a clip shows: the one that `params` name, or that of the document's own file."""
+    return document.skin if params.skin is None and named is None else named
 
 
 def clips_of(

@@ -10,7 +10,7 @@ import numpy as np
 
 from footfix import version
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Beside, Document, own_skin, rewrite
+from footfix.formats.document import Beside, Document, rewrite, shown_skin
 from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
@@ -57,7 +57,7 @@ def clean_file(
     if leave:
         settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
-        skin = skin or own_skin(document, settings.rig)
+        skin = shown_skin(document, settings.rig, skin)
         prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         if leave:
             prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))

@@ -9,7 +9,7 @@ from footfix import version
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Beside, Document, own_skin
+from footfix.formats.document import Beside, Document, shown_skin
 from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
 from footfix.motion.contacts import Contacts
 from footfix.motion.contacts import joined as all_contacts
@@ -64,7 +64,7 @@ def planted(
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames hold no motion to {purpose}", file=name)
     with about(name):
-        skin = skin or own_skin(document, settings.rig)
+        skin = shown_skin(document, settings.rig, skin)
         prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
         return document, source_entry(data, name, clip), prepared, find_contacts(prepared, settings, labels)
 

@@ -6,7 +6,7 @@ import hashlib
 from typing import Any
 
 from footfix.errors import InputError
-from footfix.formats.document import Beside, open_document, own_skin, repair, separate_numbers
+from footfix.formats.document import Beside, open_document, repair, separate_numbers, shown_skin
 from footfix.formats.suffixes import bare
 from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.source import placed
@@ -46,7 +46,7 @@ def inspect_file(
         try:
             document, doubts = placed(document, settings.rig)
             found += doubts
-            skin = skin or own_skin(document, settings.rig)
+            skin = shown_skin(document, settings.rig, skin)
             for rig in find_rigs(document.clip, settings.rig, skin=skin):
                 rigs.append(report_format.rig(rig, document.clip, unit_m=document.unit_m, up=document.up))
                 found += rig.notes

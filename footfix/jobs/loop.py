@@ -13,7 +13,7 @@ import numpy as np
 from footfix import version
 from footfix.errors import InputError
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Beside, Document, own_skin, rewrite, select
+from footfix.formats.document import Beside, Document, rewrite, select, shown_skin
 from footfix.formats.suffixes import in_file
 from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.legs import with_shared_legs
@@ -62,7 +62,7 @@ def loop_file(
     if len(clip) < LEAST_FRAMES:
         raise InputError(f"{len(clip)} frames are too few for a stride", file=name)
     with about(name):
-        rigs = find_rigs(clip, settings.rig, frame_range, skin or own_skin(document, settings.rig))
+        rigs = find_rigs(clip, settings.rig, frame_range, shown_skin(document, settings.rig, skin))
         prepared = prepare(clip, settings, rigs, frame_range)
         loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
         some = select(document, loop.frames, limits=settings.limits)

@@ -9,7 +9,7 @@ from typing import Any
 from footfix.enforce.task import ground_of
 from footfix.errors import InputError
 from footfix.formats import contacts as labels_format
-from footfix.formats.document import Beside, open_document, own_skin
+from footfix.formats.document import Beside, open_document, shown_skin
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.report.again import Again
@@ -101,7 +101,7 @@ def redraw(
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params, again)[0]
     told = _told(report)
-    rigs = find_rigs(clip, told.rig, skin=skin or own_skin(document, told.rig))
+    rigs = find_rigs(clip, told.rig, skin=shown_skin(document, told.rig, skin))
     whole = joined(rigs)
     belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
     if loop is not None:
