@@ -24,7 +24,7 @@ _NEAR = 0.08  # [leg lengths] over the floor, up to which the lowest vertices of
 _LACKS = 0.0006  # [leg lengths] by which the lowest of all vertices may be below those that are chosen
 _MOST = 20  # vertices of a foot
 _LOOKED_AT = 300  # frames
-_TILTS = (-0.45, -0.2, 0.0, 0.2, 0.45)
+_TILTS = (-0.45, -0.2, 0.0, 0.2, 0.45)  # [rad] by which a correction may turn a foot about two level axes
 _SIGMA = 0.001  # [leg lengths]
 
 

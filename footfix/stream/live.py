@@ -137,12 +137,11 @@ class Live:
         return out
 
     def _closed(self) -> list[Shown]:
+        out: list[Shown] = []
         if self._engine is None and len(self._held) >= max(_FEWEST, LEAST / self._frame_time):
             out = self._calibrated()
-            assert self._engine is not None
-            return out + self._counted(self._engine.close())
         if self._engine is not None:
-            return self._counted(self._engine.close())
+            return out + self._counted(self._engine.close())
         return [] if self._passes else [self._as_it_is(number) for number in range(len(self._held))]
 
     def restart(self, frame_time: float) -> list[Shown]:
