@@ -174,12 +174,12 @@ def finish(model: CycleModel, old: Foreseen, begun: Begun, feet: Feet, times: Fl
         What is going to happen, and the feet led at the times.
     """
     soon = np.concatenate([[begun.now], times])
-    free = free_postures(model, begun.course, soon, 1)
+    free = free_postures(model, begun.course, soon)
     off = feet.led_off(soon, free.legs)
     was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0]
     residual = _residual(was - off[0], feet, begun.now)
-    free = replace(free, legs=free.legs.some(slice(1, None)))
-    return Foreseen(begun.course, feet, residual), Led(times, free, residual.faded(off[1:], times))
+    off = residual.faded(off[1:], times)
+    return Foreseen(begun.course, feet, residual), Led(times, free.some(slice(1, None)), off)
 
 
 def _coming(

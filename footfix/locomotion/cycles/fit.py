@@ -92,7 +92,7 @@ def _share(space: GaitSpace) -> float:
 def _cycle_legs(model: CycleModel, speed: float, run: float, phases: Floats) -> LegPoses:
     """The legs of a cycle that travels along z at an even speed, at phases (T,)."""
     plan = _asked(model, speed, run, len(phases))
-    rows = model.leg_rows(phases, plan, len(phases))[0]
+    rows = model.leg_rows(phases, plan)
     turns = model.leg_turns(rows)
     place = model.rig.leg_length * rows[:, :3]
     place[:, 2] += plan.speed * phases / model.frequency(plan)

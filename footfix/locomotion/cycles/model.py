@@ -93,6 +93,12 @@ class CycleModel:
         return level
 
     @cached_property
+    def effectors(self) -> tuple[list[int], list[int], tuple[str, ...]]:
+        """Of each effector its leg, 0 for a heel or 1 for a toe, and its name."""
+        soles = self.rig.soles
+        return [s.leg for s in soles], [int(s.part == "toe") for s in soles], tuple(s.name for s in soles)
+
+    @cached_property
     def leg_columns(self) -> tuple[Ints, ...]:
         """For each leg the columns of a row that its joints fill."""
         found = []
@@ -150,49 +156,42 @@ class CycleModel:
         Walk and run are blended at equal phase; each leg's phase is first led to where its foot would be as far in its
         stance, or swing, in that gait.
         """
-        return self._rows(phases, asked, ((0, 0),))[0]
+        return self._rows(phases, asked, 0)
 
-    def leg_rows(self, phases: Floats, asked: Plan, first: int) -> tuple[Floats, Floats]:
-        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`; and rows from `first` on."""
-        if first == len(phases):
-            return self._rows(phases, asked, ((1, 0),))[0], np.empty((0, 3 + 3 * len(self.skeleton)))
-        legs, every = self._rows(phases, asked, ((1, 0), (0, first)))
-        return legs, every
+    def leg_rows(self, phases: Floats, asked: Plan) -> Floats:
+        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`."""
+        return self._rows(phases, asked, 1)
 
-    def _rows(self, phases: Floats, asked: Plan, parts: Sequence[tuple[int, int]]) -> list[Floats]:
-        """Some columns of the rows, each from some time on."""
-        share = self.shares(asked.run)
+    def _rows(self, phases: Floats, asked: Plan, part: int) -> Floats:
+        """All columns of the rows, or those of the legs."""
         speed = asked.speed / self.froude
-        used = np.flatnonzero(share.max(axis=0) > 0.0)
-        if len(used) == 1:
-            return self._of_gait(int(used[0]), phases, speed, asked.style, None, parts)
+        if len(self.spaces) == 1:
+            return self._of_gait(0, phases, speed, asked.style, None, part)
+        share = self.shares(asked.run)
+        if not share[:, 1].any():
+            return self._of_gait(0, phases, speed, asked.style, None, part)
+        if not share[:, 0].any():
+            return self._of_gait(1, phases, speed, asked.style, None, part)
         spans = self._contacts_of_gaits(asked)
         own = self._stances(spans)  # (T, G, L, 2)
-        mixed = self._stances(np.einsum("tg,tgek->tek", share, spans)[:, None])
+        mixed = self._stances((share[:, None] @ spans.reshape(*share.shape, -1)).reshape(-1, 1, *spans.shape[2:]))
         led = warped(phases[:, None, None], mixed, own)
-        of_gaits = [self._of_gait(int(g), phases, speed, asked.style, led[:, g], parts) for g in used]
-        return [
-            np.asarray(sum(share[first:, g, None] * rows[k] for g, rows in zip(used, of_gaits, strict=True)))
-            for k, (_, first) in enumerate(parts)
-        ]
+        walk, run = (self._of_gait(g, phases, speed, asked.style, led[:, g], part) for g in (0, 1))
+        return np.asarray(walk + share[:, 1:] * (run - walk))
 
     def _of_gait(
-        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None,
-        parts: Sequence[tuple[int, int]],
-    ) -> list[Floats]:  # fmt: skip
+        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None, part: int
+    ) -> Floats:
         """Poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
         space = self.spaces[gait]
         features, samples = space.features(speed, style), space.mean.shape[0]
-        whole = kernel(phases, samples)
-        legs = () if led is None else tuple(kernel(each, samples) for each in led.T)
-        found = []
-        for part, first in parts:
-            directions = self._directions[part][gait]
-            rows = _at(directions[-1], whole[first:], features[first:])
-            for number, weights in enumerate(legs):
-                rows[:, self._columns[part][1][number]] = _at(directions[number], weights[first:], features[first:])
-            found.append(rows)
-        return found
+        directions = self._directions[part][gait]
+        rows = _at(directions[-1], kernel(phases, samples), features)
+        if led is not None:
+            weights = kernel(led.T.ravel(), samples).reshape(*led.T.shape, samples)
+            for number, columns in enumerate(self._columns[part][1]):
+                rows[:, columns] = _at(directions[number], weights[number], features)
+        return rows
 
     @cached_property
     def _columns(self) -> tuple[tuple[Ints, tuple[Ints, ...]], ...]:
