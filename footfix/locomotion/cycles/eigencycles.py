@@ -14,6 +14,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from footfix.locomotion.cycles.samples import Gait, Sample
+from footfix.locomotion.cycles.turns import exponentials, matrix_products, products, squares
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, frozen
 
@@ -41,9 +42,23 @@ class Code:
         return np.concatenate([places, vectors.reshape(*vectors.shape[:2], -1)], axis=2)
 
     def turns(self, rows: Floats) -> Floats:
-        """(..., J, 4) rotations of rows (..., 3 + 3 J)."""
-        vectors = rows[..., 3:].reshape(*rows.shape[:-1], len(self.middle), 3)
-        return rotation.multiply(self.middle, rotation.from_rotation_vector(vectors))
+        """(T, J, 4) rotations of rows (T, 3 + 3 J)."""
+        vectors = rows[:, 3:].reshape(len(rows), -1, 3).swapaxes(0, 1)
+        return (exponentials(vectors) @ self._products).swapaxes(0, 1)
+
+    def frames(self, rows: Floats) -> Floats:
+        """(T, J, 3, 3) the same, as matrices."""
+        vectors = rows[:, 3:].reshape(len(rows), -1, 3).swapaxes(0, 1)
+        found = squares(exponentials(vectors)) @ self._matrix_products
+        return found.swapaxes(0, 1).reshape(len(rows), -1, 3, 3)
+
+    @cached_property
+    def _products(self) -> Floats:
+        return products(self.middle)
+
+    @cached_property
+    def _matrix_products(self) -> Floats:
+        return matrix_products(self.middle)
 
     @property
     def weights(self) -> Floats:

@@ -221,8 +221,7 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
 
     Of those that begin after `until` [s] each foot has one, to be led to.
     """
-    asked = course.plan.at(course.grid)
-    spans = model.contact_phases(asked)
+    spans = model.contact_phases(course.asked)
     set_down = course.known[:, :1] - spans[:, :, 0]
     lifted = set_down - spans[:, :, 1]
     low, high = int(np.floor(set_down[0].min())), int(np.ceil(set_down[-1].max()))

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from footfix.locomotion.cycles.turns import (
-    applied, back, between, cross, dot, matrices, norm, quaternions, turned_by, unit,
+    applied, back, between, cross, dot, norm, quaternions, turned_by, unit,
 )  # fmt: skip
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.rig.rig import Rig
@@ -171,18 +171,18 @@ class Legs:
 
         Args:
             place: (T, 3) [m] the root.
-            turn: (T, 4) its frame in the world.
-            turns: (T, N, 4) `joints` in their parents' frames.
+            turn: (T, 3, 3) its frame in the world.
+            turns: (T, N, 3, 3) `joints` in their parents' frames.
         """
         rest, still, (hip, knee, ankle, toe) = self._steps
         count, (depth, legs) = len(place), self._among.shape
         step = np.empty((count, depth, legs, 3, 4))  # each joint's turn, and beside it where it is, from what it hangs
-        step[..., :3] = matrices(turns)[:, self._among]
+        step[..., :3] = turns[:, self._among]
         if still is not None:
             step[:, still, :, :3] = np.eye(3)
         step[..., 3] = rest
         whole = np.empty((count, depth + 1, legs, 3, 4))
-        whole[:, 0, :, :, :3] = matrices(turn)[:, None]
+        whole[:, 0, :, :, :3] = turn[:, None]
         whole[:, 0, :, :, 3] = place[:, None]
         for d in range(depth):
             np.matmul(whole[:, d, ..., :3], step[:, d], out=whole[:, d + 1])

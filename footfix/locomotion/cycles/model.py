@@ -118,15 +118,20 @@ class CycleModel:
 
     def frequency(self, asked: Plan) -> Floats:
         """(T,) [Hz] of the cycle; between gaits the logarithms are blended."""
-        log = np.log(np.maximum(asked.speed / self.froude, SLOWEST))
-        lines = self._frequency_lines
-        logs = lines[:, 0] + log[:, None] * lines[:, 1] + asked.style @ lines[:, 2:].T
-        rate = np.sqrt(GRAVITY / self.rig.leg_length)
-        return np.asarray(np.exp(np.sum(self.shares(asked.run) * logs, axis=1)) * rate)
+        at_one, slope, styles = self._frequency_lines
+        logs = at_one + np.log(np.maximum(asked.speed, SLOWEST * self.froude))[:, None] * slope
+        if len(styles):
+            logs += asked.style @ styles
+        if len(self.spaces) == 1:
+            return np.asarray(np.exp(logs[:, 0]))
+        return np.asarray(np.exp(np.add.reduce(self.shares(asked.run) * logs, axis=1)))
 
     @cached_property
-    def _frequency_lines(self) -> Floats:
-        return np.stack([space.frequency for space in self.spaces])
+    def _frequency_lines(self) -> tuple[Floats, Floats, Floats]:
+        """Of each gait (G,) the log frequency [Hz] at 1 m/s, (G,) its slope over that of the speed, (S, G) styles."""
+        lines = np.array([space.frequency for space in self.spaces])
+        rate = 0.5 * np.log(GRAVITY / self.rig.leg_length)
+        return lines[:, 0] - np.log(self.froude) * lines[:, 1] + rate, lines[:, 1], lines[:, 2:].T
 
     def contact_phases(self, asked: Plan) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
@@ -197,7 +202,7 @@ class CycleModel:
     def _columns(self) -> tuple[tuple[Ints, tuple[Ints, ...]], ...]:
         """For all joints, and for the legs alone: the columns of a row, and where among them those of each leg are."""
         every = np.arange(3 + 3 * len(self.skeleton))
-        joints = np.array([self.rig.root, *self.legs.joints])
+        joints = np.array(self.leg_joints)
         some = np.concatenate([np.arange(3), (3 + 3 * joints[:, None] + np.arange(3)).ravel()])
         return tuple(
             (own, tuple(np.flatnonzero(np.isin(own, leg)) for leg in self.leg_columns)) for own in (every, some)
@@ -225,14 +230,18 @@ class CycleModel:
         """(T, J, 4) rotations of rows (T, D)."""
         return self.code.turns(rows)
 
-    def leg_turns(self, rows: Floats) -> Floats:
-        """(T, 1 + N, 4) rotations of the root and of `legs.joints`, of rows (T, 6 + 3 N) of these."""
-        return self._leg_code.turns(rows)
+    def leg_frames(self, rows: Floats) -> Floats:
+        """(T, 1 + N, 3, 3) rotations of `leg_joints`, of rows (T, 6 + 3 N) of these."""
+        return self._leg_code.frames(rows)
+
+    @cached_property
+    def leg_joints(self) -> list[int]:
+        """The root, and `legs.joints`."""
+        return [self.rig.root, *self.legs.joints]
 
     @cached_property
     def _leg_code(self) -> Code:
-        joints = [self.rig.root, *self.legs.joints]
-        return Code(self.code.middle[joints], self.code.reach[joints])
+        return Code(self.code.middle[self.leg_joints], self.code.reach[self.leg_joints])
 
 
 def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:

@@ -14,7 +14,7 @@ from footfix.locomotion.cycles.feet import Feet, goals, lowered
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course
-from footfix.locomotion.cycles.turns import about_up
+from footfix.locomotion.cycles.turns import about_up, applied, matrices, turned_about_up
 from footfix.motion.clip import Bools, Clip, Floats
 
 
@@ -83,30 +83,27 @@ class Led:
 
 def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
     """Tell the postures that the cycles have at times (T,) [s] (G eq. 5, 6)."""
-    at, asked = course.at(times), course.plan.at(times)
+    at, asked = course.at(times)
     rows = model.rows(at[:, 0], asked)
     turns, root = model.turns(rows), model.rig.root
-    place, front = _placed(model, at, rows, turns[:, root])
-    legs = model.legs.poses(place, front, turns[:, model.legs.joints])
-    turns[:, root] = front
-    return Free(place, turns, legs)
+    turns[:, root] = turned_about_up(at[:, 2], turns[:, root])
+    frames, place = matrices(turns[:, model.leg_joints]), _place(model, at, rows, about_up(at[:, 2]))
+    return Free(place, turns, model.legs.poses(place, frames[:, 0], frames[:, 1:]))
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
     """Pose the legs as the cycles have them at times (T,) [s]."""
-    at, asked = course.at(times), course.plan.at(times)
-    rows = model.leg_rows(at[:, 0], asked)
-    turns = model.leg_turns(rows)
-    return model.legs.poses(*_placed(model, at, rows, turns[:, 0]), turns[:, 1:])
+    at, asked = course.at(times)
+    rows, front = model.leg_rows(at[:, 0], asked), about_up(at[:, 2])
+    frames = model.leg_frames(rows)
+    return model.legs.poses(_place(model, at, rows, front), front @ frames[:, 0], frames[:, 1:])
 
 
-def _placed(model: CycleModel, at: Floats, rows: Floats, turn: Floats) -> tuple[Floats, Floats]:
-    """The root's place (T, 3) [m] and turn (T, 4), on a course that is known (T, 5)."""
-    sine, cosine = np.sin(at[:, 2]), np.cos(at[:, 2])
-    place = model.rig.leg_length * rows[:, :3]
-    x, z = place[:, 0], place[:, 2]
-    place[:, 0], place[:, 2] = at[:, 3] + x * cosine + z * sine, at[:, 4] + z * cosine - x * sine
-    return place, about_up(at[:, 2], turn)
+def _place(model: CycleModel, at: Floats, rows: Floats, front: Floats) -> Floats:
+    """(T, 3) [m] the root, on a course (T, 5) that heads so (T, 3, 3), of rows of the code."""
+    place = applied(front, model.rig.leg_length * rows[:, :3])
+    place[:, ::2] += at[:, 3:]
+    return place
 
 
 def held(model: CycleModel, feet: Feet, led: Led) -> Postures:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.motion.clip import Floats, Ints, frozen
+from footfix.motion.rotation import multiply, to_matrix
 
 _STILL = frozen(np.eye(3))
 
@@ -88,8 +89,7 @@ def back(m: Floats) -> Floats:
 
 def matrices(q: Floats) -> Floats:
     """(..., 3, 3) of unit quaternions xyzw (..., 4)."""
-    squares = q[..., :, None] * q[..., None, :]
-    return (squares.reshape(*q.shape[:-1], 16) @ _TO_MATRIX).reshape(*q.shape[:-1], 3, 3)
+    return (squares(q) @ _TO_MATRIX).reshape(*q.shape[:-1], 3, 3)
 
 
 def quaternions(m: Floats) -> Floats:
@@ -97,20 +97,53 @@ def quaternions(m: Floats) -> Floats:
 
     Source: S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1 (1978).
     """
-    squares = m.reshape(-1, 9) @ _TO_SQUARES + _ONES
-    best: Ints = np.argmax(squares[:, ::5], axis=1)
-    q = squares.reshape(-1, 4, 4)[np.arange(len(best)), best]
+    four = m.reshape(-1, 9) @ _TO_SQUARES + _ONES
+    best: Ints = np.argmax(four[:, ::5], axis=1)
+    q = four.reshape(-1, 4, 4)[np.arange(len(best)), best]
     q /= np.sqrt(np.add.reduce(q * q, axis=1, keepdims=True))
     return q.reshape(*m.shape[:-2], 4)
 
 
-def about_up(angle: Floats, q: Floats) -> Floats:
+def about_up(angle: Floats) -> Floats:
+    """(T, 3, 3) turns about the vertical by angles (T,) [rad]."""
+    angle = angle[:, None, None]
+    return np.asarray(_UPRIGHT + np.cos(angle) * _ALONG + np.sin(angle) * _ASIDE)
+
+
+def turned_about_up(angle: Floats, q: Floats) -> Floats:
     """(T, 4) xyzw turns (T, 4), turned about the vertical by angles (T,) [rad]."""
     half = 0.5 * angle[:, None]
     return np.asarray(np.cos(half) * q + np.sin(half) * (q @ _UP))
 
 
+_UPRIGHT, _ALONG = frozen(np.diag([0.0, 1.0, 0.0])), frozen(np.diag([1.0, 0.0, 1.0]))
+_ASIDE = frozen([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
 _UP = frozen([[0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]])
+
+
+def exponentials(vector: Floats) -> Floats:
+    """(..., 4) quaternions xyzw of rotation vectors (..., 3) [rad]."""
+    half = np.maximum(0.5 * np.sqrt(np.add.reduce(vector * vector, axis=-1, keepdims=True)), 1e-9)
+    q = np.empty((*vector.shape[:-1], 4))
+    np.multiply(vector, 0.5 * np.sin(half) / half, out=q[..., :3])
+    np.cos(half, out=q[..., 3:])
+    return q
+
+
+def products(left: Floats) -> Floats:
+    """(J, 4, 4) matrices by which quaternions are to be multiplied, to be turned by `left` (J, 4) thereafter."""
+    return np.ascontiguousarray(multiply(left[:, None], np.eye(4)))
+
+
+def matrix_products(left: Floats) -> Floats:
+    """(J, 16, 9) what makes matrices of the squares of quaternions that are turned by `left` (J, 4) thereafter."""
+    own = _TO_MATRIX.reshape(16, 3, 3)
+    return np.ascontiguousarray((to_matrix(left)[:, None] @ own).reshape(len(left), 16, 9))
+
+
+def squares(q: Floats) -> Floats:
+    """(..., 16) the products of the components of quaternions (..., 4)."""
+    return (q[..., :, None] * q[..., None, :]).reshape(*q.shape[:-1], 16)
 
 
 def turned_by(vector: Floats) -> Floats:
