@@ -162,9 +162,9 @@ class Legs:
 
     @cached_property
     def _steps(self) -> tuple[Floats, Bools | None, tuple[int, ...]]:
-        """Of the chains their offsets, those that stand in if any do, and where the four joints are."""
+        """Of the chains their offsets (D, 3, 1, L), those that stand in if any do, and where the four joints are."""
         _, offsets, still, places = self._chains
-        return offsets, still if still.any() else None, places
+        return offsets.swapaxes(1, 2)[:, :, None], still if still.any() else None, places
 
     def poses(self, place: Floats, turn: Floats, turns: Floats) -> LegPoses:
         """Forward kinematics.
@@ -176,17 +176,18 @@ class Legs:
         """
         rest, still, (hip, knee, ankle, toe) = self._steps
         count, (depth, legs) = len(place), self._among.shape
-        step = np.empty((count, depth, legs, 3, 4))  # each joint's turn, and beside it where it is, from what it hangs
-        step[..., :3] = turns[:, self._among]
+        # components first, so that a product of two matrices is two operations on rows of numbers
+        step = np.empty((depth, 3, 4, count, legs))  # each joint's turn, and beside it where it is from what it hangs
+        step[:, :, :3] = turns[:, self._among].transpose(1, 3, 4, 0, 2)
         if still is not None:
-            step[:, still, :, :3] = np.eye(3)
-        step[..., 3] = rest
-        whole = np.empty((count, depth + 1, legs, 3, 4))
-        whole[:, 0, :, :, :3] = turn[:, None]
-        whole[:, 0, :, :, 3] = place[:, None]
+            step[:, :, :3].transpose(0, 4, 1, 2, 3)[still] = np.eye(3)[:, :, None]
+        step[:, :, 3] = rest
+        whole = np.empty((depth + 1, 3, 4, count, legs))
+        whole[0, :, :3] = turn.transpose(1, 2, 0)[..., None]
+        whole[0, :, 3] = place.T[..., None]
         for d in range(depth):
-            np.matmul(whole[:, d, ..., :3], step[:, d], out=whole[:, d + 1])
-        frames, places = whole[..., :3], np.add.accumulate(whole[..., 3], axis=1)
+            np.add.reduce(whole[d, :, :3, None] * step[d], axis=1, out=whole[d + 1])
+        frames, places = whole[:, :, :3].transpose(3, 0, 4, 1, 2), np.add.accumulate(whole[:, :, 3]).transpose(2, 0, 3, 1)
         foot, heel_at = frames[:, ankle + 1], places[:, ankle + 1]
         soles, ends = np.empty((count, legs, 2, 3)), np.empty((count, legs, 2, 3, 3))
         soles[:, :, 0] = heel_at + applied(foot, self._soles[0])
