@@ -119,7 +119,7 @@ def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """The first third of the work of foreseeing anew: the course, and when feet are going to stand on it.
+    """The first part of the work of foreseeing anew: the course, and when feet are going to stand on it.
 
     Args:
         now: [s] the time from which on it holds.
@@ -152,9 +152,13 @@ def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float
     return Begun(now, course, over, stances, stays)
 
 
-def placed(model: CycleModel, begun: Begun) -> Feet:
+def posed(model: CycleModel, begun: Begun) -> LegPoses:
+    """Go on, with the legs as the cycles have them while feet are going to stand."""
+    return leg_poses(model, begun.course, sample_times(begun.stances).ravel())
+
+
+def placed(model: CycleModel, begun: Begun, poses: LegPoses) -> Feet:
     """Go on, with the places of the feet."""
-    poses = leg_poses(model, begun.course, sample_times(begun.stances).ravel())
     return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
 
 
