@@ -162,28 +162,32 @@ def placed(model: CycleModel, begun: Begun, poses: LegPoses) -> Feet:
     return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
 
 
-def finish(model: CycleModel, old: Foreseen, begun: Begun, feet: Feet, times: Floats) -> tuple[Foreseen, Led]:
+def led(model: CycleModel, begun: Begun, feet: Feet, times: Floats) -> Led:
+    """Go on, with some frames: the time of the change, and those at times (T,) [s] from then on."""
+    soon = np.concatenate([[begun.now], times])
+    free = free_postures(model, begun.course, soon)
+    return Led(soon, free, feet.led_off(soon, free.legs))
+
+
+def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen, Led]:
     """Foresee anew what was begun.
 
     What led feet then to other places, and does not any more, fades (G eq. 11, put right: as printed it jumps).
 
     Args:
-        model: the figure and its cycles.
         old: what was going to happen.
         begun: what is to.
         feet: `placed`.
-        times: (T,) [s] at which feet are led right away, from then on.
+        soon: `led`.
 
     Returns:
-        What is going to happen, and the feet led at the times.
+        What is going to happen, and the frames without that of the change.
     """
-    soon = np.concatenate([[begun.now], times])
-    free = free_postures(model, begun.course, soon)
-    off = feet.led_off(soon, free.legs)
-    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0]
-    residual = _residual(was - off[0], feet, begun.now)
-    off = residual.faded(off[1:], times)
-    return Foreseen(begun.course, feet, residual), Led(times, free.some(slice(1, None)), off)
+    was = old.led_off(soon.times[:1], soon.free.legs.some(slice(0, 1)))[0]
+    residual = _residual(was - soon.off[0], feet, begun.now)
+    times = soon.times[1:]
+    off = residual.faded(soon.off[1:], times)
+    return Foreseen(begun.course, feet, residual), Led(times, soon.free.some(slice(1, None)), off)
 
 
 def _coming(

@@ -1,7 +1,7 @@
 """An engine's state: frames one after another, while what is asked for changes.
 
 What is to come is foreseen, and foreseen anew when something else is asked for. That takes as long as some frames do,
-so it is done in four parts, one a frame; frames in the meantime are as they were foreseen before.
+so it is done in five parts, one a frame; frames in the meantime are as they were foreseen before.
 """
 
 from __future__ import annotations
@@ -10,12 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.locomotion.cycles.engine import Begun, begin, changed_plan, finish, foresee, placed, posed, postures
+from footfix.locomotion.cycles.engine import (
+    Begun, begin, changed_plan, finish, foresee, led, placed, posed, postures,
+)  # fmt: skip
 from footfix.locomotion.cycles.feet import Feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point
-from footfix.locomotion.cycles.postures import Postures, held
+from footfix.locomotion.cycles.postures import Led, Postures, held
 from footfix.motion.clip import Bools, Floats
 
 _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
@@ -23,7 +25,7 @@ _LEAST = 0.45  # [s] and when this is left, foreseen anew,
 _LONG = 1.6  # [s] and farther, since nothing else was asked for
 _PAST = 0.3  # [s] in which it is remembered what was asked for
 _JOIN = 0.1  # [s] in which what was asked for some frames ago is caught up with
-_BATCH = 4  # frames that are made at once: they cost little more than one
+_BATCH = 5  # frames that are made at once: they cost little more than one
 _BRIEF = 0.02  # [s] frames that are longer do two parts of the work each
 _FRESH = 0.05  # [s] how old what is foreseen may be while something else is asked for all the time
 
@@ -35,13 +37,14 @@ class _Work:
     Args:
         begun: the first part.
         until: [s] how far.
-        poses, feet: the second part and the third, if they are done.
+        poses, feet, led: the next parts, if they are done.
     """
 
     begun: Begun
     until: float
     poses: LegPoses | None = None
     feet: Feet | None = None
+    led: Led | None = None
 
 
 class Live:
@@ -86,7 +89,7 @@ class Live:
     def step(self, dt: float) -> tuple[Postures, int]:
         """Go on by `dt` [s]: frames, and which of them is the one then."""
         steady, self._dt, self.time = dt == self._dt, dt, self.time + dt
-        if self._work is not None and self._work.feet is not None and self.time >= self._work.begun.now:
+        if self._work is not None and self._work.led is not None and self.time >= self._work.begun.now:
             self._made = self._finish(self._times(dt)), 0
             return self._made
         known = self._known()
@@ -120,11 +123,14 @@ class Live:
         """Do the next part of the work, if there is any, for frames `dt` [s] apart."""
         work = self._work
         if work is None:
-            self._begin(self.time + (2.0 if dt > _BRIEF else 3.0) * dt)  # when the work is done
+            self._begin(_later(self.time, dt, 2 if dt > _BRIEF else 4)[-1])  # when the work is done
         elif work.poses is None:
             self._work = replace(work, poses=posed(self.model, work.begun))
         elif work.feet is None:
             self._work = replace(work, feet=placed(self.model, work.begun, work.poses))
+        elif work.led is None:
+            times = _later(work.begun.now, dt, _BATCH - 1)
+            self._work = replace(work, led=led(self.model, work.begun, work.feet, np.array(times)))
 
     def _begin(self, now: float) -> bool:
         """Begin to foresee anew from a time on, if something else is asked for, or too little is known."""
@@ -143,9 +149,12 @@ class Live:
         """Foresee what was begun, and make frames at some times."""
         work = self._work
         assert work is not None and work.feet is not None
-        self.foreseen, led = finish(self.model, self.foreseen, work.begun, work.feet, times)
+        soon = work.led
+        if soon is None or not np.array_equal(soon.times[1:], times):
+            soon = led(self.model, work.begun, work.feet, times)
+        self.foreseen, frames = finish(self.foreseen, work.begun, work.feet, soon)
         self._until, self._since, self._work = work.until, work.begun.now, None
-        return held(self.model, self.foreseen.feet, led)
+        return held(self.model, self.foreseen.feet, frames)
 
     def _drop(self) -> None:
         """Forget what was begun; it is to be foreseen from another time on."""
@@ -154,10 +163,7 @@ class Live:
 
     def _times(self, dt: float) -> Floats:
         """The times of some frames, the first of them now."""
-        times = [self.time]
-        while dt > 0.0 and len(times) < _BATCH and times[-1] + dt < self._until:
-            times.append(times[-1] + dt)  # as they are going to be told, to the last bit
-        return np.array(times)
+        return np.array([time for time in _later(self.time, dt, _BATCH - 1) if time < self._until])
 
     def _known(self) -> tuple[Postures, int] | None:
         """The frame now, if it was made."""
@@ -165,3 +171,11 @@ class Live:
             return None
         found, k = self._made
         return (found, k + 1) if k + 1 < len(found) and found.times[k + 1] == self.time else None
+
+
+def _later(time: float, dt: float, frames: int) -> list[float]:
+    """A time [s], and those of some frames `dt` [s] apart thereafter, as they are going to be told, to the last bit."""
+    times = [time]
+    while dt > 0.0 and len(times) <= frames:
+        times.append(times[-1] + dt)
+    return times

@@ -135,16 +135,18 @@ class CycleModel:
 
     def contact_phases(self, asked: Plan) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
-        share = self.shares(asked.run)
-        spans = np.asarray(np.einsum("tg,tgek->tek", share, self._contacts_of_gaits(asked)))
-        mixed = 4.0 * share[:, 0] * share[:, -1] if share.shape[1] > 1 else np.zeros(len(spans))
-        if not np.any(mixed):
-            return spans
-        m = len(self.between)
-        at = np.clip(asked.speed / self.froude / self.between_speeds()[-1], 0.0, 1.0) * (m - 1)
-        k = np.minimum(at.astype(np.intp), m - 2)
-        w = (at - k)[:, None, None]
-        spans += mixed[:, None, None] * ((1.0 - w) * self.between[k] + w * self.between[k + 1])
+        spans = self._contacts_of_gaits(asked)
+        if len(self.spaces) == 1:
+            return spans[:, 0]
+        run = self.shares(asked.run)[:, 1]
+        spans = spans[:, 0] + run[:, None, None] * (spans[:, 1] - spans[:, 0])
+        mixed = 4.0 * run * (1.0 - run)
+        if mixed.any():
+            m = len(self.between)
+            at = np.minimum(asked.speed * ((m - 1) / (self.froude * self.between_speeds()[-1])), m - 1.0)
+            k = np.minimum(at.astype(np.intp), m - 2)
+            low, high = self.between[k], self.between[k + 1]
+            spans += mixed[:, None, None] * (low + (at - k)[:, None, None] * (high - low))
         return spans
 
     def between_speeds(self) -> Floats:
@@ -152,8 +154,20 @@ class CycleModel:
         return np.linspace(0.0, FASTEST * self.spaces[-1].ramp.high, len(self.between))
 
     def _contacts_of_gaits(self, asked: Plan) -> Floats:
-        speed = asked.speed / self.froude
-        return np.stack([space.contact_phases(speed) for space in self.spaces], axis=1)
+        """(T, G, E, 2) contacts of each gait, see `GaitSpace.contact_phases`."""
+        table, slope, at_rest = self._contact_table
+        most = table.shape[1] - 1.0
+        at = np.minimum(np.maximum(at_rest + asked.speed[:, None] * slope, 0.0), most)
+        k, gaits = np.minimum(at.astype(np.intp), int(most) - 1), np.arange(len(table))
+        low, high = table[gaits, k], table[gaits, k + 1]
+        return np.asarray(low + (at - k)[..., None, None] * (high - low))
+
+    @cached_property
+    def _contact_table(self) -> tuple[Floats, Floats, Floats]:
+        """(G, M, E, 2) contacts, and which of the M belongs to a speed: (G,) by how much it grows, and at rest."""
+        table = np.array([space.contacts for space in self.spaces])
+        at = np.array([space.contact_rows(np.array([0.0, 1.0])) for space in self.spaces])
+        return table, (at[:, 1] - at[:, 0]) / self.froude, at[:, 0]
 
     def rows(self, phases: Floats, asked: Plan) -> Floats:
         """(T, D) poses at phases (T,), as rows of the code.

@@ -58,7 +58,9 @@ class Plan:
     def of_table(cls, times: Floats, table: Floats) -> Plan:
         """The plan of times (K,) and a `table` (K, 3 + S), which is not to be written to any more."""
         table.flags.writeable = False
-        return cls(times, table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
+        plan = cls(times, table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
+        plan.__dict__["table"] = table  # it need not be put together again
+        return plan
 
     @cached_property
     def table(self) -> Floats:
@@ -89,7 +91,7 @@ class Plan:
 
     def some(self, which: slice) -> Plan:
         """The parameters at some of the times."""
-        return Plan(*(getattr(self, name)[which] for name in _ROWS))
+        return Plan.of_table(self.times[which], self.table[which])
 
     def since(self, time: float) -> Plan:
         """Forget what was asked for before a time [s] and holds no more then."""
@@ -110,23 +112,27 @@ class Plan:
             ends: (3 + S,) [s] when speed, run, turn and styles have got there; nan for those that go on as planned.
             target: one row, what they are to become.
         """
-        others = bool(np.isnan(ends).any())
-        times = np.unique(np.concatenate([[now], ends[~np.isnan(ends)], self.times[(self.times > now) & others]]))
+        named = ends == ends  # nan is not
+        later = () if named.all() else self.times[int(self.times.searchsorted(now, side="right")) :].tolist()
+        times = np.array(sorted({now, *ends[named].tolist(), *later}))
         was = self.rows(times)
         share = np.minimum((times[:, None] - now) / (ends - now), 1.0)
-        rows = np.where(np.isnan(share), was, was[0] + share * (target.table[0] - was[0]))
-        bends = np.abs(np.diff(np.diff(rows, axis=0) / np.diff(times)[:, None], axis=0)).max(axis=1, initial=0.0) > 1e-9
-        kept = np.concatenate([[True], bends, [True]])
+        rows = np.where(named, was[0] + share * (target.table[0] - was[0]), was)
+        if len(times) > 2:
+            slopes = (rows[1:] - rows[:-1]) / (times[1:] - times[:-1])[:, None]
+            kept = np.ones(len(times), dtype=np.bool_)
+            kept[1:-1] = (np.abs(slopes[1:] - slopes[:-1]) > 1e-9).any(axis=1)
+            times, rows = times[kept], rows[kept]
         past = int(self.times.searchsorted(now - 1e-9))
-        rows = np.concatenate([self.table[:past], rows[kept]])
-        return Plan.of_table(np.concatenate([self.times[:past], times[kept]]), rows)
+        return Plan.of_table(np.concatenate([self.times[:past], times]), np.concatenate([self.table[:past], rows]))
 
     def joined(self, now: float, over: float, other: Plan) -> Plan:
         """The plan that it was up to a time, and `over` [s] later is another one."""
         past, later = int(self.times.searchsorted(now - 1e-9)), int(other.times.searchsorted(now + over, side="right"))
-        here, there = self.at(np.array([now])), other.at(np.array([now + over]))
-        parts = (self.some(slice(past)), here, there, other.some(slice(later, None)))
-        return Plan.of_table(np.concatenate([p.times for p in parts]), np.concatenate([p.table for p in parts]))
+        ends = np.array([now, now + over])
+        here, there = self.rows(ends[:1]), other.rows(ends[1:])
+        times = np.concatenate([self.times[:past], ends, other.times[later:]])
+        return Plan.of_table(times, np.concatenate([self.table[:past], here, there, other.table[later:]]))
 
 
 _ROWS = ("times", "speed", "run", "turn", "style")
