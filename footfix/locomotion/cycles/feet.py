@@ -20,6 +20,7 @@ from footfix.motion.clip import Bools, Floats
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _PEEL = 0.12  # [s] after the heel has left the floor, and before it is set down, in which it becomes free to turn
+_STRAIGHT = 0.1  # of a leg's reach: how near to it a leg is so straight that its foot turns about the toe
 _LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
 _DOWN = 0.3  # [s] before and after a heel is set down, in which the figure comes down for it, and up again
 _LED = (*HELD, "share", "free", "down")
@@ -170,15 +171,18 @@ def lowered(pose: LegPoses, line: Floats, free: Floats, size: float) -> Floats:
 
 
 def _peeled(pose: LegPoses, hip: Floats, ankle: Floats, toe: Floats, free: Floats) -> tuple[Floats, Floats]:
-    """Turn feet about their toes where a leg would be stretched farther than in the cycle: the heel comes up instead.
+    """Turn feet about their toes where a straight leg would be stretched farther than in the cycle: the heel comes up.
+
+    While the knee is bent it gives way; hip, ankle and toe may lie in one line then, and no turn would be of use.
 
     Returns:
         (T, L, 3) [m] the ankles, and (T, L, 3, 3) the turns.
     """
     was, line = pose.far, ankle - hip
     now = np.sqrt(dot(line, line))
-    room = np.maximum(pose.reach - was, 1e-6)
-    beyond = np.maximum(now - was, 0.0)
+    near = _STRAIGHT * pose.reach
+    room = np.maximum(near * (1.0 - np.exp((was - pose.reach) / near)), 1e-6)
+    beyond = np.maximum(now - pose.reach + room, 0.0)
     wanted = now - free * (beyond - room * (1.0 - np.exp(-beyond / room)))
     # in the triangle of hip, toe and ankle the angle at the toe tells how far the ankle is from the hip
     arm, line = ankle - toe, hip - toe
