@@ -13,7 +13,7 @@ from footfix.motion.vectors import norm
 
 _LEAST = 1e-6  # [s] of a stretch
 _BEND = 0.1  # [s] within which a value that is let go, or taken up, changes its slope,
-_ASIDE = 0.02  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
+_ASIDE = 0.01  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
 
 Span = tuple[float, float]  # [s]
 Row = tuple[float, int, int, int, int, int]  # start, the four values at its ends among some, and what holds it

@@ -24,7 +24,7 @@ _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
 _LEAST = 0.45  # [s] and when this is left, foreseen anew,
 _LONG = 1.6  # [s] and farther, since nothing else was asked for
 _PAST = 0.3  # [s] in which it is remembered what was asked for
-_JOIN = 0.1  # [s] in which what was asked for some frames ago is caught up with
+_JOIN = 0.15  # [s] in which what was asked for some frames ago is caught up with
 _BATCH = 5  # frames that are made at once: they cost little more than one
 _BRIEF = 0.02  # [s] frames that are longer do two parts of the work each
 _FRESH = 0.05  # [s] how old what is foreseen may be while something else is asked for all the time
@@ -37,11 +37,14 @@ class _Work:
     Args:
         begun: the first part.
         until: [s] how far.
+        behind: (3 + S,) by how much the integrals of what is asked for are greater until then; None where nothing else
+            is asked for.
         poses, feet, led: the next parts, if they are done.
     """
 
     begun: Begun
     until: float
+    behind: Floats | None
     poses: LegPoses | None = None
     feet: Feet | None = None
     led: Led | None = None
@@ -65,6 +68,7 @@ class Live:
         self.foreseen = foresee(model, plan, line, Point(), self._until)
         self._plan = plan  # what is asked for,
         self._ends = plan.ends()  # [s] when what it leads to was to be reached, be it too soon for feet to follow,
+        self._joined = -1.0, np.zeros(len(self._ends))  # [s] when it was, and by how much it was behind then,
         self._asked = False  # and whether it is not foreseen yet
         self._work: _Work | None = None
         self._made: tuple[Postures, int] | None = None  # frames, and which of them is the one now
@@ -137,13 +141,21 @@ class Live:
         least = max(_LEAST, self._far)
         if not self._asked and self._until - now >= least:
             return False
-        plan = self.foreseen.course.plan
+        plan, behind = self.foreseen.course.plan, None
         if self._asked:
-            plan = plan.joined(now, _JOIN, self._plan)
+            behind = self._behind_at(now)
+            plan = plan.joined(now, _JOIN, self._plan, behind)
         until = now + max(_KNOWN if self._asked else _LONG, least + _LEAST)
         begun = begin(self.model, self.foreseen, plan.since(now - _PAST), now, until)
-        self._work, self._asked = _Work(begun, until), False
+        self._work, self._asked = _Work(begun, until, behind), False
         return True
+
+    def _behind_at(self, now: float) -> Floats:
+        """(3 + S,) by how much the integrals of what is asked for are greater, at a time, than of what is foreseen."""
+        joined, behind = self._joined
+        since = joined if now < joined + _JOIN else max(joined + _JOIN, now - _PAST)
+        more = self._plan.sums(since, now) - self.foreseen.course.plan.sums(since, now)
+        return more + behind if since == joined else more
 
     def _finish(self, times: Floats) -> Postures:
         """Foresee what was begun, and make frames at some times."""
@@ -154,6 +166,8 @@ class Live:
             soon = led(self.model, work.begun, work.feet, times)
         self.foreseen, frames = finish(self.foreseen, work.begun, work.feet, soon)
         self._until, self._since, self._work = work.until, work.begun.now, None
+        if work.behind is not None:
+            self._joined = work.begun.now, work.behind
         return held(self.model, self.foreseen.feet, frames)
 
     def _drop(self) -> None:

@@ -126,13 +126,32 @@ class Plan:
         past = int(self.times.searchsorted(now - 1e-9))
         return Plan.of_table(np.concatenate([self.times[:past], times]), np.concatenate([self.table[:past], rows]))
 
-    def joined(self, now: float, over: float, other: Plan) -> Plan:
-        """The plan that it was up to a time, and `over` [s] later is another one."""
+    def joined(self, now: float, over: float, other: Plan, behind: Floats) -> Plan:
+        """The plan that it was up to a time, and `over` [s] later is another one, having made up for what is `behind`.
+
+        Args:
+            now: [s].
+            over: [s] in which it gets there.
+            other: what it is to become.
+            behind: (3 + S,) by how much the integrals of its rows are less than they ought to be; those of speed and
+                turn are made up for, so that it goes on where it would be.
+        """
         past, later = int(self.times.searchsorted(now - 1e-9)), int(other.times.searchsorted(now + over, side="right"))
         ends = np.array([now, now + over])
         here, there = self.rows(ends[:1]), other.rows(ends[1:])
-        times = np.concatenate([self.times[:past], ends, other.times[later:]])
-        return Plan.of_table(times, np.concatenate([self.table[:past], here, there, other.table[later:]]))
+        behind = behind + other.sums(now, now + over) - 0.5 * over * (here[0] + there[0])
+        between = 0.5 * (here + there)
+        between[:, :3:2] += behind[:3:2] * (2.0 / over)  # a triangle over what is in line
+        between[:, 0] = np.maximum(between[:, 0], 0.0)
+        times = np.concatenate([self.times[:past], [now, now + 0.5 * over, now + over], other.times[later:]])
+        return Plan.of_table(times, np.concatenate([self.table[:past], here, between, there, other.table[later:]]))
+
+    def sums(self, since: float, until: float) -> Floats:
+        """(3 + S,) the integrals of its rows from one time to another [s]."""
+        low, high = int(self.times.searchsorted(since, side="right")), int(self.times.searchsorted(until))
+        times = np.array([since, *self.times[low:high].tolist(), until])
+        rows = self.rows(times)
+        return np.asarray(0.5 * (times[1:] - times[:-1]) @ (rows[1:] + rows[:-1]))
 
 
 _ROWS = ("times", "speed", "run", "turn", "style")

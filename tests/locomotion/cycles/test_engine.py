@@ -182,8 +182,18 @@ def test_the_course_is_the_one_asked_for_though_it_is_taken_up_some_frames_later
 
 def test_one_plan_is_joined_to_another() -> None:
     rising = Plan(np.array([0.0, 3.0]), np.array([0.0, 3.0]), *np.zeros((2, 2)), np.zeros((2, 0)))
-    both = steady(1.0).joined(1.0, 0.5, rising)
+    both = steady(1.0).joined(1.0, 0.5, rising, np.zeros(3))
     assert both.at(np.array([0.5, 1.0, 1.25, 1.5, 2.0, 4.0])).speed == pytest.approx([1.0, 1.0, 1.25, 1.5, 2.0, 3.0])
+
+
+def test_a_plan_that_is_joined_makes_up_for_what_it_was_behind() -> None:
+    rising = Plan(np.array([0.0, 3.0]), np.array([0.0, 3.0]), *np.zeros((2, 2)), np.zeros((2, 0)))
+    both = steady(0.5).joined(1.0, 0.5, rising, np.array([0.2, 0.3, 0.1]))
+    fine = np.linspace(1.0, 2.0, 100001)
+    gone, turned = (np.mean(each) for each in (both.at(fine).speed, both.at(fine).turn))
+    assert gone == pytest.approx(1.5 + 0.2, abs=1e-4)
+    assert both.sums(1.0, 2.0) == pytest.approx([gone, 0.0, turned], abs=1e-4)
+    assert turned == pytest.approx(0.1, abs=1e-4)
 
 
 @pytest.mark.parametrize("dts", [[1 / 120], [1 / 30], [0.004, 0.021, 0.009]])
