@@ -43,14 +43,14 @@ class Code:
 
     def turns(self, rows: Floats) -> Floats:
         """(T, J, 4) rotations of rows (T, 3 + 3 J)."""
-        vectors = rows[:, 3:].reshape(len(rows), -1, 3).swapaxes(0, 1)
+        vectors = rows[:, 3:].reshape(len(rows), len(self.middle), 3).swapaxes(0, 1)
         return (exponentials(vectors) @ self._products).swapaxes(0, 1)
 
     def frames(self, rows: Floats) -> Floats:
         """(T, J, 3, 3) the same, as matrices."""
-        vectors = rows[:, 3:].reshape(len(rows), -1, 3).swapaxes(0, 1)
+        vectors = rows[:, 3:].reshape(len(rows), len(self.middle), 3).swapaxes(0, 1)
         found = squares(exponentials(vectors)) @ self._matrix_products
-        return found.swapaxes(0, 1).reshape(len(rows), -1, 3, 3)
+        return found.swapaxes(0, 1).reshape(len(rows), len(self.middle), 3, 3)
 
     @cached_property
     def _products(self) -> Floats:

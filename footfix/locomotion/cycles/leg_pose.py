@@ -10,9 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.turns import (
-    applied, back, between, cross, dot, norm, quaternions, turned_by, unit,
-)  # fmt: skip
+from footfix.locomotion.cycles.turns import applied, back, between, cross, dot, norm, quaternions, turned_by, unit
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.rig.rig import Rig
 
@@ -187,7 +185,8 @@ class Legs:
         whole[0, :, 3] = place.T[..., None]
         for d in range(depth):
             np.add.reduce(whole[d, :, :3, None] * step[d], axis=1, out=whole[d + 1])
-        frames, places = whole[:, :, :3].transpose(3, 0, 4, 1, 2), np.add.accumulate(whole[:, :, 3]).transpose(2, 0, 3, 1)
+        frames = whole[:, :, :3].transpose(3, 0, 4, 1, 2)
+        places = np.add.accumulate(whole[:, :, 3]).transpose(2, 0, 3, 1)
         foot, heel_at = frames[:, ankle + 1], places[:, ankle + 1]
         soles, ends = np.empty((count, legs, 2, 3)), np.empty((count, legs, 2, 3, 3))
         soles[:, :, 0] = heel_at + applied(foot, self._soles[0])
@@ -239,7 +238,7 @@ class Legs:
             np.matmul(foot, back(pose.foot) @ pose.above_toe, out=above[:, 3])
             below[:, 3] = toes
         turns = back(above) @ below
-        return quaternions(turns.reshape(len(turns), -1, 3, 3))
+        return quaternions(turns.reshape(len(turns), parts * turns.shape[2], 3, 3))
 
 
 def too_short(line: Floats, limit: Floats, size: float) -> Floats:

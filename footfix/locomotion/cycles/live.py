@@ -11,8 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.locomotion.cycles.engine import (
-    Begun, begin, changed_plan, finish, foresee, led, placed, posed, postures,
-)  # fmt: skip
+    Begun,
+    begin,
+    changed_plan,
+    finish,
+    foresee,
+    led,
+    placed,
+    posed,
+    postures,
+)
 from footfix.locomotion.cycles.feet import Feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel

@@ -101,7 +101,7 @@ def quaternions(m: Floats) -> Floats:
     best: Ints = np.argmax(four[:, ::5], axis=1)
     q = four.reshape(-1, 4, 4)[np.arange(len(best)), best]
     q /= np.sqrt(np.add.reduce(q * q, axis=1, keepdims=True))
-    return q.reshape(*m.shape[:-2], 4)
+    return np.asarray(q.reshape(*m.shape[:-2], 4))
 
 
 def about_up(angle: Floats) -> Floats:
