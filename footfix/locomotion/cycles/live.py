@@ -185,7 +185,8 @@ class Live:
 
     def _times(self, dt: float) -> Floats:
         """The times of some frames, the first of them now."""
-        return np.array([time for time in _later(self.time, dt, _BATCH - 1) if time < self._until])
+        now, *others = _later(self.time, dt, _BATCH - 1)
+        return np.array([now, *(time for time in others if time < self._until)])
 
     def _known(self) -> tuple[Postures, int] | None:
         """The frame now, if it was made."""
