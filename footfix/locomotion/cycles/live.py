@@ -35,7 +35,7 @@ _PAST = 0.3  # [s] in which it is remembered what was asked for
 _JOIN = 0.15  # [s] in which what was asked for some frames ago is caught up with
 _BATCH = 5  # frames that are made at once: they cost little more than one
 _BRIEF = 0.02  # [s] frames that are longer do two parts of the work each
-_FRESH = 0.05  # [s] how old what is foreseen may be while something else is asked for all the time
+_FRESH = 0.1  # [s] how old what is foreseen may be while something else is asked for all the time
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class Live:
         self.model = model
         self.time = 0.0
         self._until = _KNOWN
-        self._since = 0.0  # [s] from when on it was foreseen
+        self._since = -np.inf  # [s] from when on it was foreseen, if something else was asked for
         self._far = 0.0  # [s] how far `ahead` was asked for
         self.foreseen = foresee(model, plan, line, Point(), self._until)
         self._plan = plan  # what is asked for,
@@ -117,7 +117,10 @@ class Live:
         return self._made
 
     def ahead(self, seconds: float, frames: int) -> Postures:
-        """Foresee what comes next, now and at even times from now on."""
+        """Foresee what comes next, now and at even times from now on.
+
+        What was asked for is in it, but while something else is asked for all the time.
+        """
         self._far = max(self._far, seconds)
         times = np.linspace(self.time, self.time + seconds, frames)
         changing = self._asked or self._work is not None
@@ -173,9 +176,9 @@ class Live:
         if soon is None or not np.array_equal(soon.times[1:], times):
             soon = led(self.model, work.begun, work.feet, times)
         self.foreseen, frames = finish(self.foreseen, work.begun, work.feet, soon)
-        self._until, self._since, self._work = work.until, work.begun.now, None
+        self._until, self._work = work.until, None
         if work.behind is not None:
-            self._joined = work.begun.now, work.behind
+            self._since, self._joined = work.begun.now, (work.begun.now, work.behind)
         return held(self.model, self.foreseen.feet, frames)
 
     def _drop(self) -> None:

@@ -232,6 +232,27 @@ def test_a_figure_goes_on_from_where_it_is_whatever_is_asked() -> None:
             assert rotation.angle(off).max() < 1e-6
 
 
+def test_ahead_is_in_the_know_of_what_was_just_asked_for() -> None:
+    engine = footfix.Engine(fitted().model, speed=1.0, run=0.0)
+    for _ in range(30):
+        engine.step(1 / 60)
+        straight = engine.ahead(1.0)
+    engine.set(turn=40.0, over=0.25)
+    left = engine.ahead(1.0)
+    assert left.positions[-1, engine.rig.root, 0] > straight.positions[-1, engine.rig.root, 0] + 0.15
+
+
+def test_who_looks_ahead_in_every_frame_is_still_steered() -> None:
+    engine = footfix.Engine(fitted().model, speed=1.0, run=0.0)
+    for k in range(90):
+        engine.set(speed=1.0 + 0.006 * k, over=0.25)
+        frame = engine.step(1 / 60)
+        told = engine.ahead(0.2, frames=3)
+        assert np.allclose(told.positions[0], frame.positions, atol=1e-9)
+    gone = np.linalg.norm(told.positions[-1, engine.rig.root] - told.positions[0, engine.rig.root])
+    assert gone / 0.2 == pytest.approx(1.5, abs=0.15)
+
+
 def test_many_times_at_once_are_the_same_as_one_by_one() -> None:
     model = fitted().model
     foreseen = foresee(model, steady(1.4, 0.3), None, Point(), 3.0)
