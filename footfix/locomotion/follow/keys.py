@@ -45,12 +45,17 @@ class Keys:
         rounds = np.floor((frame - first) / self.length)
         within = frame - rounds * self.length
         curve = self._curve
-        fine = np.linspace(0.0, self.strides, 64 * len(self.times) + 1)
-        time = np.interp(within, curve(fine)[:, 0], fine)
+        time = np.interp(within, *self._fine)
         for _ in range(4):  # Newton
             step = (curve(time)[..., 0] - within) / np.maximum(curve(time, 1)[..., 0], 1e-6)
             time = np.clip(time - step, 0.0, self.strides)
         return np.asarray(time + rounds * self.strides)
+
+    @cached_property
+    def _fine(self) -> tuple[Floats, Floats]:
+        """Frames, close together, and their generic times."""
+        fine = np.linspace(0.0, self.strides, 64 * len(self.times) + 1)
+        return self._curve(fine)[:, 0], fine
 
     @cached_property
     def _curve(self) -> Cubic:

@@ -14,7 +14,7 @@ from footfix.locomotion.follow.keys import Keys
 from footfix.locomotion.follow.laying import lay_straight
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.posing import contacts_of
-from footfix.locomotion.follow.timeline import Pace, Piece, lay_blends, make_timeline
+from footfix.locomotion.follow.timeline import Pace, Piece, make_timeline
 from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.loop.seam import accelerations_of
 from footfix.motion.clip import Clip, Floats
@@ -111,14 +111,12 @@ def _peak(over: Handover, length: float, usual: Floats) -> float:
     rest = over.start - np.floor(over.start / dt) * dt  # frames are where they will be written
     change = Transition(0, 1, rest, rest + length, 0.0, "", length, False)
     piece = Piece(0, rest, over.frame, 0.0)
-    blend = lay_blends(over.walks, over.keys, over.paces, [change], piece)[0]
     lead = int(np.ceil(_BESIDE * over.stride / dt)) + 2
-    frames = int(np.ceil(blend.times[-1] / dt)) + 1
-    timeline = make_timeline(over.walks, over.keys, over.paces, [change], frames, lead, dt, piece)
+    timeline = make_timeline(over.walks, over.keys, over.paces, [change], None, lead, dt, piece)
     posed, laid = lay_straight(over.walks, timeline)
 
     def steepest(clip: Clip) -> float:
-        return float((accelerations_of(places(clip), dt)[lead - 1 : lead + frames - 1].max(axis=0) / usual).max())
+        return float((accelerations_of(places(clip), dt)[lead - 1 : -lead - 1].max(axis=0) / usual).max())
 
     peak = steepest(laid)
     if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
