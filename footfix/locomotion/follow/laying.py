@@ -158,7 +158,7 @@ def _figure(
     lowered = envelope(lack, _window(posed))
     if np.any(lowered):
         laid = lay_body(posed, ground, replace(lean, lower=lowered))
-    return laid, bend_legs(laid, rig, goals, [float(each.max()) for each in far]), lowered
+    return laid, bend_legs(laid, rig, goals, [float(each.max()) for each in far], ground.turn), lowered
 
 
 def _window(posed: Posed) -> int:

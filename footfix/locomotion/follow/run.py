@@ -11,6 +11,7 @@ from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.params import EnforceParams
 from footfix.locomotion.follow.blend import Transition
+from footfix.locomotion.follow.frames import in_frames_of_first
 from footfix.locomotion.follow.holding import held_on
 from footfix.locomotion.follow.keys import Keys, align
 from footfix.locomotion.follow.laying import Laid, lay_walks
@@ -113,7 +114,7 @@ def follow_path(
         InputError: the walks have different skeletons.
     """
     check_alike(walks)
-    walks = on_one_floor(walks)
+    walks = in_frames_of_first(on_one_floor(walks))
     first = walks[0]
     path = _path(points, walks, params, relative)
     paces = [pace_of(walk, params) for walk in walks]
