@@ -116,7 +116,7 @@ def _peak(over: Handover, length: float, usual: Floats) -> float:
     posed, laid = lay_straight(over.walks, timeline)
 
     def steepest(clip: Clip) -> float:
-        return float((accelerations_of(places(clip), dt)[lead - 1 : -lead - 1].max(axis=0) / usual).max())
+        return float((accelerations_of(places(clip), dt)[lead - 1 : 1 - lead].max(axis=0) / usual).max())
 
     peak = steepest(laid)
     if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
