@@ -21,8 +21,8 @@ from footfix.locomotion.loop.seam import accelerations_of
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward, places
 
-_SMOOTH = 1.05  # times what joints accelerate by in the walks: enough, since curves add some
-_LENGTHS = (1.0, 0.75, 0.5, 0.4, 1.4, 2.0)  # [strides] that are tried where the length by what differs most is too steep
+_SMOOTH = 1.07  # times what joints accelerate by in the walks: enough, since curves add some
+_LENGTHS = (1.0, 0.75, 0.5, 0.4, 1.4, 2.0)  # [strides] that are tried where the asked length is too steep
 _ALIKE = 0.1  # of a length, by which another one differs that is tried
 _BESIDE = 0.7  # [strides] before a blend and after it that are laid, too: feet step into it and out of it
 _FAINT = 0.05  # of what the joint accelerates that does most; less is no matter
