@@ -31,22 +31,27 @@ class Cubic:
         wanted = np.asarray(wanted, dtype=np.float64)
         flat = wanted.ravel()
         k: Ints = np.clip(np.searchsorted(self.at, flat, side="right") - 1, 0, len(self.at) - 2)
-        u = (flat - self.at[k])[:, None]
-        c0, c1, c2, c3 = (each[k] for each in self._coefficients)
+        u = flat - self.at[k]
+        c = [np.take(each, k, axis=1) for each in self._coefficients[derivative:]]
         if derivative == 0:
-            out = c0 + u * (c1 + u * (c2 + u * c3))
+            out = c[0] + u * (c[1] + u * (c[2] + u * c[3]))
         elif derivative == 1:
-            out = c1 + u * (2.0 * c2 + u * (3.0 * c3))
+            out = c[0] + u * (2.0 * c[1] + u * (3.0 * c[2]))
         else:
-            out = 2.0 * c2 + 6.0 * u * c3
-        return np.asarray(out.reshape(*wanted.shape, self.values.shape[1]))
+            out = 2.0 * c[0] + 6.0 * u * c[1]
+        return np.asarray(out.T.reshape(*wanted.shape, self.values.shape[1]))
 
     @cached_property
     def _coefficients(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Each (D, N - 1): arithmetic then runs over places, of which there are many, not over the few D."""
         width = np.diff(self.at)[:, None]
         rise = np.diff(self.values, axis=0) / width
         a, b = self.slopes[:-1], self.slopes[1:]
-        return self.values[:-1], a, (3.0 * rise - 2.0 * a - b) / width, (a + b - 2.0 * rise) / width**2
+        c0, c1, c2, c3 = (
+            np.ascontiguousarray(each.T)
+            for each in (self.values[:-1], a, (3.0 * rise - 2.0 * a - b) / width, (a + b - 2.0 * rise) / width**2)
+        )
+        return c0, c1, c2, c3
 
 
 def spline(at: Floats, values: Floats, *, closed: bool = False) -> Cubic:

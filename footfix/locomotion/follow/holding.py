@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from footfix.enforce.correction import Correction
+from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.run import Enforcement, enforce
-from footfix.motion.clip import Clip
+from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
 
@@ -41,13 +43,47 @@ def held_on(
     return replace(found, correction=still)
 
 
+def as_straight(
+    plants: Sequence[Footplant], clip: Clip, straight: Clip, gone: Floats, rig: Rig
+) -> tuple[Footplant, ...]:  # fmt: skip
+    """Tell of plants that slide no farther than in the straight walk that they are kept as captured.
+
+    Args:
+        plants: as they were held.
+        clip: F frames along the path.
+        straight: the same walk on the spot, along z.
+        gone: (F,) [m] that it has gone.
+        rig: its legs.
+    """
+    if all(plant.outcome in ("kept", "pinned") for plant in plants):
+        return tuple(plants)
+    on = np.outer(gone, [0.0, 0.0, 1.0])
+    bent, ahead = effector_tracks(rig, rig.pose(clip)), effector_tracks(rig, rig.pose(straight))
+    edge, more = max(1, round(_EDGE / clip.frame_time)), _KEEP * rig.leg_length
+
+    def no_farther(plant: Footplant) -> bool:
+        some = slice(plant.start + edge, max(plant.end - edge, 0))
+        then, now = (_strays(track[some]) for track in (ahead[plant.effector] + on, bent[plant.effector]))
+        return now <= then + more
+
+    return tuple(
+        replace(plant, outcome="kept") if plant.outcome in ("partly", "released") and no_farther(plant) else plant
+        for plant in plants
+    )
+
+
+def _strays(track: Floats) -> float:
+    """[m] the farthest that a track (n, 3) is over the floor from where it is in the mean."""
+    own = track[:, [0, 2]]
+    return float(np.hypot(*(own - np.median(own, axis=0)).T).max()) if len(own) > 2 else 0.0
+
+
 def stands(clip: Clip, rig: Rig, contacts: Contacts) -> bool:
     """Whether whatever is planted stands as it is."""
     edge = max(1, round(_EDGE / clip.frame_time))
     for sole, track, effector in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), contacts.effectors, strict=True):
         most = (_HEEL if sole.part == "heel" else _KEEP) * rig.leg_length
         for contact in effector.contacts:
-            own = track[contact.start + edge : max(contact.end - edge, 0)][:, [0, 2]]
-            if len(own) > 2 and np.hypot(*(own - np.median(own, axis=0)).T).max() > most:
+            if _strays(track[contact.start + edge : max(contact.end - edge, 0)]) > most:
                 return False
     return True

@@ -45,12 +45,17 @@ class Keys:
         rounds = np.floor((frame - first) / self.length)
         within = frame - rounds * self.length
         curve = self._curve
-        fine = np.linspace(0.0, self.strides, 64 * len(self.times) + 1)
-        time = np.interp(within, curve(fine)[:, 0], fine)
+        time = np.interp(within, *self._fine)
         for _ in range(4):  # Newton
             step = (curve(time)[..., 0] - within) / np.maximum(curve(time, 1)[..., 0], 1e-6)
             time = np.clip(time - step, 0.0, self.strides)
         return np.asarray(time + rounds * self.strides)
+
+    @cached_property
+    def _fine(self) -> tuple[Floats, Floats]:
+        """Frames, close together, and their generic times."""
+        fine = np.linspace(0.0, self.strides, 64 * len(self.times) + 1)
+        return self._curve(fine)[:, 0], fine
 
     @cached_property
     def _curve(self) -> Cubic:
@@ -90,52 +95,51 @@ def in_step(time: Floats, strike: float, stands: Floats, own: float) -> Floats:
 
 
 def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
-    """Find key-times of walks (K 6.1): strikes of every leg, and lifts where all walks have them in one order.
+    """Find key-times of walks (K 6.1): strikes of every leg.
+
+    K takes lifts, too. The whole figure would then hurry from key to key where it stands for longer in one walk than in
+    the other, and be jolted; `in_step` brings lifts of each leg together by itself.
 
     Walks of unlike numbers of strides are aligned stride by stride, which is what K's shorter clip as go-between does.
     """
-    events = [_events(walk) for walk in walks]
-    names = [name for name in events[0] if all(name in each for each in events)]
-    strikes = [name for name in names if name[1] == "strike"]
-    tried = (_aligned(walks, events, wanted) for wanted in (names, strikes, strikes[:1]))
+    strikes = [_strikes(walk) for walk in walks]
+    legs = [leg for leg in strikes[0] if all(leg in each for each in strikes)]
+    tried = (_aligned(walks, strikes, wanted) for wanted in (legs, legs[:1]))
     keys = next((found for found in tried if found is not None), None)
     if keys is None:
         keys = tuple(Keys(np.zeros(1), np.zeros(1), walk.strides, walk.frames) for walk in walks)
-    legs = range(len(walks[0].rig.legs))
+    every = range(len(walks[0].rig.legs))
     return tuple(
-        replace(each, stances=tuple(stance_of(walk, each, leg) for leg in legs))
+        replace(each, stances=tuple(stance_of(walk, each, leg) for leg in every))
         for walk, each in zip(walks, keys, strict=True)
     )
 
 
-def _events(walk: Walk) -> dict[tuple[int, str], Ints]:
-    """Frames (strides,) of what happens once in each stride, counted from the first leg's strikes."""
-    found: dict[tuple[int, str], Ints] = {}
+def _strikes(walk: Walk) -> dict[int, Ints]:
+    """Frames (strides,) at which legs come down that do so once in each stride, counted from the first leg's."""
+    found: dict[int, Ints] = {}
     start = 0
     for leg in range(len(walk.rig.legs)):
-        down, up = walk.strikes(leg)
+        down, _ = walk.strikes(leg)
         if len(down) != walk.strides:
             if leg == 0:
                 return {}
             continue
         if leg == 0:
             start = int(down[0])
-        for what, frames in (("strike", down), ("lift", up)):
-            found[leg, what] = np.sort((frames - start) % walk.frames) + start
+        found[leg] = np.sort((down - start) % walk.frames) + start
     return found
 
 
-def _aligned(
-    walks: Sequence[Walk], events: Sequence[dict[tuple[int, str], Ints]], names: Sequence[tuple[int, str]]
-) -> tuple[Keys, ...] | None:
-    """Key-times by some events; None where walks have them in different orders."""
-    if not names:
+def _aligned(walks: Sequence[Walk], strikes: Sequence[dict[int, Ints]], legs: Sequence[int]) -> tuple[Keys, ...] | None:
+    """Key-times by strikes of some legs; None where walks have them in different orders."""
+    if not legs:
         return None
     phases = []
-    for walk, own in zip(walks, events, strict=True):
-        first = own[names[0]].astype(np.float64)
+    for walk, own in zip(walks, strikes, strict=True):
+        first = own[legs[0]].astype(np.float64)
         on = np.append(first, first[0] + walk.frames)
-        inside = np.stack([(own[name] - first) / np.diff(on) for name in names])  # (events, strides)
+        inside = np.stack([(own[leg] - first) / np.diff(on) for leg in legs])  # (legs, strides)
         inside[1:] -= np.floor(inside[1:])
         phases.append(inside)
     orders = {tuple(np.argsort(column).tolist()) for each in phases for column in each.T}
@@ -146,8 +150,8 @@ def _aligned(
     if np.any(np.diff(np.append(times[order], 1.0)) < 0.02):
         return None
     keys = []
-    for walk, own, inside in zip(walks, events, phases, strict=True):
-        first = own[names[0]].astype(np.float64)
+    for walk, own, inside in zip(walks, strikes, phases, strict=True):
+        first = own[legs[0]].astype(np.float64)
         on = np.append(first, first[0] + walk.frames)
         frames = (first + inside * np.diff(on))[order]
         if np.any(np.diff(np.append(frames.T.ravel(), frames[0, 0] + walk.frames)) <= 0.0):

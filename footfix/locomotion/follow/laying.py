@@ -93,7 +93,7 @@ def lay_walks(
     off = np.zeros(len(arc))
     if np.any(angle):
         body = segments(first.clip.skeleton, first.rig)
-        on = _straight(posed, timeline.gone)
+        on = go_straight(posed, timeline.gone)
         upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside, usual)
         off = _balance(clip, first.rig, body, path, arc, aside, usual) - upright
         high = float((centres(first.clip, body)[..., 1] - first.rig.floor).mean(axis=1) @ [each.mass for each in body])
@@ -103,14 +103,14 @@ def lay_walks(
     return Laid(posed, laid, clip, arc, speed, scale, Lean(angle, neck, params.head, lowered), aside, off, stride)
 
 
-def lay_straight(walks: Sequence[Walk], timeline: Timeline) -> tuple[Posed, Clip]:
-    """Lay body and feet straight on, upright, as captured where nothing is blended: on the spot, and along z."""
-    posed, still = pose(walks, timeline), np.zeros(len(timeline))
+def lay_straight(posed: Posed, timeline: Timeline) -> Clip:
+    """Lay body and feet straight on along z, upright, as captured where nothing is blended."""
+    still = np.zeros(len(timeline))
     firm = np.asarray(timeline.blended(), dtype=np.float64)
-    return posed, _figure(posed, _LINE, timeline.gone, still, Lean(still), still + 1.0, firm)[1]
+    return _figure(posed, _LINE, timeline.gone, still, Lean(still), still + 1.0, firm)[1]
 
 
-def _straight(posed: Posed, gone: Floats) -> Clip:
+def go_straight(posed: Posed, gone: Floats) -> Clip:
     """The walks straight on along z."""
     still = np.zeros(len(gone))
     return lay_body(posed, ground_at(_LINE, gone, still), Lean(still))
@@ -158,7 +158,7 @@ def _figure(
     lowered = envelope(lack, _window(posed))
     if np.any(lowered):
         laid = lay_body(posed, ground, replace(lean, lower=lowered))
-    return laid, bend_legs(laid, rig, goals, [float(each.max()) for each in far]), lowered
+    return laid, bend_legs(laid, rig, goals, [float(each.max()) for each in far], ground.turn), lowered
 
 
 def _window(posed: Posed) -> int:

@@ -64,7 +64,7 @@ def reaches(clip: Clip, rig: Rig, bent: Floats) -> list[Floats]:
     return most
 
 
-def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[float]) -> Clip:
+def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[float], way: Floats) -> Clip:
     """Bend legs so that ankles are at their goals; what is there already keeps its numbers.
 
     Args:
@@ -72,10 +72,11 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         rig: its legs.
         goals: one a leg.
         farthest: for each leg [m] from hip to ankle, what it may be stretched to.
+        way: (F, 4) the frame in which the figure walks along z.
     """
     seen = rig.pose(clip)
     tracks = effector_tracks(rig, seen)
-    pelvis, wide = seen.rotation(rig.pelvis), round(_STEADY / clip.frame_time)
+    wide = round(_STEADY / clip.frame_time)
     turns: dict[int, Floats] = {}
     for number, (leg, goal, most) in enumerate(zip(rig.legs, goals, farthest, strict=True)):
         if not can_turn(clip, leg):
@@ -89,12 +90,12 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         limit = np.maximum(most, norm(captured.ankle - captured.hip))
         share = np.minimum(1.0, limit / np.maximum(norm(line), 1e-9))
         ankle = np.where((share < 1.0)[:, None], captured.hip + share[:, None] * line, goal.ankle)
-        solved, foot = _swung(captured, ankle, goal, pelvis, wide)
+        solved, foot = _swung(captured, ankle, goal, way, wide)
         turns |= where_moved(clip, local_rotations(clip, seen, captured, solved, foot), moves)
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
 
 
-def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, pelvis: Floats, wide: int) -> tuple[LegTurns, Floats]:
+def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, way: Floats, wide: int) -> tuple[LegTurns, Floats]:
     """Solve a leg for where its foot stands; where it swings, as it is mixed, led over from one stance to the next.
 
     Led over are the knee's flexion, the direction from hip to ankle, and the turn of the foot: led over to an ankle's
@@ -104,21 +105,21 @@ def _swung(leg: CapturedLeg, ankle: Floats, goal: Goal, pelvis: Floats, wide: in
         leg: as it is mixed.
         ankle: (F, 3) [m] where it is to be.
         goal: its foot.
-        pelvis: (F, 4) the frame of the pelvis.
+        way: (F, 4) the frame in which the figure walks along z.
         wide: [frames] over which the plane of a leg that is nearly straight is smoothed.
 
     Returns:
         What turns the leg, and (F, 4) the ankle's frame.
     """
     bent, foot = flexion_for(leg, ankle), goal.turn.copy()
-    swivel = steadied(leg, pelvis, bent, wide)
+    swivel = steadied(leg, way, bent, wide)
     if not goal.swings:
         return two_bones(leg, ankle, swivel), foot
     thigh, shank, line = leg.knee - leg.hip, leg.ankle - leg.knee, ankle - leg.hip
-    way = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, line))
+    aside = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, line))
     turned = rotation.to_rotation_vector(rotation.continuous(rotation.multiply(foot, rotation.inverse(leg.turn))))
     for some in goal.swings:
-        line[some] = rotation.rotate(rotation.from_rotation_vector(_led_over(way, some)), (leg.ankle - leg.hip)[some])
+        line[some] = rotation.rotate(rotation.from_rotation_vector(_led_over(aside, some)), (leg.ankle - leg.hip)[some])
         foot[some] = rotation.multiply(rotation.from_rotation_vector(_led_over(turned, some)), leg.turn[some])
         bent[some] = _led_flexion(leg.flexion, bent, some)
     bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
@@ -159,21 +160,24 @@ def _lifted(
     return np.asarray(soft * ease(u / _ENDS) * ease((1.0 - u) / _ENDS))
 
 
-def steadied(leg: CapturedLeg, pelvis: Floats, bent: Floats, wide: int) -> Floats:
+def steadied(leg: CapturedLeg, way: Floats, bent: Floats, wide: int) -> Floats:
     """Find (F,) [rad] by which a leg that was nearly straight, and is bent now, turns about its own line.
 
     The plane of a leg that is nearly straight means little, and may swing round within some frames, unseen; when the
     leg is bent, its knee would be thrown aside. So it goes by the frames around in which the leg was bent more.
 
+    It is seen from the way, not from the pelvis: a pelvis that has joints between it and the hips may turn otherwise
+    in one walk than in another, and both figures look the same.
+
     Args:
         leg: as it was.
-        pelvis: (F, 4) its frame.
+        way: (F, 4) the frame in which the figure walks along z.
         bent: (F,) [rad] the flexion of the knee now.
         wide: [frames] over which the plane is smoothed.
     """
     line = unit(leg.hip - leg.ankle)
-    usual = rotation.rotate(rotation.inverse(pelvis), leg.knee_axis).mean(axis=0)
-    side = rotation.rotate(pelvis, unit(usual))
+    usual = rotation.rotate(rotation.inverse(way), leg.knee_axis).mean(axis=0)
+    side = rotation.rotate(way, unit(usual))
     side = unit(side - dot(side, line)[:, None] * line)
     angle = np.unwrap(np.arctan2(dot(cross(side, leg.knee_axis), line), dot(side, leg.knee_axis)))
     weight = np.sin(leg.flexion) ** 2 + 1e-6

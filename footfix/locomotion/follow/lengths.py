@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,17 +12,17 @@ from footfix.enforce.params import EnforceParams
 from footfix.locomotion.follow.blend import Transition
 from footfix.locomotion.follow.holding import held_on
 from footfix.locomotion.follow.keys import Keys
-from footfix.locomotion.follow.laying import lay_straight
+from footfix.locomotion.follow.laying import go_straight, lay_straight
 from footfix.locomotion.follow.params import FollowParams
-from footfix.locomotion.follow.posing import contacts_of
-from footfix.locomotion.follow.timeline import Pace, Piece, lay_blends, make_timeline
+from footfix.locomotion.follow.posing import contacts_of, pose
+from footfix.locomotion.follow.timeline import Pace, Piece, make_timeline
 from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.loop.seam import accelerations_of
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.kinematics import places
+from footfix.motion.kinematics import forward, places
 
-_SMOOTH = 1.05  # times what joints accelerate by in the walks: enough, since curves add some
-_LENGTHS = (1.0, 0.75, 0.5, 1.4, 2.0)  # [strides] that are tried where the length by what differs most is too steep
+_SMOOTH = 1.07  # times what joints accelerate by in the walks: enough, since curves add some
+_LENGTHS = (1.0, 0.75, 0.5, 0.4, 1.4, 2.0)  # [strides] that are tried where the asked length is too steep
 _ALIKE = 0.1  # of a length, by which another one differs that is tried
 _BESIDE = 0.7  # [strides] before a blend and after it that are laid, too: feet step into it and out of it
 _FAINT = 0.05  # of what the joint accelerates that does most; less is no matter
@@ -100,31 +101,39 @@ def choose_length(over: Handover, asked: float, params: FollowParams) -> Length:
             break
         length = float(np.clip(strides * over.stride, low, high))
         if all(abs(length - other) > _ALIKE * other for other in tried):
-            tried[length] = _peak(over, length, usual)
+            tried[length] = _peak(over, length, usual, min(tried.values()))
     best = min(tried, key=lambda length: max(tried[length], _SMOOTH))
     return Length(best, first, tried[best], tried[first])
 
 
-def _peak(over: Handover, length: float, usual: Floats) -> float:
-    """The most by which a joint accelerates in a blend of some length [s], of what (J,) [m/s^2] is usual."""
+def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) -> float:
+    """The most by which a joint accelerates in a blend of some length [s], of what (J,) [m/s^2] is usual.
+
+    Where the body alone does by more than `best`, legs are not looked at.
+    """
     dt = over.walks[0].clip.frame_time
     rest = over.start - np.floor(over.start / dt) * dt  # frames are where they will be written
     change = Transition(0, 1, rest, rest + length, 0.0, "", length, False)
     piece = Piece(0, rest, over.frame, 0.0)
-    blend = lay_blends(over.walks, over.keys, over.paces, [change], piece)[0]
     lead = int(np.ceil(_BESIDE * over.stride / dt)) + 2
-    frames = int(np.ceil(blend.times[-1] / dt)) + 1
-    timeline = make_timeline(over.walks, over.keys, over.paces, [change], frames, lead, dt, piece)
-    posed, laid = lay_straight(over.walks, timeline)
+    timeline = make_timeline(over.walks, over.keys, over.paces, [change], None, lead, dt, piece)
+    posed = pose(over.walks, timeline)
+    skeleton, hips = posed.clip.skeleton, {leg.hip for leg in posed.rig.legs}
+    body = [joint for joint in range(len(skeleton)) if not hips & set(skeleton.ancestors(joint))]
 
-    def steepest(clip: Clip) -> float:
-        return float((accelerations_of(places(clip), dt)[lead - 1 : lead + frames - 1].max(axis=0) / usual).max())
+    def steepest(clip: Clip, joints: Sequence[int]) -> float:
+        tracks = places(clip) if len(joints) == len(skeleton) else forward(clip, joints).positions
+        return float((accelerations_of(tracks, dt)[lead - 1 : 1 - lead].max(axis=0) / usual[joints]).max())
 
-    peak = steepest(laid)
+    peak = steepest(go_straight(posed, timeline.gone), body)
+    if peak > max(best, _SMOOTH):
+        return peak
+    every, laid = range(len(skeleton)), lay_straight(posed, timeline)
+    peak = steepest(laid, every)
     if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
         return peak
     held = held_on(laid, posed.rig, contacts_of(posed, slice(0, len(laid))), over.holding)
-    return max(peak, steepest(apply(laid, held.correction)))
+    return max(peak, steepest(apply(laid, held.correction), every))
 
 
 def _usual(walk: Walk, pace: Pace, dt: float) -> Floats:

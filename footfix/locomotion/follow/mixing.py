@@ -14,42 +14,43 @@ def mixed(one: Floats, two: Floats, seen: Sequence[Bools], weight: Floats, *, tu
     """Mix tracks of two walks that are seen in some of n frames each.
 
     Args:
-        one, two: (n1, D), (n2, D) the tracks in the frames in which they are seen.
+        one, two: (..., n1, D), (..., n2, D) the tracks in the frames in which they are seen.
         seen: for either (n,) in which frames that is; the first where the weight is below 1, the second where it is
             above 0.
         weight: (n,) how much of the second.
         turn: whether they are rotations.
 
     Returns:
-        (n, D), the very numbers of one track where only that counts.
+        (..., n, D), the very numbers of one track where only that counts.
     """
     if not np.any(seen[1]):
         return one
     if not np.any(seen[0]):
         return two
-    out = np.empty((one.shape[1], len(weight))).T
-    out[seen[1]] = two
+    out = np.empty((*one.shape[:-2], one.shape[-1], len(weight))).swapaxes(-1, -2)
+    out[..., seen[1], :] = two
     first = weight <= 0.0
-    out[first] = one[first[seen[0]]]
+    out[..., first, :] = one[..., first[seen[0]], :]
     both = (weight > 0.0) & (weight < 1.0)
-    a, b, w = one[both[seen[0]]], two[both[seen[1]]], weight[both]
-    out[both] = _on_one_side(a, b, w) if turn else a + w[:, None] * (b - a)
+    a, b, w = one[..., both[seen[0]], :], two[..., both[seen[1]], :], weight[both]
+    out[..., both, :] = _on_one_side(a, b, w) if turn else a + w[:, None] * (b - a)
     return out
 
 
 def _on_one_side(a: Floats, b: Floats, weight: Floats) -> Floats:
-    """(n, 4) from rotations a to b, all the time round the side that is shorter where they count alike.
+    """(..., n, 4) from rotations a to b, all the time round the side that is shorter where they count alike.
 
     The shorter arc of each frame by itself changes sides where two poses come to be half a turn apart.
     """
-    if not len(a):
+    if not len(weight):
         return a
-    step = rotation.continuous(rotation.multiply(rotation.inverse(a), b))
-    if (weight * (1.0 - weight)) @ step[:, 3] < 0.0:
-        step = -step
-    sine = np.sqrt(np.einsum("fi,fi->f", step[:, :3], step[:, :3]))
-    angle = 2.0 * np.arctan2(sine, step[:, 3])  # up to a whole turn
-    axis = step[:, :3] / np.maximum(sine, 1e-300)[:, None]
+    step = rotation.multiply(rotation.inverse(a), b)
+    step = np.moveaxis(rotation.continuous(np.moveaxis(step, -2, 0)), 0, -2)
+    far = step[..., 3] @ (weight * (1.0 - weight)) < 0.0
+    step = np.where(far[..., None, None], -step, step)
+    sine = np.sqrt(np.einsum("...i,...i->...", step[..., :3], step[..., :3]))
+    angle = 2.0 * np.arctan2(sine, step[..., 3])  # up to a whole turn
+    axis = step[..., :3] / np.maximum(sine, 1e-300)[..., None]
     return rotation.multiply(a, rotation.from_axis_angle(axis, weight * angle))
 
 
@@ -64,12 +65,45 @@ def mixed_clip(
         weight: (n,) how much of the second.
         joints: those that go by clips and a weight (n,) of their own.
     """
-    places, turns = list[Floats](), list[Floats]()
-    for joint in range(len(clips[0].skeleton)):
-        one, two, own = joints.get(joint, (*clips, weight))
-        places.append(mixed(one.position(joint), two.position(joint), seen, own))
-        turns.append(mixed(one.rotation(joint), two.rotation(joint), seen, own, turn=True))
+    count = len(clips[0].skeleton)
+    places: list[Floats] = [np.zeros((0, 3))] * count
+    turns: list[Floats] = [np.zeros((0, 4))] * count
+    by_weight: dict[int, list[int]] = {}
+    own = [joints.get(joint, (*clips, weight)) for joint in range(count)]
+    for joint, (_, _, mine) in enumerate(own):
+        by_weight.setdefault(id(mine), []).append(joint)
+    for some in by_weight.values():
+        mine = own[some[0]][2]
+        for tracks, given, turn in (
+            (places, [[each.position(joint) for each in own[joint][:2]] for joint in some], False),
+            (turns, [[each.rotation(joint) for each in own[joint][:2]] for joint in some], True),
+        ):
+            for joint, track in zip(some, _mixed_all(given, seen, mine, turn=turn), strict=True):
+                tracks[joint] = track
     return Clip.from_tracks(clips[0].skeleton, places, turns, clips[0].frame_time)
+
+
+def _mixed_all(
+    pairs: Sequence[Sequence[Floats]], seen: Sequence[Bools], weight: Floats, *, turn: bool
+) -> list[Floats]:  # fmt: skip
+    """Mix many pairs of tracks at once, see `mixed`; those that are one value in both walks are that value."""
+    both = (weight > 0.0) & (weight < 1.0)
+    if not np.any(both):
+        return [mixed(one, two, seen, weight, turn=turn) for one, two in pairs]
+    still = [_still(one, two) for one, two in pairs]
+    out = [np.broadcast_to(one[:1], (len(weight), one.shape[1])) for one, _ in pairs]
+    moving = [k for k, each in enumerate(still) if not each]
+    if moving:
+        one, two = (np.stack([pairs[k][side].T for k in moving]).swapaxes(1, 2) for side in (0, 1))
+        for k, track in zip(moving, mixed(one, two, seen, weight, turn=turn), strict=True):
+            out[k] = track
+    return out
+
+
+def _still(one: Floats, two: Floats) -> bool:
+    """Whether two tracks are one value throughout."""
+    held = len(one) and len(two) and one.strides[0] == 0 and two.strides[0] == 0
+    return bool(held and np.array_equal(one[0], two[0]))
 
 
 def joined(clips: Sequence[Clip]) -> Clip:

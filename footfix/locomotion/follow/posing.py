@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from footfix.locomotion.follow.steps import Steps, find_steps
 from footfix.locomotion.follow.timeline import Timeline, Zone
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats
+from footfix.motion.clip import Bools, Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import Pose, forward
 from footfix.rig.rig import Rig
@@ -169,17 +169,18 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
     ]  # fmt: skip
     clips = pair[0].at(zone.at[0][some][seen[0]]), pair[1].at(zone.at[1][some][seen[1]])
     rig, skeleton = pair[0].rig, pair[0].clip.skeleton
-    usual_seen = [_seen(walk, clip) for walk, clip in zip(pair, clips, strict=True)]
+    usual_seen = [forward(clip, skeleton.with_ancestors(rig.joints())) for clip in clips]
     feet, below = list[tuple[Floats, ...]](), dict[int, tuple[Clip, Clip, Floats]]()
     planted = np.zeros((some.stop - some.start, len(rig.soles)), dtype=np.bool_)
     for k, (leg, weight, moment) in enumerate(zip(rig.legs, own, moments, strict=True)):
         at, down = _in_zone(walks, timeline.keys, zone, k, weight)
+        matter = _of_leg(rig, skeleton, k)
         posed = tuple(
-            clip if np.array_equal(mine[some], usual[some]) else walk.at(mine[some][use])
+            clip if np.array_equal(mine[some], usual[some]) else walk.at(mine[some][use], matter)
             for walk, clip, mine, usual, use in zip(pair, clips, at, zone.at, seen, strict=True)
         )
-        own_seen = [first if mine is clip else _seen(walk, mine)
-                    for walk, mine, clip, first in zip(pair, posed, clips, usual_seen, strict=True)]  # fmt: skip
+        own_seen = [first if mine is clip else forward(mine, matter)
+                    for mine, clip, first in zip(posed, clips, usual_seen, strict=True)]  # fmt: skip
         tracks = [_foot(walk, there, k, mine, usual, moment, some, use)
                   for walk, there, mine, usual, use in zip(pair, own_seen, at, zone.at, seen, strict=True)]  # fmt: skip
         feet.append(_blended_foot(tracks[0], tracks[1], seen, weight[some]))
@@ -210,9 +211,12 @@ def _in_step(
     return out
 
 
-def _seen(walk: Walk, clip: Clip) -> Pose:
-    """Where the joints that a walk's feet are told by are in a clip."""
-    return forward(clip, clip.skeleton.with_ancestors(walk.rig.joints()))
+def _of_leg(rig: Rig, skeleton: Skeleton, number: int) -> tuple[int, ...]:
+    """The joints by which a foot is told, with all below it."""
+    leg = rig.legs[number]
+    soles = [sole.joint for sole in rig.soles if sole.leg == number]
+    below = [joint for joint in range(len(skeleton)) if leg.ankle in skeleton.ancestors(joint)]
+    return skeleton.with_ancestors([*soles, *below, *([] if leg.toe is None else [leg.toe])])
 
 
 def _foot(
@@ -220,8 +224,9 @@ def _foot(
 ) -> tuple[Floats, ...]:  # fmt: skip
     """A foot of a walk in the frames that use it, as `Foot` has it."""
     ankle, turn = (each(walk.rig.legs[leg].ankle) for each in (seen.position, seen.rotation))
-    tracks = effector_tracks(walk.rig, seen)
-    ends = {sole.part: track for sole, track in zip(walk.rig.soles, tracks, strict=True) if sole.leg == leg}
+    mine = replace(walk.rig, soles=tuple(sole for sole in walk.rig.soles if sole.leg == leg))
+    tracks = effector_tracks(mine, seen)
+    ends = {sole.part: track for sole, track in zip(mine.soles, tracks, strict=True)}
     toe, back = ends["toe"], rotation.inverse(turn)
     gone = (at[some] - np.interp(moment[some], np.arange(len(at)), usual))[use] * walk.length / walk.frames
     offs = [rotation.rotate(back, each - toe) for each in (ankle, ends["heel"])]

@@ -11,7 +11,8 @@ from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.params import EnforceParams
 from footfix.locomotion.follow.blend import Transition
-from footfix.locomotion.follow.holding import held_on
+from footfix.locomotion.follow.frames import in_frames_of_first
+from footfix.locomotion.follow.holding import as_straight, held_on
 from footfix.locomotion.follow.keys import Keys, align
 from footfix.locomotion.follow.laying import Laid, lay_walks
 from footfix.locomotion.follow.params import FollowParams
@@ -113,7 +114,7 @@ def follow_path(
         InputError: the walks have different skeletons.
     """
     check_alike(walks)
-    walks = on_one_floor(walks)
+    walks = in_frames_of_first(on_one_floor(walks))
     first = walks[0]
     path = _path(points, walks, params, relative)
     paces = [pace_of(walk, params) for walk in walks]
@@ -177,12 +178,13 @@ def _finished(
     needed = bool(changed[some].any())
     found = held_on(clip, made.posed.rig, contacts, holding, needed=needed)
     plants = tuple(replace(p, outcome="pinned") if needed and p.outcome == "kept" else p for p in found.plants)
-    clip = apply(clip, found.correction)
+    clip, straight = apply(clip, found.correction), made.posed.clip.frames(some)
+    plants = as_straight(plants, clip, straight, timeline.gone[some], made.posed.rig)
     walked = _walked(made, path, clip, some)
     frames = _like(walks[0], timeline, some)
     notes = (*notes, *_too_much(walked, plants))
     return Follow(
-        clip, laid, made.posed.clip.frames(some), made.posed.rig, contacts, path, walked, timeline.transitions,
+        clip, laid, straight, made.posed.rig, contacts, path, walked, timeline.transitions,
         tuple(walks), frames, plants, _correction(laid, clip, made.posed.rig), (*notes, *found.notes),
     )  # fmt: skip
 

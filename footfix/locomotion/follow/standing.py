@@ -8,7 +8,7 @@ from footfix.locomotion.follow.blend import ease
 from footfix.locomotion.follow.steps import Steps
 from footfix.locomotion.follow.stride import smoothed
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import runs
 from footfix.motion.vectors import cross, norm, unit
 
@@ -26,25 +26,28 @@ def firmness(curvature: Floats) -> Floats:
     return ease(np.abs(curvature) / _TURNS)
 
 
-def yaws(turn: Floats, ahead: Floats) -> Floats:
-    """Tell (3, F) [rad] how far a foot turns about the vertical, in the three ways in which it can be read.
+def yaws(turn: Floats, ahead: Floats, stands: Ints) -> Floats:
+    """Tell (5, F) [rad] how far a foot turns about the vertical, in the ways in which it can be read.
 
     They are one while it lies flat, and differ while it rolls over its toes: its direction seen from above, which
     means little once the heel is high; the turn about the vertical of the whole rotation; and the direction of the
-    axis across it, about which it rolls. Each is 0 where the foot is flattest.
+    axis across it, about which it rolls. The last two are seen from how it stands in the middle, where they are 0, and
+    from where it is flattest.
 
     Args:
         turn: (F, 4) of the ankle's frame.
         ahead: (F, 3) [m] from the ankle to the toe, in the world.
+        stands: the frames in which its toe stands.
     """
     level = np.hypot(ahead[:, 0], ahead[:, 2]) / np.maximum(norm(ahead), 1e-9)
-    flat = int(np.argmax(level))
-    across = unit(cross(_UP, ahead[flat]))
-    since = rotation.multiply(turn, rotation.inverse(turn[flat]))
-    axis = rotation.rotate(since, across)
-    readings = [np.arctan2(ahead[:, 0], ahead[:, 2]), rotation.yaw(since), np.arctan2(axis[:, 0], axis[:, 2])]
-    whole = [np.unwrap(each) for each in readings]
-    return np.stack([each - each[flat] for each in whole])
+    middle = int(stands[len(stands) // 2])
+    readings = [np.arctan2(ahead[:, 0], ahead[:, 2])]
+    for flat in (middle, int(stands[np.argmax(level[stands])])):
+        since = rotation.multiply(turn, rotation.inverse(turn[flat]))
+        axis = rotation.rotate(since, unit(cross(_UP, ahead[flat])))
+        readings += [rotation.yaw(since), np.arctan2(axis[:, 0], axis[:, 2])]
+    whole = np.unwrap(readings, axis=1)
+    return np.asarray(whole - whole[:, middle, None])
 
 
 def fair(readings: Floats) -> Floats:
@@ -83,8 +86,9 @@ def unturned(
         part = float(share[(a + b) // 2])
         if part == 0.0:
             continue
-        readings = yaws(turn[a:b], -ankle[a:b])
-        own = readings[:, toes[a:b]] if np.any(toes[a:b]) else readings
+        stands = np.flatnonzero(toes[a:b]) if np.any(toes[a:b]) else np.arange(b - a)
+        readings = yaws(turn[a:b], -ankle[a:b], stands)
+        own = readings[:, stands]
         fix = part * smoothed(fair(readings - np.median(own, axis=1)[:, None]), wide)
         before = steps.stances[k - 1][1] if k else 0
         after = steps.stances[k + 1][0] if k + 1 < len(steps.stances) else F

@@ -131,7 +131,7 @@ class Blend:
 
 def make_timeline(
     walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition],
-    frames: int, lead: int, frame_time: float, piece: Piece = START,
+    frames: int | None, lead: int, frame_time: float, piece: Piece = START,
 ) -> Timeline:  # fmt: skip
     """Lay walks one after the other, blended where one is handed over to the next.
 
@@ -142,13 +142,15 @@ def make_timeline(
         keys: of each.
         paces: of each.
         wanted: the transitions, in order; their times are those of the start.
-        frames: from the start on.
+        frames: from the start on; None until the last blend is over.
         lead: frames before the start, and after the end.
         frame_time: [s].
         piece: what the first walk shows at the start.
     """
-    time: Floats = np.asarray(np.arange(-lead, frames + lead) * frame_time, dtype=np.float64)
     blends = lay_blends(walks, keys, paces, wanted, piece)
+    if frames is None:
+        frames = int(np.ceil(blends[-1].times[-1] / frame_time)) + 1
+    time: Floats = np.asarray(np.arange(-lead, frames + lead) * frame_time, dtype=np.float64)
     cuts = [0]
     for one, two in pairwise(blends):
         cuts.append(int(np.searchsorted(time, 0.5 * (one.times[-1] + two.times[0]))))

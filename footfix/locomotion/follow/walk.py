@@ -86,20 +86,25 @@ class Walk:
         """[m] of the pelvis over the floor, in the mean."""
         return float(pelvis_of(self.clip, self.rig)[:-1, 1].mean()) - self.rig.floor
 
-    def at(self, frames: Floats) -> Clip:
+    def at(self, frames: Floats, joints: tuple[int, ...] | None = None) -> Clip:
         """The cycle on the spot at moments (F,) between frames, of any round; at whole frames their very numbers.
 
         Between frames cubic splines through all of them lead, of rotations through their quaternions.
+
+        Args:
+            frames: (F,) moments.
+            joints: which of them matter; others may be as in the first frame. None for all.
         """
         near = np.rint(frames)
         if np.all(np.abs(frames - near) <= _NEAR):
             return self.clip.frames(near.astype(np.intp) % self.frames)
         within = frames - np.floor(frames / self.frames) * self.frames
-        joints = range(len(self.clip.skeleton))
-        still = len(within)
-        places = [np.broadcast_to(self.clip.position(joint)[:1], (still, 3)) for joint in joints]
-        turns = [np.broadcast_to(self.clip.rotation(joint)[:1], (still, 4)) for joint in joints]
-        moved, turned, curve = self._curve
+        every, still = range(len(self.clip.skeleton)), len(within)
+        places = [np.broadcast_to(self.clip.position(joint)[:1], (still, 3)) for joint in every]
+        turns = [np.broadcast_to(self.clip.rotation(joint)[:1], (still, 4)) for joint in every]
+        if joints not in self._curves:
+            self._curves[joints] = self._curve_of(every if joints is None else joints)
+        moved, turned, curve = self._curves[joints]
         found = curve(within).T  # by components: a column is one stretch of memory
         for k, joint in enumerate(moved):
             places[joint] = found[3 * k : 3 * k + 3].T
@@ -109,10 +114,14 @@ class Walk:
         return Clip.from_tracks(self.clip.skeleton, places, turns, self.clip.frame_time)
 
     @cached_property
-    def _curve(self) -> tuple[tuple[int, ...], tuple[int, ...], Cubic]:
+    def _curves(self) -> dict[tuple[int, ...] | None, tuple[tuple[int, ...], tuple[int, ...], Cubic]]:
+        """What `_curve_of` has found so far."""
+        return {}
+
+    def _curve_of(self, joints: Sequence[int]) -> tuple[tuple[int, ...], tuple[int, ...], Cubic]:
         """The joints that move in their parents' frames, those that turn, and the curves of the ones and the others."""
         count: Ints = np.arange(-_MARGIN, self.frames + _MARGIN + 1)
-        joints, tracks = range(len(self.clip.skeleton)), list[Floats]()
+        tracks = list[Floats]()
         moved = tuple(joint for joint in joints if np.ptp(self.clip.position(joint), axis=0).any())
         turned = tuple(joint for joint in joints if np.ptp(self.clip.rotation(joint), axis=0).any())
         for joint in moved:
