@@ -71,7 +71,7 @@ class Problem:
             own[B] = leg.bends and leg.turns
         return free
 
-    def farthest(self, most: float) -> Floats:
+    def farthest(self, most: float | Floats) -> Floats:
         """Bound how far a joint goes freely, (F,) [rad]: in proportion to the fault, at most `most` [degrees]."""
         seen = np.maximum(self.fault / (self.costs.noticed * self.leg_length), 1.0)
         return np.radians(np.minimum(self.costs.unnoticed_turn * seen, most))
