@@ -10,7 +10,7 @@ import numpy as np
 from footfix.motion.clip import Floats
 
 _NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
-_PLUS, _MINUS = np.array([7, 2, 3]), np.array([5, 6, 1])  # of a matrix in a row: where [v] holds v, and where -v
+_ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix, laid out as a row, and their mirrors
 
 # A product of quaternions a b is the sum of w, x, y, z of a, each times components of b in this order and of this sign.
 _OWN = np.array([3, 0, 1, 2])
@@ -67,13 +67,12 @@ def _sines(vector: Floats) -> tuple[Floats, ...]:
 
 def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:
     """(3, 3, ...) I + first [v] + second [v]^2; [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
-    once = first * v
-    out = np.asarray((second * v)[:, None] * v[None])
-    flat = out.reshape(9, *out.shape[2:])
-    flat[::4] += 1.0 - second * square
-    flat[_PLUS] += once
-    flat[_MINUS] -= once
-    return out
+    once, twice = first * v, second * v
+    flat = np.empty((9, *once.shape[1:]))
+    flat[::4] = (1.0 - second * square) + twice * v
+    both, skew = twice * v[_NEXT], once[_AFTER]
+    flat[_ABOVE], flat[_BELOW] = both - skew, both + skew
+    return flat.reshape(3, 3, *once.shape[1:])
 
 
 def median(values: Floats) -> Floats:
