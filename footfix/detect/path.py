@@ -105,7 +105,7 @@ def _disputed(best: list[int], first: list[int], k: int, one: int, other: int) -
 
 
 def _viterbi(rows: list[list[float]], switch: float) -> list[int]:
-    """The best path (n,) through states (n, S), a change costing `switch`; on few states lists are quicker than arrays."""
+    """The best path (n,) through states (n, S), a change costing `switch`; of so few, lists are quicker than arrays."""
     value, came = rows[0], []
     for row in rows[1:]:
         top = max(value)

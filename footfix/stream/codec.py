@@ -88,7 +88,10 @@ class Channels:
         self._turnings = _turnings(channels, which, own, range(len(own)), self._up)
         led = {each.joint for each in part.known.followers}
         turned = led | {
-            joint for leg in part.known.rig.legs for joint in (leg.hip, leg.knee, leg.ankle, leg.toe) if joint is not None
+            joint
+            for leg in part.known.rig.legs
+            for joint in (leg.hip, leg.knee, leg.ankle, leg.toe)
+            if joint is not None
         }
         self._written = [each for each in _turnings(channels, which, own, sorted(turned), self._up) if each.order]
         moving = [k for k, c in enumerate(channels) if c.kind == "P" and c.joint in {part.known.rig.root, *led}]

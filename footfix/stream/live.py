@@ -223,7 +223,7 @@ class Live:
         return _Figure(part_of(clip.skeleton, found), source, (*notes, *found.notes))
 
     def _made(self, figure: _Figure, *, since: int = 0, given: int = 0) -> Engine:
-        """Make an engine that begins with frame `since` of those that are held, of which some are given out as they are."""
+        """Make an engine that begins with frame `since` of those that are held; some are given out as they are."""
         if figure is not self._figure:
             for note in figure.notes:
                 self._told(note)

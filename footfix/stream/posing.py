@@ -30,7 +30,9 @@ class Posing:
         at, turned = np.array(places), np.array(turns)
         for level, parents in zip(self._levels[1:], self._parents[1:], strict=True):
             above = turned[:, parents].transpose(1, 2, 0)
-            at[:, level] = at[:, parents] + rotation.rotate(above, places[:, level].transpose(1, 2, 0)).transpose(2, 0, 1)
+            at[:, level] = at[:, parents] + rotation.rotate(above, places[:, level].transpose(1, 2, 0)).transpose(
+                2, 0, 1
+            )
             turned[:, level] = product(above, turns[:, level].transpose(1, 2, 0)).transpose(2, 0, 1)
         return Pose(
             self._joints, at[:, self._wanted].transpose(2, 1, 0), turned[:, self._wanted].transpose(2, 1, 0)
