@@ -19,7 +19,7 @@ import numpy as np
 
 from footfix.detect.evidence import LIFT, STEP, Sampled
 from footfix.detect.path import Stretch
-from footfix.motion.clip import Floats, Ints
+from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
 LOOKS = 2  # the second look is from where the first one led
@@ -43,8 +43,8 @@ class Line:
     farthest: float
 
     @cached_property
-    def _taps(self) -> Ints:
-        return np.array(self.taps)
+    def _taps(self) -> Floats:
+        return np.array(self.taps, dtype=np.float64)
 
     def later(self, curve: Floats, at: float) -> float:
         """[grid steps] from a moment to what happens; 0 where the clip shows too little of either side."""

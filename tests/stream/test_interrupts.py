@@ -72,7 +72,7 @@ def test_whenever_it_comes_what_was_written_is_whole(after: float, tmp_path: Pat
 
 
 def test_one_that_comes_where_exceptions_are_dropped_is_not_lost(tmp_path: Path) -> None:
-    items = [
+    items: list[object] = [
         *Lines().feed(HEAD + b"".join(ROWS[:20])),
         Dying(),
         *Lines(sample("walk_skate")).feed(b"".join(ROWS[20:40])),
