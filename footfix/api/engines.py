@@ -135,6 +135,8 @@ class Engine:
     def ahead(self, seconds: float, *, frames: int = 25) -> Ahead:
         """Foresee what comes next: postures from now on, and where the feet are going to stand.
 
+        What was asked for is in it; where something else is asked for in every frame, what was a tenth of a second ago.
+
         Args:
             seconds: [s] how far.
             frames: how many postures, at even times, the first of them now.

@@ -23,6 +23,7 @@ from footfix.locomotion.cycles.engine import Foreseen, foresee, postures
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point
 from footfix.locomotion.cycles.postures import Postures, free_postures
+from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
@@ -158,8 +159,9 @@ def make_file(
 
 def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
     """Describe every contact and its position, as rows of the report."""
-    place, turns, legs = made.postures.place, made.postures.turns, model.legs
-    poses = legs.poses(place, turns[:, model.rig.root], turns[:, legs.joints])
+    place, turns = made.postures.place, made.postures.turns
+    frames = rotation.to_matrix(turns[:, model.leg_joints])
+    poses = model.legs.poses(place, frames[:, 0], frames[:, 1:])
     found = list[Footplant]()
     for e, (sole, effector) in enumerate(zip(model.rig.soles, made.contacts.effectors, strict=True)):
         track = (poses.heel if sole.part == "heel" else poses.toe)[:, sole.leg]

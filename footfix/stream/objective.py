@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.assembly import product
-from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, TOES, UPRIGHT
+from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, UPRIGHT
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import near, root_bound, smooth, sticks
@@ -132,21 +132,19 @@ def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floa
 
 def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
     """FAR of line, knee, ankle and toes."""
-    c = problem.costs
-    most = np.array([c.line_farthest, c.ankle_farthest, c.ankle_farthest, c.toes_farthest])
     foot = x[W] - x[Q]
     squares, lengths = x * x, np.empty((4, *x.shape[1:]))
     np.add.reduce(squares[Q], axis=0, out=lengths[0])
     np.add.reduce(foot * foot, axis=0, out=lengths[2])
-    lengths[1], lengths[3] = squares[K], squares[B] / TOES**2
-    bounds = problem.farthest(most[:, None])
+    lengths[1], lengths[3] = squares[K], squares[B]
+    bounds = np.stack(problem.farthest())
     if not np.any(lengths > (bounds**2)[:, None]):
         return
     kinds = (
         (x[Q], ((Q, 1.0),)),
         (x[K : K + 1], ((slice(K, K + 1), 1.0),)),
         (foot, ((W, 1.0), (Q, -1.0))),
-        (x[B : B + 1] / TOES, ((slice(B, B + 1), 1.0 / TOES),)),
+        (x[B : B + 1], ((slice(B, B + 1), 1.0),)),
     )
     weight = RATE * problem.frame_time / np.radians(FAR_TURN) ** 2
     for (turn, parts), bound in zip(kinds, bounds, strict=True):

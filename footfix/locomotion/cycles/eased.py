@@ -13,7 +13,7 @@ from footfix.motion.vectors import norm
 
 _LEAST = 1e-6  # [s] of a stretch
 _BEND = 0.1  # [s] within which a value that is let go, or taken up, changes its slope,
-_ASIDE = 0.02  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
+_ASIDE = 0.01  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
 
 Span = tuple[float, float]  # [s]
 Row = tuple[float, int, int, int, int, int]  # start, the four values at its ends among some, and what holds it
@@ -57,22 +57,37 @@ class Timelines:
         span: Floats = np.minimum(np.maximum(_ASIDE / steep, 0.02), _BEND)
         return np.minimum(span, 0.5 * self.lengths[:, None])
 
+    @cached_property
+    def _table(self) -> tuple[Floats, Floats, Floats]:
+        """What a stretch is made of.
+
+        Returns:
+            (S, 3) and (S, 3) factors and summands that make shares of the time since its start: of the stretch, and of
+            the spans at its ends; and (S, 4, 3) what is added up: its last value, as much as it falls, and its bends.
+        """
+        count = len(self.starts)
+        factors, summands, parts = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((count, 4, 3))
+        factors[:, 0], factors[:, 1:] = 1.0 / self.lengths, 1.0 / self._spans
+        factors[:, 2] *= -1.0
+        summands[:, 2] = self.lengths / self._spans[:, 1]
+        parts[:, 0], parts[:, 1] = self.values[:, 1], self.values[:, 0] - self.values[:, 1]
+        parts[:, 2:] = self._spans[..., None] * self.slopes
+        parts[:, 3] *= -1.0
+        return factors, summands, parts
+
     def at(self, times: Floats) -> tuple[Floats, Ints]:
         """(T, Q, 3) values at times (T,) [s], and (T, Q) what holds them instead."""
         keys, added, low, high = self._keys
         within = np.minimum(np.maximum(times, low), high)[:, None] + added
         k = np.maximum(keys.searchsorted(within.ravel(), side="right").reshape(within.shape) - 1, self.begins)
-        length, since = self.lengths[k], np.empty((*k.shape, 2))
-        since[..., 0] = times[:, None] - self.starts[k]
-        since[..., 1] = length - since[..., 0]
-        value = self.values[k]
-        u = np.minimum(np.maximum(since[..., 0] / length, 0.0), 1.0)
-        fall = ((2.0 * u - 3.0) * u * u + 1.0)[..., None]
-        span = self._spans[k]
-        u = np.minimum(np.maximum(since / span, 0.0), 1.0)
-        bent = (span * u * (1.0 - u) ** 2)[..., None] * self.slopes[k]  # a cubic that comes back to nothing
-        first, last = value[:, :, 0], value[:, :, 1]
-        return last + fall * (first - last) + bent[:, :, 0] - bent[:, :, 1], self.holder[k]
+        factors, summands, parts = self._table
+        u = (times[:, None] - self.starts[k])[..., None] * factors[k] + summands[k]
+        u = np.minimum(np.maximum(u, 0.0), 1.0)
+        fall, bends = u[..., 0], u[..., 1:]
+        weights = np.ones((*k.shape, 1, 4))
+        weights[..., 0, 1] += (2.0 * fall - 3.0) * fall * fall
+        weights[..., 0, 2:] = bends * (1.0 - bends) ** 2  # cubics that come back to nothing
+        return (weights @ parts[k])[..., 0, :], self.holder[k]
 
 
 def timelines(every: Sequence[Sequence[Row]], some: Floats) -> Timelines:

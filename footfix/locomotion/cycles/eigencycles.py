@@ -14,6 +14,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from footfix.locomotion.cycles.samples import Gait, Sample
+from footfix.locomotion.cycles.turns import exponentials, matrix_products, products, squares
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, frozen
 
@@ -41,9 +42,23 @@ class Code:
         return np.concatenate([places, vectors.reshape(*vectors.shape[:2], -1)], axis=2)
 
     def turns(self, rows: Floats) -> Floats:
-        """(..., J, 4) rotations of rows (..., 3 + 3 J)."""
-        vectors = rows[..., 3:].reshape(*rows.shape[:-1], len(self.middle), 3)
-        return rotation.multiply(self.middle, rotation.from_rotation_vector(vectors))
+        """(T, J, 4) rotations of rows (T, 3 + 3 J)."""
+        vectors = rows[:, 3:].reshape(len(rows), len(self.middle), 3).swapaxes(0, 1)
+        return (exponentials(vectors) @ self._products).swapaxes(0, 1)
+
+    def frames(self, rows: Floats) -> Floats:
+        """(T, J, 3, 3) the same, as matrices."""
+        vectors = rows[:, 3:].reshape(len(rows), len(self.middle), 3).swapaxes(0, 1)
+        found = squares(exponentials(vectors)) @ self._matrix_products
+        return found.swapaxes(0, 1).reshape(len(rows), len(self.middle), 3, 3)
+
+    @cached_property
+    def _products(self) -> Floats:
+        return products(self.middle)
+
+    @cached_property
+    def _matrix_products(self) -> Floats:
+        return matrix_products(self.middle)
 
     @property
     def weights(self) -> Floats:
@@ -133,10 +148,14 @@ class GaitSpace:
     def contact_phases(self, speed: Floats) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays; 0 where it never is."""
         m = len(self.contacts)
-        at = np.clip((self.ramp.within(speed) / CONTACT_RANGE + 1.0) * 0.5 * (m - 1), 0.0, m - 1.0)
+        at = np.clip(self.contact_rows(speed), 0.0, m - 1.0)
         k = np.minimum(at.astype(np.intp), m - 2)
         w = (at - k)[:, None, None]
         return np.asarray((1.0 - w) * self.contacts[k] + w * self.contacts[k + 1])
+
+    def contact_rows(self, speed: Floats) -> Floats:
+        """(...) which of the M rows of `contacts` belongs to speeds (...), numbers between those of two for both."""
+        return np.asarray((self.ramp.within(speed) / CONTACT_RANGE + 1.0) * 0.5 * (len(self.contacts) - 1))
 
     def contact_speeds(self) -> Floats:
         """(M,) speeds at which contacts are known."""

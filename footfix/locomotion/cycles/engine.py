@@ -119,7 +119,7 @@ def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """The first third of the work of foreseeing anew: the course, and when feet are going to stand on it.
+    """The first part of the work of foreseeing anew: the course, and when feet are going to stand on it.
 
     Args:
         now: [s] the time from which on it holds.
@@ -152,34 +152,42 @@ def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float
     return Begun(now, course, over, stances, stays)
 
 
-def placed(model: CycleModel, begun: Begun) -> Feet:
+def posed(model: CycleModel, begun: Begun) -> LegPoses:
+    """Go on, with the legs as the cycles have them while feet are going to stand."""
+    return leg_poses(model, begun.course, sample_times(begun.stances).ravel())
+
+
+def placed(model: CycleModel, begun: Begun, poses: LegPoses) -> Feet:
     """Go on, with the places of the feet."""
-    poses = leg_poses(model, begun.course, sample_times(begun.stances).ravel())
     return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
 
 
-def finish(model: CycleModel, old: Foreseen, begun: Begun, feet: Feet, times: Floats) -> tuple[Foreseen, Led]:
+def led(model: CycleModel, begun: Begun, feet: Feet, times: Floats) -> Led:
+    """Go on, with some frames: the time of the change, and those at times (T,) [s] from then on."""
+    soon = np.concatenate([[begun.now], times])
+    free = free_postures(model, begun.course, soon)
+    return Led(soon, free, feet.led_off(soon, free.legs))
+
+
+def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen, Led]:
     """Foresee anew what was begun.
 
     What led feet then to other places, and does not any more, fades (G eq. 11, put right: as printed it jumps).
 
     Args:
-        model: the figure and its cycles.
         old: what was going to happen.
         begun: what is to.
         feet: `placed`.
-        times: (T,) [s] at which feet are led right away, from then on.
+        soon: `led`.
 
     Returns:
-        What is going to happen, and the feet led at the times.
+        What is going to happen, and the frames without that of the change.
     """
-    soon = np.concatenate([[begun.now], times])
-    free = free_postures(model, begun.course, soon, 1)
-    off = feet.led_off(soon, free.legs)
-    was = old.led_off(soon[:1], free.legs.some(slice(0, 1)))[0]
-    residual = _residual(was - off[0], feet, begun.now)
-    free = replace(free, legs=free.legs.some(slice(1, None)))
-    return Foreseen(begun.course, feet, residual), Led(times, free, residual.faded(off[1:], times))
+    was = old.led_off(soon.times[:1], soon.free.legs.some(slice(0, 1)))[0]
+    residual = _residual(was - soon.off[0], feet, begun.now)
+    times = soon.times[1:]
+    off = residual.faded(soon.off[1:], times)
+    return Foreseen(begun.course, feet, residual), Led(times, soon.free.some(slice(1, None)), off)
 
 
 def _coming(
@@ -221,8 +229,7 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
 
     Of those that begin after `until` [s] each foot has one, to be led to.
     """
-    asked = course.plan.at(course.grid)
-    spans = model.contact_phases(asked)
+    spans = model.contact_phases(course.asked)
     set_down = course.known[:, :1] - spans[:, :, 0]
     lifted = set_down - spans[:, :, 1]
     low, high = int(np.floor(set_down[0].min())), int(np.ceil(set_down[-1].max()))

@@ -13,13 +13,14 @@ from functools import cached_property
 import numpy as np
 
 from footfix.locomotion.cycles.eased import Row, Timelines, held_rows, through_rows, timelines
-from footfix.locomotion.cycles.leg_pose import LegPoses, reach, too_short, turned_by, turns_between
+from footfix.locomotion.cycles.leg_pose import LegPoses, too_short
 from footfix.locomotion.cycles.stance import HELD, UP, Span, Stance
+from footfix.locomotion.cycles.turns import applied, cross, dot, turned_by, turns_between, unit
 from footfix.motion.clip import Bools, Floats
-from footfix.motion.vectors import cross, norm, unit
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _PEEL = 0.12  # [s] after the heel has left the floor, and before it is set down, in which it becomes free to turn
+_STRAIGHT = 0.1  # of a leg's reach: how near to it a leg is so straight that its foot turns about the toe
 _LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
 _DOWN = 0.3  # [s] before and after a heel is set down, in which the figure comes down for it, and up again
 _LED = (*HELD, "share", "free", "down")
@@ -40,14 +41,21 @@ class Feet:
     stances: tuple[tuple[Stance, ...], ...]
     lines: Timelines
 
-    def planted(self, leg: int, part: str, times: Floats) -> Bools:
-        """(T,) whether heel or toe is."""
-        down = np.zeros(len(times), dtype=np.bool_)
-        for each in self.stances[leg]:
-            span = each.heel if part == "heel" else each.toe
-            if span is not None:
-                down |= (times >= span[0]) & (times <= span[1])
-        return down
+    def planted(self, times: Floats) -> Bools:
+        """(T, L, 2) whether heel and toe of each foot are."""
+        at = times[:, None, None, None]
+        begins, ends = self._planted
+        return np.asarray(((at >= begins) & (at <= ends)).any(axis=3))
+
+    @cached_property
+    def _planted(self) -> tuple[Floats, Floats]:
+        """(L, 2, n) [s] when contacts of heels and toes begin and end, and some that never do."""
+        most = max(map(len, self.stances), default=0)
+        never = (np.inf, -np.inf)
+        spans = [[[span or never for each in own for span in (each.spans[part],)] + [never] * (most - len(own))
+                  for part in range(2)] for own in self.stances]  # fmt: skip
+        table = np.array(spans).reshape(len(self.stances), 2, most, 2)
+        return table[..., 0], table[..., 1]
 
     @cached_property
     def _held(self) -> tuple[Floats, Floats]:
@@ -139,11 +147,12 @@ def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     turns = turned_by(off[:, :, 2:4])
     turn, heading = turns[:, :, 0], turns[:, :, 1]
     hip = np.array(pose.hip)
-    hip[..., 1] -= np.sum(off[:, :, 6, 0], axis=1, keepdims=True)
+    hip[..., 1] -= np.add.reduce(off[:, :, 6, 0], axis=1, keepdims=True)
     pivot = pose.heel + part * (pose.toe - pose.heel)
-    goal = pivot + (1.0 - part) * by_heel + part * by_toe
-    arms = np.stack([pose.ankle - pivot, pose.toe - pivot], axis=-1)  # (T, L, 3, 2)
-    both = goal[..., None] + turn @ arms
+    goal = pivot + by_heel + part * (by_toe - by_heel)
+    arms = np.empty((*goal.shape, 2))
+    arms[..., 0], arms[..., 1] = pose.ankle, pose.toe
+    both = goal[..., None] + turn @ (arms - pivot[..., None])
     ankle, peel = _peeled(pose, hip, both[..., 0], both[..., 1], off[:, :, 5, 0])
     return hip, ankle, peel @ (turn @ pose.foot), heading @ pose.toes
 
@@ -157,25 +166,30 @@ def lowered(pose: LegPoses, line: Floats, free: Floats, size: float) -> Floats:
         free: (T, L) how free feet are to turn about their toes instead.
         size: [m] of a leg.
     """
-    down = np.max((1.0 - free) * too_short(line, reach(pose), size), axis=1)
+    down = np.max((1.0 - free) * too_short(line, pose.reach, size), axis=1)
     return np.asarray(np.minimum(down, _LOWEST * size))
 
 
 def _peeled(pose: LegPoses, hip: Floats, ankle: Floats, toe: Floats, free: Floats) -> tuple[Floats, Floats]:
-    """Turn feet about their toes where a leg would be stretched farther than in the cycle: the heel comes up instead.
+    """Turn feet about their toes where a straight leg would be stretched farther than in the cycle: the heel comes up.
+
+    While the knee is bent it gives way; hip, ankle and toe may lie in one line then, and no turn would be of use.
 
     Returns:
         (T, L, 3) [m] the ankles, and (T, L, 3, 3) the turns.
     """
-    limit, was, now = reach(pose), norm(pose.ankle - pose.hip), norm(ankle - hip)
-    room = np.maximum(limit - was, 1e-6)
-    beyond = np.maximum(now - was, 0.0)
+    was, line = pose.far, ankle - hip
+    now = np.sqrt(dot(line, line))
+    near = _STRAIGHT * pose.reach
+    room = np.maximum(near * (1.0 - np.exp((was - pose.reach) / near)), 1e-6)
+    beyond = np.maximum(now - pose.reach + room, 0.0)
     wanted = now - free * (beyond - room * (1.0 - np.exp(-beyond / room)))
     # in the triangle of hip, toe and ankle the angle at the toe tells how far the ankle is from the hip
     arm, line = ankle - toe, hip - toe
-    r, d = norm(arm), norm(line)
-    lever = np.maximum(2.0 * r * d, 1e-9)
-    cosines = (r * r + d * d - np.stack([now, wanted]) ** 2) / lever
+    r, d = dot(arm, arm), dot(line, line)
+    cosines = np.empty((2, *now.shape))
+    cosines[0], cosines[1] = now, wanted
+    cosines = (r + d - cosines * cosines) / np.maximum(2.0 * np.sqrt(r * d), 1e-9)
     old, new = np.arccos(np.minimum(np.maximum(cosines, -1.0), 1.0))
     turn = turned_by(unit(cross(arm, line)) * (old - new)[..., None])
-    return toe + (turn @ arm[..., None])[..., 0], turn
+    return toe + applied(turn, arm), turn

@@ -92,11 +92,11 @@ def _share(space: GaitSpace) -> float:
 def _cycle_legs(model: CycleModel, speed: float, run: float, phases: Floats) -> LegPoses:
     """The legs of a cycle that travels along z at an even speed, at phases (T,)."""
     plan = _asked(model, speed, run, len(phases))
-    rows = model.leg_rows(phases, plan, len(phases))[0]
-    turns = model.leg_turns(rows)
+    rows = model.leg_rows(phases, plan)
+    frames = model.leg_frames(rows)
     place = model.rig.leg_length * rows[:, :3]
     place[:, 2] += plan.speed * phases / model.frequency(plan)
-    return model.legs.poses(place, turns[:, 0], turns[:, 1:])
+    return model.legs.poses(place, frames[:, 0], frames[:, 1:])
 
 
 def _levels(model: CycleModel) -> Floats:

@@ -1,7 +1,6 @@
 """The legs of a model in the world, and their hips and knees turned so that their ankles are where they are wanted.
 
-All legs are done together, as rotation matrices: at one time, as a live engine has it, what counts is the number of
-operations.
+All legs are done together, as rotation matrices.
 """
 
 from __future__ import annotations
@@ -11,12 +10,10 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.motion import rotation
+from footfix.locomotion.cycles.turns import applied, back, between, cross, dot, norm, quaternions, turned_by, unit
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
-from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
-_STILL = np.eye(3)
 _SOFT = 0.01  # [leg lengths] that a leg may lack, from which on it is noticed
 _LONGEST = 0.9998  # share of a leg's length to which it is stretched at most
 
@@ -65,6 +62,17 @@ class LegPoses:
     def toes(self) -> Floats:
         """(T, L, 3, 3) frames of the toe joints."""
         return self.ends[:, :, 1]
+
+    @cached_property
+    def reach(self) -> Floats:
+        """(T, L) [m] how far ankles can be from their hips: what the legs are long, or what they were posed at."""
+        bones = norm(self.knee - self.hip) + norm(self.ankle - self.knee)
+        return np.maximum(_LONGEST * bones, self.far)
+
+    @cached_property
+    def far(self) -> Floats:
+        """(T, L) [m] how far ankles are from their hips."""
+        return norm(self.ankle - self.hip)
 
     def some(self, which: slice) -> LegPoses:
         """The poses at some of the times."""
@@ -150,41 +158,44 @@ class Legs:
         found = {joint: k for k, joint in enumerate(self.joints)}
         return np.array([[found.get(joint, 0) for joint in row] for row in self._chains[0].tolist()])
 
+    @cached_property
+    def _steps(self) -> tuple[Floats, Bools | None, tuple[int, ...]]:
+        """Of the chains their offsets (D, 3, 1, L), those that stand in if any do, and where the four joints are."""
+        _, offsets, still, places = self._chains
+        return offsets.swapaxes(1, 2)[:, :, None], still if still.any() else None, places
+
     def poses(self, place: Floats, turn: Floats, turns: Floats) -> LegPoses:
         """Forward kinematics.
 
         Args:
             place: (T, 3) [m] the root.
-            turn: (T, 4) its frame in the world.
-            turns: (T, N, 4) `joints` in their parents' frames.
+            turn: (T, 3, 3) its frame in the world.
+            turns: (T, N, 3, 3) `joints` in their parents' frames.
         """
-        _, offsets, still, (hip, knee, ankle, toe) = self._chains
-        joints = self._among
-        count, legs = len(place), joints.shape[1]
-        local = rotation.to_matrix(turns[:, joints])  # (T, D, L, 3, 3)
-        if still.any():
-            local[:, still] = np.eye(3)
-        frame = rotation.to_matrix(turn)[:, None]
-        at = place[:, None]
-        frames, places = [np.broadcast_to(frame, (count, legs, 3, 3))], [np.broadcast_to(at, (count, legs, 3))]
-        for d in range(len(joints)):
-            at = at + (frame @ offsets[d][..., None])[..., 0]
-            frame = frame @ local[:, d]
-            places.append(at)
-            frames.append(frame)
-        heel_at, toe_at = self._soles
-        foot = frames[ankle + 1]
+        rest, still, (hip, knee, ankle, toe) = self._steps
+        count, (depth, legs) = len(place), self._among.shape
+        # components first, so that a product of two matrices is two operations on rows of numbers
+        step = np.empty((depth, 3, 4, count, legs))  # each joint's turn, and beside it where it is from what it hangs
+        step[:, :, :3] = turns[:, self._among].transpose(1, 3, 4, 0, 2)
+        if still is not None:
+            step[:, :, :3].transpose(0, 4, 1, 2, 3)[still] = np.eye(3)[:, :, None]
+        step[:, :, 3] = rest
+        whole = np.empty((depth + 1, 3, 4, count, legs))
+        whole[0, :, :3] = turn.transpose(1, 2, 0)[..., None]
+        whole[0, :, 3] = place.T[..., None]
+        for d in range(depth):
+            np.add.reduce(whole[d, :, :3, None] * step[d], axis=1, out=whole[d + 1])
+        frames = whole[:, :, :3].transpose(3, 0, 4, 1, 2)
+        places = np.add.accumulate(whole[:, :, 3]).transpose(2, 0, 3, 1)
+        foot, heel_at = frames[:, ankle + 1], places[:, ankle + 1]
         soles, ends = np.empty((count, legs, 2, 3)), np.empty((count, legs, 2, 3, 3))
-        soles[:, :, 0] = places[ankle + 1] + (foot @ heel_at[..., None])[..., 0]
-        if self.has_toes:
-            soles[:, :, 1] = at
-        else:
-            soles[:, :, 1] = places[ankle + 1] + (foot @ toe_at[..., None])[..., 0]
-        ends[:, :, 0], ends[:, :, 1] = foot, frame
-        above_toe = frames[toe] if toe > ankle else foot
+        soles[:, :, 0] = heel_at + applied(foot, self._soles[0])
+        soles[:, :, 1] = places[:, -1] if self.has_toes else heel_at + applied(foot, self._soles[1])
+        ends[:, :, 0], ends[:, :, 1] = foot, frames[:, -1]
+        above_toe = frames[:, toe] if toe > ankle else foot
         return LegPoses(
-            places[hip + 1], places[knee + 1], places[ankle + 1], soles, ends, frames[hip], frames[hip + 1],
-            frames[knee], frames[knee + 1], frames[ankle], above_toe,
+            places[:, hip + 1], places[:, knee + 1], heel_at, soles, ends, frames[:, hip], frames[:, hip + 1],
+            frames[:, knee], frames[:, knee + 1], frames[:, ankle], above_toe,
         )  # fmt: skip
 
     def bent(self, pose: LegPoses, knees: Floats, ankle: Floats, foot: Floats, toes: Floats) -> Floats:
@@ -203,31 +214,31 @@ class Legs:
             (T, n, 4) rotations of `turned` in their parents' frames.
         """
         thigh, shank = pose.knee - pose.hip, pose.ankle - pose.knee
-        axis = (pose.thigh @ knees[..., None])[..., 0]
-        along = unit(thigh)
-        axis = unit(axis - dot(axis, along)[..., None] * along)
+        axis = applied(pose.thigh, knees)
+        square, small = dot(thigh, thigh), 1e-300
+        axis = unit(axis - (dot(axis, thigh) / np.maximum(square, small))[..., None] * thigh)
         in_plane = shank - dot(shank, axis)[..., None] * axis
         flexion = np.arctan2(dot(cross(thigh, in_plane), axis), dot(thigh, in_plane))
         line = ankle - pose.hip
-        bones = dot(thigh, thigh) + dot(shank, shank)
-        far = np.minimum(norm(line), reach(pose))
-        lever = np.maximum(2.0 * norm(thigh) * norm(in_plane), 1e-12)
-        wanted = np.arccos(np.clip((far * far - bones) / lever, -1.0, 1.0))
+        far = np.minimum(norm(line), pose.reach)
+        lever = np.maximum(2.0 * np.sqrt(square * dot(in_plane, in_plane)), 1e-12)
+        cosine = (far * far - square - dot(shank, shank)) / lever
+        wanted = np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0))
         wanted = np.where(flexion < -0.3, -wanted, wanted)
-        bend = about(axis, wanted - flexion)
-        swing = between(thigh + (bend @ shank[..., None])[..., 0], line)
-        parts = [_back(pose.above_hip) @ (swing @ pose.thigh), _back(pose.above_knee) @ (bend @ pose.shank),
-                 _back(swing @ (bend @ pose.above_ankle)) @ foot]  # fmt: skip
+        bend = turned_by(axis * (wanted - flexion)[..., None])
+        swing = between(thigh + applied(bend, shank), line)
+        parts = 4 if self.has_toes else 3
+        below, above = np.empty((2, *thigh.shape[:1], parts, *thigh.shape[1:], 3))  # frames as they are to be
+        above[:, 0], above[:, 1] = pose.above_hip, pose.above_knee
+        np.matmul(swing, bend @ pose.above_ankle, out=above[:, 2])
+        np.matmul(swing, pose.thigh, out=below[:, 0])
+        np.matmul(bend, pose.shank, out=below[:, 1])
+        below[:, 2] = foot
         if self.has_toes:
-            above_toe = foot @ (_back(pose.foot) @ pose.above_toe)
-            parts.append(_back(above_toe) @ toes)
-        return rotation.from_matrix(np.concatenate(parts, axis=1))
-
-
-def reach(pose: LegPoses) -> Floats:
-    """(T, L) [m] how far ankles can be from their hips: what the legs are long, or what they were posed at."""
-    bones = norm(pose.knee - pose.hip) + norm(pose.ankle - pose.knee)
-    return np.maximum(_LONGEST * bones, norm(pose.ankle - pose.hip))
+            np.matmul(foot, back(pose.foot) @ pose.above_toe, out=above[:, 3])
+            below[:, 3] = toes
+        turns = back(above) @ below
+        return quaternions(turns.reshape(len(turns), parts * turns.shape[2], 3, 3))
 
 
 def too_short(line: Floats, limit: Floats, size: float) -> Floats:
@@ -239,51 +250,3 @@ def too_short(line: Floats, limit: Floats, size: float) -> Floats:
     short = -line[..., 1] - np.sqrt(np.maximum(limit**2 - flat, 0.0))
     soft = _SOFT * size
     return np.where(np.abs(short) < soft, (short + soft) ** 2 / (4.0 * soft), np.maximum(short, 0.0))
-
-
-def _back(frames: Floats) -> Floats:
-    return np.swapaxes(frames, -1, -2)
-
-
-def about(axis: Floats, angle: Floats) -> Floats:
-    """(..., 3, 3) turns about unit axes (..., 3) by angles (...) [rad]."""
-    return turned_by(axis * angle[..., None])
-
-
-def turned_by(vector: Floats) -> Floats:
-    """(..., 3, 3) turns by rotation vectors (..., 3) [rad] (Rodrigues)."""
-    square = np.sum(vector * vector, axis=-1)
-    angle = np.sqrt(square)
-    safe = np.maximum(angle, 1e-9)
-    s = np.where(angle < 1e-6, 1.0, np.sin(safe) / safe)[..., None, None]
-    c = np.where(angle < 1e-6, 0.5, (1.0 - np.cos(safe)) / (safe * safe))[..., None, None]
-    k = _crosswise(vector)
-    return np.asarray(_STILL + s * k + c * (k @ k))
-
-
-def _crosswise(v: Floats) -> Floats:
-    """(..., 3, 3) the matrices whose products with w are the cross products v x w."""
-    out = np.zeros((*v.shape, 3))
-    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
-    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = v[..., 2], -v[..., 1], v[..., 0]
-    return out
-
-
-def between(a: Floats, b: Floats) -> Floats:
-    """(..., 3, 3) the smallest turns that take directions (..., 3) to others."""
-    a, b = unit(a), unit(b)
-    k = _crosswise(cross(a, b))
-    return np.asarray(_STILL + k + (k @ k) / np.maximum(1.0 + dot(a, b), 1e-9)[..., None, None])
-
-
-def turns_between(a: Floats, b: Floats) -> Floats:
-    """(..., 3) [rad] rotation vectors of the turns from frames (..., 3, 3) to others, small ones above all."""
-    m = b @ _back(a)
-    axis = np.empty(m.shape[:-1])
-    np.subtract(m[..., 2, 1], m[..., 1, 2], out=axis[..., 0])
-    np.subtract(m[..., 0, 2], m[..., 2, 0], out=axis[..., 1])
-    np.subtract(m[..., 1, 0], m[..., 0, 1], out=axis[..., 2])
-    twice = norm(axis)  # the sine of the angle, twice
-    angle = np.arctan2(twice, m[..., 0, 0] + m[..., 1, 1] + m[..., 2, 2] - 1.0)
-    axis *= np.where(twice < 2e-9, 0.5, angle / np.maximum(twice, 2e-12))[..., None]
-    return axis

@@ -1,7 +1,7 @@
 """An engine's state: frames one after another, while what is asked for changes.
 
 What is to come is foreseen, and foreseen anew when something else is asked for. That takes as long as some frames do,
-so it is done in three parts, one a frame; frames in the meantime are as they were foreseen before.
+so it is done in five parts, one a frame; frames in the meantime are as they were foreseen before.
 """
 
 from __future__ import annotations
@@ -10,20 +10,32 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.locomotion.cycles.engine import Begun, begin, changed_plan, finish, foresee, placed, postures
+from footfix.locomotion.cycles.engine import (
+    Begun,
+    begin,
+    changed_plan,
+    finish,
+    foresee,
+    led,
+    placed,
+    posed,
+    postures,
+)
 from footfix.locomotion.cycles.feet import Feet
+from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point
-from footfix.locomotion.cycles.postures import Postures, held
+from footfix.locomotion.cycles.postures import Led, Postures, held
 from footfix.motion.clip import Bools, Floats
 
 _KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
 _LEAST = 0.45  # [s] and when this is left, foreseen anew,
 _LONG = 1.6  # [s] and farther, since nothing else was asked for
 _PAST = 0.3  # [s] in which it is remembered what was asked for
-_JOIN = 0.1  # [s] in which what was asked for some frames ago is caught up with
-_BATCH = 4  # frames that are made at once: they cost little more than one
-_BRIEF = 0.02  # [s] over frames that are no longer the work is spread
+_JOIN = 0.15  # [s] in which what was asked for some frames ago is caught up with
+_BATCH = 5  # frames that are made at once: they cost little more than one
+_BRIEF = 0.02  # [s] frames that are longer do two parts of the work each
+_FRESH = 0.1  # [s] how old what is foreseen may be while something else is asked for all the time
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +45,17 @@ class _Work:
     Args:
         begun: the first part.
         until: [s] how far.
-        feet: the second part, if it is done.
+        behind: (3 + S,) by how much the integrals of what is asked for are greater until then; None where nothing else
+            is asked for.
+        poses, feet, led: the next parts, if they are done.
     """
 
     begun: Begun
     until: float
+    behind: Floats | None
+    poses: LegPoses | None = None
     feet: Feet | None = None
+    led: Led | None = None
 
 
 class Live:
@@ -54,9 +71,12 @@ class Live:
         self.model = model
         self.time = 0.0
         self._until = _KNOWN
+        self._since = -np.inf  # [s] from when on it was foreseen, if something else was asked for
+        self._far = 0.0  # [s] how far `ahead` was asked for
         self.foreseen = foresee(model, plan, line, Point(), self._until)
         self._plan = plan  # what is asked for,
         self._ends = plan.ends()  # [s] when what it leads to was to be reached, be it too soon for feet to follow,
+        self._joined = -1.0, np.zeros(len(self._ends))  # [s] when it was, and by how much it was behind then,
         self._asked = False  # and whether it is not foreseen yet
         self._work: _Work | None = None
         self._made: tuple[Postures, int] | None = None  # frames, and which of them is the one now
@@ -80,12 +100,8 @@ class Live:
 
     def step(self, dt: float) -> tuple[Postures, int]:
         """Go on by `dt` [s]: frames, and which of them is the one then."""
-        if dt > _BRIEF:
-            self._drop()
-            if self._begin(self.time, dt):
-                self._place()
         steady, self._dt, self.time = dt == self._dt, dt, self.time + dt
-        if self._work is not None and self._work.feet is not None and self.time >= self._work.begun.now:
+        if self._work is not None and self._work.led is not None and self.time >= self._work.begun.now:
             self._made = self._finish(self._times(dt)), 0
             return self._made
         known = self._known()
@@ -94,45 +110,76 @@ class Live:
         else:
             self._made = known
         if known is not None or not steady:  # there is time for a part of the work
-            if self._work is not None:
-                self._place()
-            elif not steady or self._made[1] + 1 < len(self._made[0]):
-                self._begin(self.time + dt, 0.0)
+            if self._work is not None or not steady or self._made[1] + 1 < len(self._made[0]):
+                self._go_on(dt)
+            if dt > _BRIEF:
+                self._go_on(dt)
         return self._made
 
     def ahead(self, seconds: float, frames: int) -> Postures:
-        """Foresee what comes next, now and at even times from now on."""
-        self._drop()
+        """Foresee what comes next, now and at even times from now on.
+
+        What was asked for is in it, but while something else is asked for all the time.
+        """
+        self._far = max(self._far, seconds)
         times = np.linspace(self.time, self.time + seconds, frames)
-        if self._begin(self.time, seconds):
-            self._place()
+        changing = self._asked or self._work is not None
+        if self._until - self.time >= seconds and (not changing or self.time - self._since <= _FRESH):
+            return postures(self.model, self.foreseen, times)
+        self._drop()
+        if self._begin(self.time):
+            while self._work is not None and self._work.feet is None:
+                self._go_on(0.0)
             self._made = None
             return self._finish(times)
         return postures(self.model, self.foreseen, times)
 
-    def _begin(self, now: float, seconds: float) -> bool:
-        """Begin to foresee anew from a time on, if something else is asked for, or so many seconds are not known."""
-        if not self._asked and self._until - now >= max(seconds, _LEAST):
+    def _go_on(self, dt: float) -> None:
+        """Do the next part of the work, if there is any, for frames `dt` [s] apart."""
+        work = self._work
+        if work is None:
+            self._begin(_later(self.time, dt, 2 if dt > _BRIEF else 4)[-1])  # when the work is done
+        elif work.poses is None:
+            self._work = replace(work, poses=posed(self.model, work.begun))
+        elif work.feet is None:
+            self._work = replace(work, feet=placed(self.model, work.begun, work.poses))
+        elif work.led is None:
+            times = _later(work.begun.now, dt, _BATCH - 1)
+            self._work = replace(work, led=led(self.model, work.begun, work.feet, np.array(times)))
+
+    def _begin(self, now: float) -> bool:
+        """Begin to foresee anew from a time on, if something else is asked for, or too little is known."""
+        least = max(_LEAST, self._far)
+        if not self._asked and self._until - now >= least:
             return False
-        plan = self.foreseen.course.plan
+        plan, behind = self.foreseen.course.plan, None
         if self._asked:
-            plan = plan.joined(now, _JOIN, self._plan)
-        until = now + max(_KNOWN if self._asked else _LONG, seconds + _LEAST)
+            behind = self._behind_at(now)
+            plan = plan.joined(now, _JOIN, self._plan, behind)
+        until = now + max(_KNOWN if self._asked else _LONG, least + _LEAST)
         begun = begin(self.model, self.foreseen, plan.since(now - _PAST), now, until)
-        self._work, self._asked = _Work(begun, until), False
+        self._work, self._asked = _Work(begun, until, behind), False
         return True
 
-    def _place(self) -> None:
-        if self._work is not None and self._work.feet is None:
-            self._work = replace(self._work, feet=placed(self.model, self._work.begun))
+    def _behind_at(self, now: float) -> Floats:
+        """(3 + S,) by how much the integrals of what is asked for are greater, at a time, than of what is foreseen."""
+        joined, behind = self._joined
+        since = joined if now < joined + _JOIN else max(joined + _JOIN, now - _PAST)
+        more = self._plan.sums(since, now) - self.foreseen.course.plan.sums(since, now)
+        return more + behind if since == joined else more
 
     def _finish(self, times: Floats) -> Postures:
         """Foresee what was begun, and make frames at some times."""
         work = self._work
         assert work is not None and work.feet is not None
-        self.foreseen, led = finish(self.model, self.foreseen, work.begun, work.feet, times)
+        soon = work.led
+        if soon is None or not np.array_equal(soon.times[1:], times):
+            soon = led(self.model, work.begun, work.feet, times)
+        self.foreseen, frames = finish(self.foreseen, work.begun, work.feet, soon)
         self._until, self._work = work.until, None
-        return held(self.model, self.foreseen.feet, led)
+        if work.behind is not None:
+            self._since, self._joined = work.begun.now, (work.begun.now, work.behind)
+        return held(self.model, self.foreseen.feet, frames)
 
     def _drop(self) -> None:
         """Forget what was begun; it is to be foreseen from another time on."""
@@ -141,10 +188,8 @@ class Live:
 
     def _times(self, dt: float) -> Floats:
         """The times of some frames, the first of them now."""
-        times = [self.time]
-        while dt > 0.0 and len(times) < _BATCH and times[-1] + dt < self._until:
-            times.append(times[-1] + dt)  # as they are going to be told, to the last bit
-        return np.array(times)
+        now, *others = _later(self.time, dt, _BATCH - 1)
+        return np.array([now, *(time for time in others if time < self._until)])
 
     def _known(self) -> tuple[Postures, int] | None:
         """The frame now, if it was made."""
@@ -152,3 +197,11 @@ class Live:
             return None
         found, k = self._made
         return (found, k + 1) if k + 1 < len(found) and found.times[k + 1] == self.time else None
+
+
+def _later(time: float, dt: float, frames: int) -> list[float]:
+    """A time [s], and those of some frames `dt` [s] apart thereafter, as they are going to be told, to the last bit."""
+    times = [time]
+    while dt > 0.0 and len(times) <= frames:
+        times.append(times[-1] + dt)
+    return times

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -93,6 +92,12 @@ class CycleModel:
         return level
 
     @cached_property
+    def effectors(self) -> tuple[list[int], list[int], tuple[str, ...]]:
+        """Of each effector its leg, 0 for a heel or 1 for a toe, and its name."""
+        soles = self.rig.soles
+        return [s.leg for s in soles], [int(s.part == "toe") for s in soles], tuple(s.name for s in soles)
+
+    @cached_property
     def leg_columns(self) -> tuple[Ints, ...]:
         """For each leg the columns of a row that its joints fill."""
         found = []
@@ -112,28 +117,35 @@ class CycleModel:
 
     def frequency(self, asked: Plan) -> Floats:
         """(T,) [Hz] of the cycle; between gaits the logarithms are blended."""
-        log = np.log(np.maximum(asked.speed / self.froude, SLOWEST))
-        lines = self._frequency_lines
-        logs = lines[:, 0] + log[:, None] * lines[:, 1] + asked.style @ lines[:, 2:].T
-        rate = np.sqrt(GRAVITY / self.rig.leg_length)
-        return np.asarray(np.exp(np.sum(self.shares(asked.run) * logs, axis=1)) * rate)
+        at_one, slope, styles = self._frequency_lines
+        logs = at_one + np.log(np.maximum(asked.speed, SLOWEST * self.froude))[:, None] * slope
+        if len(styles):
+            logs += asked.style @ styles
+        if len(self.spaces) == 1:
+            return np.asarray(np.exp(logs[:, 0]))
+        return np.asarray(np.exp(np.add.reduce(self.shares(asked.run) * logs, axis=1)))
 
     @cached_property
-    def _frequency_lines(self) -> Floats:
-        return np.stack([space.frequency for space in self.spaces])
+    def _frequency_lines(self) -> tuple[Floats, Floats, Floats]:
+        """Of each gait (G,) the log frequency [Hz] at 1 m/s, (G,) its slope over that of the speed, (S, G) styles."""
+        lines = np.array([space.frequency for space in self.spaces])
+        rate = 0.5 * np.log(GRAVITY / self.rig.leg_length)
+        return lines[:, 0] - np.log(self.froude) * lines[:, 1] + rate, lines[:, 1], lines[:, 2:].T
 
     def contact_phases(self, asked: Plan) -> Floats:
         """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
-        share = self.shares(asked.run)
-        spans = np.asarray(np.einsum("tg,tgek->tek", share, self._contacts_of_gaits(asked)))
-        mixed = 4.0 * share[:, 0] * share[:, -1] if share.shape[1] > 1 else np.zeros(len(spans))
-        if not np.any(mixed):
-            return spans
-        m = len(self.between)
-        at = np.clip(asked.speed / self.froude / self.between_speeds()[-1], 0.0, 1.0) * (m - 1)
-        k = np.minimum(at.astype(np.intp), m - 2)
-        w = (at - k)[:, None, None]
-        spans += mixed[:, None, None] * ((1.0 - w) * self.between[k] + w * self.between[k + 1])
+        spans = self._contacts_of_gaits(asked)
+        if len(self.spaces) == 1:
+            return spans[:, 0]
+        run = self.shares(asked.run)[:, 1]
+        spans = spans[:, 0] + run[:, None, None] * (spans[:, 1] - spans[:, 0])
+        mixed = 4.0 * run * (1.0 - run)
+        if mixed.any():
+            m = len(self.between)
+            at = np.minimum(asked.speed * ((m - 1) / (self.froude * self.between_speeds()[-1])), m - 1.0)
+            k = np.minimum(at.astype(np.intp), m - 2)
+            low, high = self.between[k], self.between[k + 1]
+            spans += mixed[:, None, None] * (low + (at - k)[:, None, None] * (high - low))
         return spans
 
     def between_speeds(self) -> Floats:
@@ -141,8 +153,20 @@ class CycleModel:
         return np.linspace(0.0, FASTEST * self.spaces[-1].ramp.high, len(self.between))
 
     def _contacts_of_gaits(self, asked: Plan) -> Floats:
-        speed = asked.speed / self.froude
-        return np.stack([space.contact_phases(speed) for space in self.spaces], axis=1)
+        """(T, G, E, 2) contacts of each gait, see `GaitSpace.contact_phases`."""
+        table, slope, at_rest = self._contact_table
+        most = table.shape[1] - 1.0
+        at = np.minimum(np.maximum(at_rest + asked.speed[:, None] * slope, 0.0), most)
+        k, gaits = np.minimum(at.astype(np.intp), int(most) - 1), np.arange(len(table))
+        low, high = table[gaits, k], table[gaits, k + 1]
+        return np.asarray(low + (at - k)[..., None, None] * (high - low))
+
+    @cached_property
+    def _contact_table(self) -> tuple[Floats, Floats, Floats]:
+        """(G, M, E, 2) contacts, and which of the M belongs to a speed: (G,) by how much it grows, and at rest."""
+        table = np.array([space.contacts for space in self.spaces])
+        at = np.array([space.contact_rows(np.array([0.0, 1.0])) for space in self.spaces])
+        return table, (at[:, 1] - at[:, 0]) / self.froude, at[:, 0]
 
     def rows(self, phases: Floats, asked: Plan) -> Floats:
         """(T, D) poses at phases (T,), as rows of the code.
@@ -150,55 +174,48 @@ class CycleModel:
         Walk and run are blended at equal phase; each leg's phase is first led to where its foot would be as far in its
         stance, or swing, in that gait.
         """
-        return self._rows(phases, asked, ((0, 0),))[0]
+        return self._rows(phases, asked, 0)
 
-    def leg_rows(self, phases: Floats, asked: Plan, first: int) -> tuple[Floats, Floats]:
-        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`; and rows from `first` on."""
-        if first == len(phases):
-            return self._rows(phases, asked, ((1, 0),))[0], np.empty((0, 3 + 3 * len(self.skeleton)))
-        legs, every = self._rows(phases, asked, ((1, 0), (0, first)))
-        return legs, every
+    def leg_rows(self, phases: Floats, asked: Plan) -> Floats:
+        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`."""
+        return self._rows(phases, asked, 1)
 
-    def _rows(self, phases: Floats, asked: Plan, parts: Sequence[tuple[int, int]]) -> list[Floats]:
-        """Some columns of the rows, each from some time on."""
-        share = self.shares(asked.run)
+    def _rows(self, phases: Floats, asked: Plan, part: int) -> Floats:
+        """All columns of the rows, or those of the legs."""
         speed = asked.speed / self.froude
-        used = np.flatnonzero(share.max(axis=0) > 0.0)
-        if len(used) == 1:
-            return self._of_gait(int(used[0]), phases, speed, asked.style, None, parts)
+        if len(self.spaces) == 1:
+            return self._of_gait(0, phases, speed, asked.style, None, part)
+        share = self.shares(asked.run)
+        if not share[:, 1].any():
+            return self._of_gait(0, phases, speed, asked.style, None, part)
+        if not share[:, 0].any():
+            return self._of_gait(1, phases, speed, asked.style, None, part)
         spans = self._contacts_of_gaits(asked)
         own = self._stances(spans)  # (T, G, L, 2)
-        mixed = self._stances(np.einsum("tg,tgek->tek", share, spans)[:, None])
+        mixed = self._stances((share[:, None] @ spans.reshape(*share.shape, -1)).reshape(-1, 1, *spans.shape[2:]))
         led = warped(phases[:, None, None], mixed, own)
-        of_gaits = [self._of_gait(int(g), phases, speed, asked.style, led[:, g], parts) for g in used]
-        return [
-            np.asarray(sum(share[first:, g, None] * rows[k] for g, rows in zip(used, of_gaits, strict=True)))
-            for k, (_, first) in enumerate(parts)
-        ]
+        walk, run = (self._of_gait(g, phases, speed, asked.style, led[:, g], part) for g in (0, 1))
+        return np.asarray(walk + share[:, 1:] * (run - walk))
 
     def _of_gait(
-        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None,
-        parts: Sequence[tuple[int, int]],
-    ) -> list[Floats]:  # fmt: skip
+        self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None, part: int
+    ) -> Floats:
         """Poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
         space = self.spaces[gait]
         features, samples = space.features(speed, style), space.mean.shape[0]
-        whole = kernel(phases, samples)
-        legs = () if led is None else tuple(kernel(each, samples) for each in led.T)
-        found = []
-        for part, first in parts:
-            directions = self._directions[part][gait]
-            rows = _at(directions[-1], whole[first:], features[first:])
-            for number, weights in enumerate(legs):
-                rows[:, self._columns[part][1][number]] = _at(directions[number], weights[first:], features[first:])
-            found.append(rows)
-        return found
+        directions = self._directions[part][gait]
+        rows = _at(directions[-1], kernel(phases, samples), features)
+        if led is not None:
+            weights = kernel(led.T.ravel(), samples).reshape(*led.T.shape, samples)
+            for number, columns in enumerate(self._columns[part][1]):
+                rows[:, columns] = _at(directions[number], weights[number], features)
+        return rows
 
     @cached_property
     def _columns(self) -> tuple[tuple[Ints, tuple[Ints, ...]], ...]:
         """For all joints, and for the legs alone: the columns of a row, and where among them those of each leg are."""
         every = np.arange(3 + 3 * len(self.skeleton))
-        joints = np.array([self.rig.root, *self.legs.joints])
+        joints = np.array(self.leg_joints)
         some = np.concatenate([np.arange(3), (3 + 3 * joints[:, None] + np.arange(3)).ravel()])
         return tuple(
             (own, tuple(np.flatnonzero(np.isin(own, leg)) for leg in self.leg_columns)) for own in (every, some)
@@ -226,14 +243,18 @@ class CycleModel:
         """(T, J, 4) rotations of rows (T, D)."""
         return self.code.turns(rows)
 
-    def leg_turns(self, rows: Floats) -> Floats:
-        """(T, 1 + N, 4) rotations of the root and of `legs.joints`, of rows (T, 6 + 3 N) of these."""
-        return self._leg_code.turns(rows)
+    def leg_frames(self, rows: Floats) -> Floats:
+        """(T, 1 + N, 3, 3) rotations of `leg_joints`, of rows (T, 6 + 3 N) of these."""
+        return self._leg_code.frames(rows)
+
+    @cached_property
+    def leg_joints(self) -> list[int]:
+        """The root, and `legs.joints`."""
+        return [self.rig.root, *self.legs.joints]
 
     @cached_property
     def _leg_code(self) -> Code:
-        joints = [self.rig.root, *self.legs.joints]
-        return Code(self.code.middle[joints], self.code.reach[joints])
+        return Code(self.code.middle[self.leg_joints], self.code.reach[self.leg_joints])
 
 
 def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:

@@ -17,7 +17,7 @@ from footfix.motion.clip import Floats, frozen
 
 _STEP = 1.0 / 30.0  # [s] of the grid on which the course is known; between its times it is integrated exactly
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
-_AT = np.concatenate([[0.0], 1.0 + _NODES])
+_NODES, _WEIGHTS = frozen(0.5 * (1.0 + _NODES)), frozen(0.5 * _WEIGHTS)  # of a step that goes from 0 to 1
 
 
 class Line(Protocol):
@@ -58,7 +58,9 @@ class Plan:
     def of_table(cls, times: Floats, table: Floats) -> Plan:
         """The plan of times (K,) and a `table` (K, 3 + S), which is not to be written to any more."""
         table.flags.writeable = False
-        return cls(times, table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
+        plan = cls(times, table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
+        plan.__dict__["table"] = table  # it need not be put together again
+        return plan
 
     @cached_property
     def table(self) -> Floats:
@@ -69,16 +71,19 @@ class Plan:
 
     def at(self, times: Floats) -> Plan:
         """The parameters at other times (T,)."""
+        return Plan.of_table(times, self.rows(times))
+
+    def rows(self, times: Floats) -> Floats:
+        """(T, 3 + S) what `table` is at other times (T,)."""
         known, table = self.times, self.table
         if len(known) == 1:
             rows = np.empty((len(times), table.shape[1]))
             rows[:] = table[0]
-        else:
-            k = np.minimum(np.maximum(known.searchsorted(times, side="right") - 1, 0), len(known) - 2)
-            low = known[k]
-            share = np.minimum(np.maximum((times - low) / (known[k + 1] - low), 0.0), 1.0)[:, None]
-            rows = (1.0 - share) * table[k] + share * table[k + 1]
-        return Plan.of_table(times, rows)
+            return rows
+        k = np.minimum(np.maximum(known.searchsorted(times, side="right") - 1, 0), len(known) - 2)
+        low, first = known[k], table[k]
+        share = np.minimum(np.maximum((times - low) / (known[k + 1] - low), 0.0), 1.0)[:, None]
+        return np.asarray((1.0 - share) * first + share * table[k + 1])
 
     def of_speeds(self, speed: Floats) -> Plan:
         """The same with other speeds (K,) [m/s]."""
@@ -86,7 +91,7 @@ class Plan:
 
     def some(self, which: slice) -> Plan:
         """The parameters at some of the times."""
-        return Plan(*(getattr(self, name)[which] for name in _ROWS))
+        return Plan.of_table(self.times[which], self.table[which])
 
     def since(self, time: float) -> Plan:
         """Forget what was asked for before a time [s] and holds no more then."""
@@ -107,23 +112,46 @@ class Plan:
             ends: (3 + S,) [s] when speed, run, turn and styles have got there; nan for those that go on as planned.
             target: one row, what they are to become.
         """
-        others = bool(np.isnan(ends).any())
-        times = np.unique(np.concatenate([[now], ends[~np.isnan(ends)], self.times[(self.times > now) & others]]))
-        was = self.at(times).table
+        named = ends == ends  # nan is not
+        later = () if named.all() else self.times[int(self.times.searchsorted(now, side="right")) :].tolist()
+        times = np.array(sorted({now, *ends[named].tolist(), *later}))
+        was = self.rows(times)
         share = np.minimum((times[:, None] - now) / (ends - now), 1.0)
-        rows = np.where(np.isnan(share), was, was[0] + share * (target.table[0] - was[0]))
-        bends = np.abs(np.diff(np.diff(rows, axis=0) / np.diff(times)[:, None], axis=0)).max(axis=1, initial=0.0) > 1e-9
-        kept = np.concatenate([[True], bends, [True]])
+        rows = np.where(named, was[0] + share * (target.table[0] - was[0]), was)
+        if len(times) > 2:
+            slopes = (rows[1:] - rows[:-1]) / (times[1:] - times[:-1])[:, None]
+            kept = np.ones(len(times), dtype=np.bool_)
+            kept[1:-1] = (np.abs(slopes[1:] - slopes[:-1]) > 1e-9).any(axis=1)
+            times, rows = times[kept], rows[kept]
         past = int(self.times.searchsorted(now - 1e-9))
-        rows = np.concatenate([self.table[:past], rows[kept]])
-        return Plan.of_table(np.concatenate([self.times[:past], times[kept]]), rows)
+        return Plan.of_table(np.concatenate([self.times[:past], times]), np.concatenate([self.table[:past], rows]))
 
-    def joined(self, now: float, over: float, other: Plan) -> Plan:
-        """The plan that it was up to a time, and `over` [s] later is another one."""
+    def joined(self, now: float, over: float, other: Plan, behind: Floats) -> Plan:
+        """The plan that it was up to a time, and `over` [s] later is another one, having made up for what is `behind`.
+
+        Args:
+            now: [s].
+            over: [s] in which it gets there.
+            other: what it is to become.
+            behind: (3 + S,) by how much the integrals of its rows are less than they ought to be; those of speed and
+                turn are made up for, so that it goes on where it would be.
+        """
         past, later = int(self.times.searchsorted(now - 1e-9)), int(other.times.searchsorted(now + over, side="right"))
-        here, there = self.at(np.array([now])), other.at(np.array([now + over]))
-        parts = (self.some(slice(past)), here, there, other.some(slice(later, None)))
-        return Plan.of_table(np.concatenate([p.times for p in parts]), np.concatenate([p.table for p in parts]))
+        ends = np.array([now, now + over])
+        here, there = self.rows(ends[:1]), other.rows(ends[1:])
+        behind = behind + other.sums(now, now + over) - 0.5 * over * (here[0] + there[0])
+        between = 0.5 * (here + there)
+        between[:, :3:2] += behind[:3:2] * (2.0 / over)  # a triangle over what is in line
+        between[:, 0] = np.maximum(between[:, 0], 0.0)
+        times = np.concatenate([self.times[:past], [now, now + 0.5 * over, now + over], other.times[later:]])
+        return Plan.of_table(times, np.concatenate([self.table[:past], here, between, there, other.table[later:]]))
+
+    def sums(self, since: float, until: float) -> Floats:
+        """(3 + S,) the integrals of its rows from one time to another [s]."""
+        low, high = int(self.times.searchsorted(since, side="right")), int(self.times.searchsorted(until))
+        times = np.array([since, *self.times[low:high].tolist(), until])
+        rows = self.rows(times)
+        return np.asarray(0.5 * (times[1:] - times[:-1]) @ (rows[1:] + rows[:-1]))
 
 
 _ROWS = ("times", "speed", "run", "turn", "style")
@@ -154,6 +182,7 @@ class Course:
         line: the path that it goes along; None where `plan.turn` says where it goes.
         grid: (G,) [s].
         known: (G, 5) there: phase [cycles], arc length [m], heading [rad], and place, x and z [m].
+        asked: what is asked for on the grid.
         frequency: [Hz] of parameters.
     """
 
@@ -161,33 +190,35 @@ class Course:
     line: Line | None
     grid: Floats
     known: Floats
+    asked: Plan
     frequency: Callable[[Plan], Floats]
 
-    def at(self, times: Floats) -> Floats:
-        """Tell (T, 5) what `known` has, at times (T,) [s]; along a path place and heading are the path's."""
+    def at(self, times: Floats) -> tuple[Floats, Plan]:
+        """Tell (T, 5) what `known` has, and what is asked for, at times (T,) [s]; on a path the place is the path's."""
         k = np.minimum(np.maximum(self.grid.searchsorted(times, side="right") - 1, 0), len(self.grid) - 1)
-        known = self.known[k]
-        out = known + _headed(_steps(self.plan, self.frequency, self.grid[k], times), known[:, 2])
+        known, asked = self.known[k], self.plan.rows(times)
+        steps = _steps(self.frequency, self.asked.table[k], asked, times - self.grid[k])
+        out = np.asarray(known + _headed(steps, known[:, 2]))
         if self.line is not None:
             out[:, 2], out[:, 3:] = self.line.heading(out[:, 1]), self.line.position(out[:, 1])
-        return np.asarray(out)
+        return out, Plan.of_table(times, asked)
 
     def phases(self, times: Floats) -> Floats:
         """(T,) [cycles] since the course began, at times (T,) [s]."""
-        return self.at(times)[:, 0]
+        return self.at(times)[0][:, 0]
 
     def lengths(self, times: Floats) -> Floats:
         """(T,) [m] gone."""
-        return self.at(times)[:, 1]
+        return self.at(times)[0][:, 1]
 
     def where(self, times: Floats) -> tuple[Floats, Floats]:
         """(T, 2) [m] x and z, and (T,) [rad] the heading."""
-        found = self.at(times)
+        found, _ = self.at(times)
         return found[:, 3:], found[:, 2]
 
     def point(self, time: float) -> Point:
         """All of it at one time."""
-        return Point(time, *self.at(np.array([time]))[0].tolist())
+        return Point(time, *self.at(np.array([time]))[0][0].tolist())
 
 
 def make_course(
@@ -203,36 +234,40 @@ def make_course(
         frequency: [Hz] of parameters.
     """
     count = max(1, int(np.ceil((until - since) / _STEP)))
-    knots = plan.times[(plan.times > since) & (plan.times < until)]
-    grid = np.unique(np.concatenate([np.linspace(since, until, count + 1), knots, [start.time]]))
-    at = int(np.searchsorted(grid, start.time))
-    steps = _steps(plan, frequency, grid[:-1], grid[1:])
+    step = (until - since) / count
+    knots = [knot for knot in plan.times.tolist() if since < knot < until]
+    grid = np.array(sorted({since + k * step for k in range(count)} | {until, start.time, *knots}))
+    at = int(grid.searchsorted(start.time))
+    asked = plan.rows(grid)
+    steps = _steps(frequency, asked[:-1], asked[1:], grid[1:] - grid[:-1])
     known = np.zeros((len(grid), 5))
-    value = (start.phase, start.length, start.heading, start.x, start.z)
-    np.cumsum(steps[:, :3], axis=0, out=known[1:, :3])
-    known[:, :3] += np.asarray(value[:3]) - known[at, :3]
-    np.cumsum(_headed(steps, known[:-1, 2])[:, 3:], axis=0, out=known[1:, 3:])
-    known[:, 3:] += np.asarray(value[3:]) - known[at, 3:]
-    return Course(plan, line, grid, known, frequency)
+    value = np.array((start.phase, start.length, start.heading, start.x, start.z))
+    np.add.accumulate(steps[:, :3], axis=0, out=known[1:, :3])
+    known[:, :3] += value[:3] - known[at, :3]
+    np.add.accumulate(_headed(steps, known[:-1, 2])[:, 3:], axis=0, out=known[1:, 3:])
+    known[:, 3:] += value[3:] - known[at, 3:]
+    return Course(plan, line, grid, known, Plan.of_table(grid, asked), frequency)
 
 
-def _steps(plan: Plan, frequency: Callable[[Plan], Floats], low: Floats, high: Floats) -> Floats:
-    """Integrate (T, 5) by how much phase, length, heading and place grow from times (T,) to times (T,), headed along z.
+def _steps(frequency: Callable[[Plan], Floats], first: Floats, last: Floats, lasts: Floats) -> Floats:
+    """Integrate (T, 5) by how much phase, length, heading and place grow in steps, headed along z.
 
-    The plan has no knot in between, so that turns change evenly.
+    Args:
+        frequency: [Hz] of parameters.
+        first, last: (T, 3 + S) parameters at the ends of the steps, in between linear, so that turns change evenly.
+        lasts: (T,) [s].
     """
-    half = 0.5 * (high - low)
-    times = low[:, None] + half[:, None] * _AT  # (T, 5), the first of them the beginning
-    asked = plan.at(times.ravel())
-    speed, turn = asked.speed.reshape(times.shape)[:, 1:], asked.turn.reshape(times.shape)
-    angle = 0.5 * (turn[:, :1] + turn[:, 1:]) * (times[:, 1:] - low[:, None])
-    out = np.empty((len(low), 5))
-    out[:, 0] = frequency(asked).reshape(times.shape)[:, 1:] @ _WEIGHTS
-    out[:, 1] = speed @ _WEIGHTS
-    out[:, 2] = turn[:, 1:] @ _WEIGHTS
+    change = last - first
+    rows = first[:, None] + change[:, None] * _NODES[:, None]  # (T, 4, 3 + S)
+    asked = Plan.of_table(np.empty(rows.shape[0] * rows.shape[1]), rows.reshape(-1, rows.shape[2]))
+    angle = (lasts[:, None] * _NODES) * (first[:, 2:3] + (0.5 * _NODES) * change[:, 2:3])
+    speed = rows[:, :, 0]
+    out = np.empty((len(lasts), 5))
+    out[:, 0] = frequency(asked).reshape(angle.shape) @ _WEIGHTS
+    out[:, 1:3] = (first + 0.5 * change)[:, :3:2]
     out[:, 3] = (speed * np.sin(angle)) @ _WEIGHTS
     out[:, 4] = (speed * np.cos(angle)) @ _WEIGHTS
-    out *= half[:, None]
+    out *= lasts[:, None]
     return out
 
 

@@ -14,7 +14,7 @@ from footfix.locomotion.cycles.feet import Feet, goals, lowered
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course
-from footfix.motion import rotation
+from footfix.locomotion.cycles.turns import about_up, applied, matrices, turned_about_up
 from footfix.motion.clip import Bools, Clip, Floats
 
 
@@ -54,12 +54,16 @@ class Free:
     Args:
         place: (T, 3) [m] the root.
         turns: (T, J, 4) xyzw all rotations.
-        legs: the legs, at these times and maybe some before.
+        legs: the legs.
     """
 
     place: Floats
     turns: Floats
     legs: LegPoses
+
+    def some(self, which: slice) -> Free:
+        """The postures at some of the times."""
+        return Free(self.place[which], self.turns[which], self.legs.some(which))
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,43 +81,40 @@ class Led:
     off: Floats
 
 
-def free_postures(model: CycleModel, course: Course, times: Floats, first: int = 0) -> Free:
-    """Tell the postures that the cycles have at times (T,) [s] (G eq. 5, 6): those from `first` on, and all legs."""
-    at, asked = course.at(times), course.plan.at(times)
-    heading, root = rotation.about_vertical(at[:, 2]), model.rig.root
-    if first:  # of most times nothing is asked for but the legs
-        rows, every = model.leg_rows(at[:, 0], asked, first)
-        own, turns = model.leg_turns(rows), model.turns(every)
-        own_root, own_legs = own[:, 0], own[:, 1:]
-    else:
-        rows = model.rows(at[:, 0], asked)
-        turns = model.turns(rows)
-        own_root, own_legs = turns[:, root], turns[:, model.legs.joints]
-    front = rotation.multiply(heading, own_root)
-    place = rotation.rotate(heading, model.rig.leg_length * rows[:, :3])
-    place[:, 0] += at[:, 3]
-    place[:, 2] += at[:, 4]
-    legs = model.legs.poses(place, front, own_legs)
-    turns[:, root] = front[first:]
-    return Free(place[first:], turns, legs)
+def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
+    """Tell the postures that the cycles have at times (T,) [s] (G eq. 5, 6)."""
+    at, asked = course.at(times)
+    rows = model.rows(at[:, 0], asked)
+    turns, root = model.turns(rows), model.rig.root
+    turns[:, root] = turned_about_up(at[:, 2], turns[:, root])
+    frames, place = matrices(turns[:, model.leg_joints]), _place(model, at, rows, about_up(at[:, 2]))
+    return Free(place, turns, model.legs.poses(place, frames[:, 0], frames[:, 1:]))
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
     """Pose the legs as the cycles have them at times (T,) [s]."""
-    return free_postures(model, course, times, len(times)).legs
+    at, asked = course.at(times)
+    rows, front = model.leg_rows(at[:, 0], asked), about_up(at[:, 2])
+    frames = model.leg_frames(rows)
+    return model.legs.poses(_place(model, at, rows, front), front @ frames[:, 0], frames[:, 1:])
+
+
+def _place(model: CycleModel, at: Floats, rows: Floats, front: Floats) -> Floats:
+    """(T, 3) [m] the root, on a course (T, 5) that heads so (T, 3, 3), of rows of the code."""
+    place = applied(front, model.rig.leg_length * rows[:, :3])
+    place[:, ::2] += at[:, 3:]
+    return place
 
 
 def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
     """Make the postures in which feet are where they are led."""
-    pose, off, rig = led.free.legs, led.off, model.rig
+    pose, off = led.free.legs, led.off
     place, turns = np.array(led.free.place), np.array(led.free.turns)
     hip, ankle, foot, toes = goals(pose, off)
-    more = lowered(pose, ankle - hip, off[:, :, 5, 0], rig.leg_length)
+    more = lowered(pose, ankle - hip, off[:, :, 5, 0], model.rig.leg_length)
     down = pose.hip[:, 0, 1] - hip[:, 0, 1] + more
     place[:, 1] -= down
     ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
     turns[:, model.legs.turned] = model.legs.bent(pose, model.knees, ankle, foot, toes)
-    contacts = np.empty((len(led.times), len(rig.soles)), dtype=np.bool_)
-    for e, sole in enumerate(rig.soles):
-        contacts[:, e] = feet.planted(sole.leg, sole.part, led.times)
-    return Postures(led.times, place, turns, contacts, tuple(sole.name for sole in rig.soles))
+    legs, parts, names = model.effectors
+    return Postures(led.times, place, turns, feet.planted(led.times)[:, legs, parts], names)

@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.leg_pose import LegPoses, between, reach, too_short, turns_between
+from footfix.locomotion.cycles.leg_pose import LegPoses, too_short
 from footfix.locomotion.cycles.model import CycleModel
+from footfix.locomotion.cycles.turns import between, dot, norm, turns_between, unit
 from footfix.motion.clip import Floats, Ints, frozen
-from footfix.motion.vectors import dot, norm, unit
 
 HELD = ("heel", "toe", "foot", "toes")  # what a stance holds: two places, a turn, a heading
 _INSIDE = 7  # samples of a contact, of which it is told where the foot is to stand
@@ -185,7 +185,7 @@ def _where_set_down(stances: Sequence[Stance], points: Floats, heel: Floats) -> 
 def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats) -> Floats:
     """Draw places (n, 3) nearer over the floor, by (n, 3) [m], for legs to reach the heels all the time."""
     hip, ankle, heel = (each[rows, legs[:, None]] for each in (poses.hip, poses.ankle, poses.heel))
-    limit = reach(poses)[rows, legs[:, None]]
+    limit = poses.reach[rows, legs[:, None]]
     limit = np.where(norm(ankle - hip) > _STRETCHED * limit, limit, _STRETCHED * limit)  # straight legs may stay so
     line = ankle - heel + heel_at[:, None] - hip
     short = norm(line * _FLAT) - np.sqrt(np.maximum(limit**2 - line[..., 1] ** 2, 0.0))  # (n, samples)
@@ -201,5 +201,5 @@ def _down(
 ) -> list[float]:
     """Tell by how much (n,) [m] the figure has to come down for legs to reach the floor when heels are set down."""
     hip, ankle, heel = (each[rows, legs] for each in (poses.hip, poses.ankle, poses.heel))
-    short = too_short(ankle - heel + heel_at - hip, reach(poses)[rows, legs], model.rig.leg_length)
+    short = too_short(ankle - heel + heel_at - hip, poses.reach[rows, legs], model.rig.leg_length)
     return [float(by) if each.heel is not None else 0.0 for each, by in zip(stances, short, strict=True)]

@@ -182,8 +182,18 @@ def test_the_course_is_the_one_asked_for_though_it_is_taken_up_some_frames_later
 
 def test_one_plan_is_joined_to_another() -> None:
     rising = Plan(np.array([0.0, 3.0]), np.array([0.0, 3.0]), *np.zeros((2, 2)), np.zeros((2, 0)))
-    both = steady(1.0).joined(1.0, 0.5, rising)
+    both = steady(1.0).joined(1.0, 0.5, rising, np.zeros(3))
     assert both.at(np.array([0.5, 1.0, 1.25, 1.5, 2.0, 4.0])).speed == pytest.approx([1.0, 1.0, 1.25, 1.5, 2.0, 3.0])
+
+
+def test_a_plan_that_is_joined_makes_up_for_what_it_was_behind() -> None:
+    rising = Plan(np.array([0.0, 3.0]), np.array([0.0, 3.0]), *np.zeros((2, 2)), np.zeros((2, 0)))
+    both = steady(0.5).joined(1.0, 0.5, rising, np.array([0.2, 0.3, 0.1]))
+    fine = np.linspace(1.0, 2.0, 100001)
+    gone, turned = (np.mean(each) for each in (both.at(fine).speed, both.at(fine).turn))
+    assert gone == pytest.approx(1.5 + 0.2, abs=1e-4)
+    assert both.sums(1.0, 2.0) == pytest.approx([gone, 0.0, turned], abs=1e-4)
+    assert turned == pytest.approx(0.1, abs=1e-4)
 
 
 @pytest.mark.parametrize("dts", [[1 / 120], [1 / 30], [0.004, 0.021, 0.009]])
@@ -220,6 +230,27 @@ def test_a_figure_goes_on_from_where_it_is_whatever_is_asked() -> None:
             assert np.allclose(told.positions[0], frame.positions, atol=1e-9)
             off = rotation.multiply(rotation.inverse(frame.rotations), told.rotations[0])
             assert rotation.angle(off).max() < 1e-6
+
+
+def test_ahead_is_in_the_know_of_what_was_just_asked_for() -> None:
+    engine = footfix.Engine(fitted().model, speed=1.0, run=0.0)
+    for _ in range(30):
+        engine.step(1 / 60)
+        straight = engine.ahead(1.0)
+    engine.set(turn=40.0, over=0.25)
+    left = engine.ahead(1.0)
+    assert left.positions[-1, engine.rig.root, 0] > straight.positions[-1, engine.rig.root, 0] + 0.15
+
+
+def test_who_looks_ahead_in_every_frame_is_still_steered() -> None:
+    engine = footfix.Engine(fitted().model, speed=1.0, run=0.0)
+    for k in range(90):
+        engine.set(speed=1.0 + 0.006 * k, over=0.25)
+        frame = engine.step(1 / 60)
+        told = engine.ahead(0.2, frames=3)
+        assert np.allclose(told.positions[0], frame.positions, atol=1e-9)
+    gone = np.linalg.norm(told.positions[-1, engine.rig.root] - told.positions[0, engine.rig.root])
+    assert gone / 0.2 == pytest.approx(1.5, abs=0.15)
 
 
 def test_many_times_at_once_are_the_same_as_one_by_one() -> None:
