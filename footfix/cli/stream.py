@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import signal
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -99,6 +98,7 @@ def _live(
     once: bool, *, output: Path | None, events: str | None, listen: str | None, connect: str | None,
 ) -> int:  # fmt: skip
     from footfix.stream.backlog import Backlog
+    from footfix.stream.interrupts import interrupts
     from footfix.stream.live import StreamParams
     from footfix.stream.run import Run, Sink, Talk
     from footfix.stream.sources import Address, Peer, Source, Standard, droppable
@@ -125,13 +125,14 @@ def _live(
         sources.append(server)
     params = StreamParams(look_ahead=look_ahead, calibration=calibration, before=before)
     with ExitStack() as files:
+        interrupted = files.enter_context(interrupts())
         rows = _opened(files, output) if output else None if events == "-" else sys.stdout.buffer
         told = sys.stdout.buffer if events == "-" else _opened(files, Path(events)) if events else None
         work = Run(
             settings, params, known, Sink(rows, drops=network) if rows else None,
             Sink(told, drops=network) if told else None, Talk(tell), server,
+            interrupted,
         )  # fmt: skip
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
         for source in sources:
             source.start()
         work.run(backlog, sources)

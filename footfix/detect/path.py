@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
-from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 
 EARLY = 0.4  # grid steps: plates, the more so filtered ones, tell of a landing a little before the joints do
@@ -33,7 +33,8 @@ def stretches(logits: Floats, switch: float, roll: float) -> list[Stretch]:
     Returns:
         The planted stretches in order; those that touch are one plant that rolls.
     """
-    planted = np.logaddexp.reduce(logits[:, HEEL:], axis=1) - logits[:, SWING]  # (n,) log odds
+    stands = np.logaddexp(np.logaddexp(logits[:, HEEL], logits[:, FLAT]), logits[:, TOE])
+    planted = stands - logits[:, SWING]  # (n,) log odds
     found = []
     two = np.stack([np.zeros_like(planted), planted], axis=1)
     for a, b, state in segments(two, switch):
@@ -70,27 +71,32 @@ def segments(score: Floats, switch: float) -> list[tuple[int, int, int]]:
     one best state, not over steps; where one of these is given up, its neighbours share it at the best step.
     """
     best = np.argmax(score, axis=1)
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(best)) + 1, [len(best)]])
-    total = np.concatenate([np.zeros((1, score.shape[1])), np.cumsum(score, axis=0)])
-    kept = _viterbi(total[edges[1:]] - total[edges[:-1]], switch)
-    first = np.concatenate([[0], np.flatnonzero(np.diff(kept)) + 1])
-    states = kept[first].tolist()
+    edges = (np.flatnonzero(best[1:] != best[:-1]) + 1).tolist()
+    if not edges:  # one state all along
+        return [(0, len(best), int(best[0]))]
+    edges = [0, *edges, len(best)]
+    total = np.zeros((len(score) + 1, score.shape[1]))
+    np.cumsum(score, axis=0, out=total[1:])
+    at = total[edges]
+    kept = _viterbi((at[1:] - at[:-1]).tolist(), switch)
+    first = [0, *(k for k in range(1, len(kept)) if kept[k] != kept[k - 1])]
+    states, runs_of = [kept[k] for k in first], best[edges[:-1]].tolist()
     bounds = [0]
     for k in range(1, len(first)):
         # anywhere between the last run that is best in the one state and the first that is best in the other
         one, other = states[k - 1], states[k]
-        lower, upper = _disputed(best[edges[:-1]], first, k, one, other)
-        low, high = max(int(edges[lower]), bounds[-1]), int(edges[upper])
+        lower, upper = _disputed(runs_of, first, k, one, other)
+        low, high = max(edges[lower], bounds[-1]), edges[upper]
         gain = total[low : high + 1, one] - total[low : high + 1, other]
         bounds.append(low + int(np.argmax(gain)))
     bounds.append(len(best))
     return [(bounds[k], bounds[k + 1], state) for k, state in enumerate(states) if bounds[k] < bounds[k + 1]]
 
 
-def _disputed(best: Ints, first: Ints, k: int, one: int, other: int) -> tuple[int, int]:
+def _disputed(best: list[int], first: list[int], k: int, one: int, other: int) -> tuple[int, int]:
     """The runs [lower, upper) about the k-th change that are best in neither of its two states."""
-    begin, end = int(first[k - 1]), int(first[k + 1]) if k + 1 < len(first) else len(best)
-    lower = upper = int(first[k])
+    begin, end = first[k - 1], first[k + 1] if k + 1 < len(first) else len(best)
+    lower = upper = first[k]
     while lower > begin and best[lower - 1] != one:
         lower -= 1
     while upper < end and best[upper] != other:
@@ -98,24 +104,18 @@ def _disputed(best: Ints, first: Ints, k: int, one: int, other: int) -> tuple[in
     return lower, upper
 
 
-def _viterbi(score: Floats, switch: float) -> Ints:
-    """The best path (n,) through states (n, S), a change costing `switch`."""
-    n, states = score.shape
-    came = np.empty((n, states), dtype=np.intp)
-    stay = np.arange(states)
-    value = score[0].copy()
-    came[0] = stay
-    for t in range(1, n):
-        top = int(np.argmax(value))
-        changed = value[top] - switch
-        came[t] = np.where(value >= changed, stay, top)
-        value = np.maximum(value, changed) + score[t]
-    path = np.empty(n, dtype=np.intp)
-    state = int(np.argmax(value))
-    for t in range(n - 1, -1, -1):
-        path[t] = state
-        state = int(came[t, state])
-    return path
+def _viterbi(rows: list[list[float]], switch: float) -> list[int]:
+    """The best path (n,) through states (n, S), a change costing `switch`; of so few, lists are quicker than arrays."""
+    value, came = rows[0], []
+    for row in rows[1:]:
+        top = max(value)
+        best, changed = value.index(top), top - switch
+        came.append([k if each >= changed else best for k, each in enumerate(value)])
+        value = [max(each, changed) + own for each, own in zip(value, row, strict=True)]
+    path = [value.index(max(value))]
+    for back in reversed(came):
+        path.append(back[path[-1]])
+    return path[::-1]
 
 
 def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, Bools]:

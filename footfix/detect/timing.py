@@ -13,6 +13,7 @@ later it is, twice over. Its few numbers are fitted to plates by `benchmarks/fit
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -41,11 +42,15 @@ class Line:
     bias: float
     farthest: float
 
+    @cached_property
+    def _taps(self) -> Floats:
+        return np.array(self.taps, dtype=np.float64)
+
     def later(self, curve: Floats, at: float) -> float:
         """[grid steps] from a moment to what happens; 0 where the clip shows too little of either side."""
         if not -self.taps[0] <= at <= len(curve) - 1 - self.taps[-1]:
             return 0.0
-        return float(self.bias + seen(curve, np.array([at]), self.taps)[0] @ self.weights)
+        return float(self.bias + _seen(curve, at + self._taps) @ self.weights)
 
     def finds(self, curve: Floats, about: float, most: float = np.inf) -> float:
         """[grid steps] when that happens which is said to happen about then, at most so far from it."""
@@ -65,9 +70,13 @@ class Timing:
 
 def seen(curve: Floats, at: Floats, taps: tuple[int, ...]) -> Floats:
     """(m, T) a curve (n,) at some steps about each of some moments (m,) [grid steps], all of them within it."""
-    places = at[:, None] + np.array(taps)
+    return _seen(curve, at[:, None] + np.array(taps))
+
+
+def _seen(curve: Floats, places: Floats) -> Floats:
     left = np.minimum(places.astype(np.intp), len(curve) - 2)
-    return np.asarray(curve[left] + (places - left) * (curve[left + 1] - curve[left]))
+    before = curve[left]
+    return np.asarray(before + (places - left) * (curve[left + 1] - before))
 
 
 def braking(sampled: Sampled, k: int) -> Floats:

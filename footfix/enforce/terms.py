@@ -152,7 +152,12 @@ def friction(slip: Floats) -> tuple[Floats, Floats]:
     root, u = np.sqrt(2.0), slip
     logs = np.log((u * u + root * u + 1.0) / (u * u - root * u + 1.0))
     turns = 2.0 * (np.arctan(root * u + 1.0) + np.arctan(root * u - 1.0))
-    return 1.0 / (1.0 + u**4), (logs + turns) / (4.0 * root)
+    return sticks(u), (logs + turns) / (4.0 * root)
+
+
+def sticks(slip: Floats) -> Floats:
+    """Tell how much more static friction holds than kinetic, alone; see `friction`."""
+    return np.asarray(1.0 / (1.0 + slip**4))
 
 
 def joint_terms(problem: Problem, k: int, x: Floats, base: int, out: System | None) -> float:

@@ -156,5 +156,7 @@ def joined(parts: Sequence[Contacts]) -> Contacts:
 
 def runs(mask: Bools) -> list[tuple[int, int]]:
     """List the stretches `[start, end)` in which a mask (F,) is True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+    padded = np.zeros(len(mask) + 2, dtype=np.bool_)
+    padded[1:-1] = mask
+    edges = np.flatnonzero(padded[1:] != padded[:-1]).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))

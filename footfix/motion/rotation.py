@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.motion.clip import Floats
+from footfix.motion.vectors import cross
 
 _AXIS = {"X": 0, "Y": 1, "Z": 2}
 _UP = np.array([0.0, 1.0, 0.0])
@@ -135,7 +136,7 @@ def between(a: Floats, b: Floats) -> Floats:
     a = a / np.maximum(np.linalg.norm(a, axis=-1, keepdims=True), 1e-300)
     b = b / np.maximum(np.linalg.norm(b, axis=-1, keepdims=True), 1e-300)
     a, b = np.broadcast_arrays(a, b)
-    q = np.concatenate([np.cross(a, b), (1.0 + np.einsum("...i,...i->...", a, b))[..., None]], axis=-1)
+    q = np.concatenate([cross(a, b), (1.0 + np.einsum("...i,...i->...", a, b))[..., None]], axis=-1)
     opposite = q[..., 3] < 1e-12
     if np.any(opposite):
         least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]

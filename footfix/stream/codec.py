@@ -1,15 +1,61 @@
-"""What the rows of a stream say: channels of a BVH file, or positions and rotations of all joints."""
+"""What the rows of a stream say: channels of a BVH file, or positions and rotations of all joints.
+
+The same numbers as `formats.bvh.channels` reads and writes, with all joints of one order of channels together: a
+stream works on a few frames at a time, and what takes the time is the number of operations.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.formats.bvh.channels import changes, placed, to_clip
+from footfix.formats.bvh.channels import (
+    AXES,
+    changes,
+    joint_channels,
+    nearest_angles,
+    permuted,
+    placed,
+    to_clip,
+    write_quaternions,
+)
 from footfix.formats.bvh.document import Document
-from footfix.motion.clip import Clip, Floats, Skeleton
+from footfix.formats.bvh.tree import Channel
+from footfix.motion import rotation
+from footfix.motion.clip import Clip, Floats, Ints, Skeleton
 from footfix.stream.part import Part
+
+
+@dataclass(frozen=True, eq=False)
+class _Turning:
+    """Joints whose rotation channels have one order.
+
+    Args:
+        order: axis of each channel.
+        joints: (m,).
+        columns: (m, len(order)) of a row.
+        turn: (4,) from the file's axes to ours, of roots; None where there is nothing to turn.
+    """
+
+    order: tuple[int, ...]
+    joints: Ints
+    columns: Ints
+    turn: Floats | None = None
+
+    @property
+    def letters(self) -> str:
+        """The order as letters."""
+        return "".join("XYZ"[axis] for axis in self.order)
+
+    def angles(self, wanted: Floats, near: Floats) -> Floats:
+        """(n, m, len(order)) [rad] those of local rotations (n, m, 4) that are nearest to others."""
+        if self.turn is not None:
+            wanted = rotation.multiply(rotation.inverse(self.turn), wanted)
+        if sorted(self.order) == [0, 1, 2]:
+            return rotation.to_euler(wanted, self.letters, near=near)
+        return nearest_angles(wanted.reshape(-1, 4), self.letters, near.reshape(-1, near.shape[-1])).reshape(near.shape)
 
 
 class Channels:
@@ -25,27 +71,95 @@ class Channels:
         """
         number = {joint: k for k, joint in enumerate(part.joints)}
         which = [k for k, channel in enumerate(document.channels) if channel.kind and channel.joint in number]
-        self._columns = np.array(which, dtype=np.intp)
-        self._channels = tuple(document.channels[k]._replace(joint=number[document.channels[k].joint]) for k in which)
-        joints = list(part.joints)
-        whole, own = document.skeleton, part.skeleton
-        self._skeleton = replace(
-            own, offsets=whole.offsets[joints], end_offsets=own.end_offsets / document.unit_m,
-        )  # fmt: skip
+        channels = tuple(document.channels[k]._replace(joint=number[document.channels[k].joint]) for k in which)
+        joints, own = list(part.joints), part.skeleton
         self._base, self._frame_time = document.base[joints], frame_time
         self._unit, self._up = document.unit_m, document.up
+        still = Skeleton(
+            own.names, own.parents, document.skeleton.offsets[joints], own.end_parents,
+            own.end_offsets / document.unit_m, own.translates, own.rotates,
+        )  # fmt: skip
+        rest = to_clip(still, channels, np.zeros((1, len(channels))), self._base, frame_time)
+        self._offsets = still.offsets[..., None]
+        self._skeleton = placed(rest, self._unit, self._up).skeleton
+        self._roots = np.flatnonzero(own.parents < 0) if self._up != "y" else np.zeros(0, dtype=np.intp)
+        moves = [(which[k], c.joint, c.axis) for k, c in enumerate(channels) if c.kind == "P"]
+        self._places = tuple(np.array(each, dtype=np.intp) for each in zip(*moves, strict=True)) if moves else ()
+        self._turnings = _turnings(channels, which, own, range(len(own)), self._up)
+        led = {each.joint for each in part.known.followers}
+        turned = led | {
+            joint
+            for leg in part.known.rig.legs
+            for joint in (leg.hip, leg.knee, leg.ankle, leg.toe)
+            if joint is not None
+        }
+        self._written = [each for each in _turnings(channels, which, own, sorted(turned), self._up) if each.order]
+        moving = [k for k, c in enumerate(channels) if c.kind == "P" and c.joint in {part.known.rig.root, *led}]
+        self._moving = tuple(channels[k] for k in moving)
+        self._moved = np.array([which[k] for k in moving], dtype=np.intp)
 
     def read(self, rows: Floats) -> Clip:
         """The motion of the part's joints of rows (n, C) [m], y up."""
-        own = to_clip(self._skeleton, self._channels, rows[:, self._columns], self._base, self._frame_time)
-        return own if self._unit == 1.0 and self._up == "y" else placed(own, self._unit, self._up)
+        block = np.ascontiguousarray(rows.T)
+        joints, n = len(self._skeleton), len(rows)
+        places, turns = np.empty((joints, 3, n)), np.empty((joints, 4, n))
+        places[...] = self._offsets
+        if self._places:
+            columns, moved, axes = self._places
+            places[moved, axes] = block[columns] + self._base[moved, axes][:, None]
+        for each in self._turnings:
+            if each.order:
+                write_quaternions(np.deg2rad(block[each.columns.T]), each.order, turns, each.joints, slice(None))
+            else:
+                turns[each.joints] = rotation.identity()[:, None]
+            if each.turn is not None:
+                turned = rotation.multiply(each.turn, turns[each.joints].swapaxes(1, 2))
+                turns[each.joints] = turned.swapaxes(1, 2)
+        if self._unit != 1.0:
+            places *= self._unit
+        for root in self._roots.tolist():
+            places[root] = permuted(places[root].T, AXES[self._up]).T
+        return Clip.from_tracks(self._skeleton, places.transpose(2, 0, 1), turns.transpose(2, 0, 1), self._frame_time)
 
     def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
-        """(n, C) the rows with the motion `after` in place of `before`."""
-        out, own = rows.copy(), rows[:, self._columns]
-        for change in changes(self._channels, own, self._base, before, after, self._unit, self._up):
-            out[change.frames, self._columns[change.column]] = change.values[change.frames]
+        """(n, C) the rows with the motion `after` in place of `before`: of legs, what goes along, and the root."""
+        out = rows.copy()
+        for change in changes(self._moving, rows[:, self._moved], self._base, before, after, self._unit, self._up):
+            out[change.frames, self._moved[change.column]] = change.values[change.frames]
+        for each in self._written:
+            old, new = (np.stack([clip.rotation(j) for j in each.joints], axis=1) for clip in (before, after))
+            changed = ((old != new) & np.isfinite(new)).any(axis=-1, keepdims=True)  # (n, m, 1)
+            if changed.any():
+                own = rows[:, each.columns]
+                out[:, each.columns] = np.where(changed, np.rad2deg(each.angles(new, np.deg2rad(own))), own)
         return out
+
+
+def _turnings(
+    channels: tuple[Channel, ...], which: list[int], skeleton: Skeleton, joints: Iterable[int], up: str
+) -> list[_Turning]:
+    """Sort joints by the order of their rotation channels, roots apart where they are to be turned.
+
+    Args:
+        channels: of the part's joints.
+        which: for each the column of a row.
+        skeleton: the part's.
+        joints: which ones.
+        up: the file's upward axis.
+    """
+    turns = joint_channels(channels, len(skeleton), "R")
+    groups: dict[tuple[tuple[int, ...], bool], list[int]] = {}
+    for joint in joints:
+        order = tuple(axis for _, axis in turns[joint])
+        groups.setdefault((order, up != "y" and bool(skeleton.parents[joint] < 0)), []).append(joint)
+    return [
+        _Turning(
+            order, np.array(group, dtype=np.intp),
+            np.array([[which[k] for k, _ in turns[joint]] for joint in group], dtype=np.intp),
+            rotation.from_matrix(AXES[up]) if root else None,
+        )
+        for (order, root), group in groups.items()
+    ]  # fmt: skip
 
 
 class Arrays:
@@ -60,15 +174,12 @@ class Arrays:
 
     def read(self, rows: Floats) -> Clip:
         """The motion of the part's joints of rows (n, 7 J)."""
-        places, turns = (
-            [np.ascontiguousarray(rows[:, each].T).T for each in which] for which in (self._places, self._turns)
-        )
+        columns = np.ascontiguousarray(rows.T)
+        places, turns = (columns[which].transpose(2, 0, 1) for which in (self._places, self._turns))
         return Clip.from_tracks(self._part.skeleton, places, turns, self._frame_time)
 
     def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
         """(n, 7 J) the rows with the motion `after` in place of `before`."""
         out = rows.copy()
-        for k in range(len(self._part.joints)):
-            out[:, self._places[k]] = after.position(k)
-            out[:, self._turns[k]] = after.rotation(k)
+        out[:, self._places], out[:, self._turns] = after.positions, after.rotations
         return out

@@ -74,7 +74,7 @@ def _step(found: Normal, fixed: Fixed, past: int) -> Floats:
     matrix = np.zeros((F, U, 2 * U + 1))  # column by column, from the diagonal down
     size, unit = U * (2 * U + 1), matrix.itemsize
     # row r of column c stands r - c after its diagonal; what is above the diagonal is zero, and falls on zeros
-    for blocks, after in ((np.tril(main), 0), (next_, U)):
+    for blocks, after in ((main * np.tri(U), 0), (next_, U)):
         n = len(blocks)
         view = as_strided(matrix.reshape(-1)[after:], (n, U, U), (size * unit, 2 * U * unit, unit))
         view[...] = blocks.swapaxes(1, 2)

@@ -28,7 +28,6 @@ from footfix.enforce.correction import apply
 from footfix.enforce.leg import ANKLE
 from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
-from footfix.motion.kinematics import forward
 from footfix.settings import Settings
 from footfix.stream.belt import Belt
 from footfix.stream.detection import Detector, Seen
@@ -36,6 +35,7 @@ from footfix.stream.events import Event, Kind
 from footfix.stream.legs import Legs, Measure
 from footfix.stream.part import Part
 from footfix.stream.past import Past
+from footfix.stream.posing import Posing
 from footfix.stream.spread import Spread
 from footfix.stream.turns import Turner
 from footfix.stream.window import BEFORE, Settled, Window
@@ -120,7 +120,7 @@ class Engine:
         self._belt = Belt(part.known.belt, frame_time, self._rig.leg_length, settings.enforce.ground)
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
         self._joints = posed_joints(part.skeleton, self._rig)
-        self._measure = Measure(part, self._joints)
+        self._posing, self._measure = Posing(part.skeleton, self._joints), Measure(part, self._joints)
         self._turner = Turner(part, self._joints, self._measure.kinds, frame_time, goes_on=shown > 0)
         self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
         self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
@@ -198,7 +198,7 @@ class Engine:
     def _take(self, rows: Floats) -> None:
         """Kinematics of the newest frames."""
         clip = self._codec.read(rows)
-        pose = forward(clip, self._joints)
+        pose = self._posing(clip)
         legs, tracks = self._measure(pose, self._frame_time)
         self._past.append(rows, legs, pose)
         self._detector.add(tracks)

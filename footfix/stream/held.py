@@ -10,6 +10,7 @@ from footfix.enforce.floors import height
 from footfix.enforce.leg import ANKLE, HEEL, TOE
 from footfix.enforce.papers.ease import gamma
 from footfix.motion.clip import Bools, Floats, Ints
+from footfix.stream.arithmetic import median
 
 STANDING = (HEEL, TOE, ANKLE)  # the points that have plants; the ankle stands while heel and toe do
 _SETTLES = 0.2  # [s] in which a plant comes down to its floor
@@ -44,7 +45,7 @@ class Ground:
 
     def level(self, own: Floats, leg: int, point: int) -> float:
         """[m] the height at which a point stands that was captured at heights (n,)."""
-        usual = float(np.median(own))
+        usual = float(median(own))
         if point == ANKLE:
             return usual
         return height(usual, float(self.rest[leg, point]), float(self.nominal[leg, point]), self.near)

@@ -13,15 +13,16 @@ import numpy as np
 
 from footfix.detect.tracks import Foot, Tracks
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, LegTracks, Q, W, knee_of, tip_of
-from footfix.enforce.posed import cross, exponential, left_jacobian, rotated
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import unit
 from footfix.rig.rig import Leg
+from footfix.stream.arithmetic import cross, exponential, exponential_and_jacobian, rotated
 from footfix.stream.part import Part
 
 POINTS = 4
+_TURNING = np.array([0, 1, 1, 1, 1])  # what turns the ankle, the line, and the points about it, the foot
 _VECTORS = ("hip", "ankle", "line", "thigh", "shank", "axis", "toe_hinge", "reach")
 
 
@@ -190,41 +191,56 @@ class Posed:
 
 def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     """Put the points where a state has them, with derivatives: root (3, F) [m], and the legs' unknowns (8, L, F)."""
-    places, thrust, bent, arms, hinge = _points(legs, root, x)
-    swept = left_jacobian(np.stack([x[Q], x[W]], axis=1))  # (3, 3, 2, L, F)
+    vectors = _vectors(legs, x)
+    both = exponential_and_jacobian(vectors)
+    places, thrust, bent, arms, hinge = _points(legs, root, x[K], both[:, :, 0])
     n = places.shape[2:]
+    by = np.empty((3, 1 + POINTS, *n))  # what line and foot turn: the ankle, and the points about it
+    by[:, 0], by[:, 1:] = thrust, arms
+    swept = cross(both[:, :, 1, _TURNING], by[:, None])  # (3, 3, 5, L, F)
     out = np.zeros((*n, 3, POINTS, ROOT + LEG))
     for c in range(3):
         out[..., c, :, c] = 1.0
     rest = out[..., ROOT:]
-    rest[..., Q] = cross(swept[:, :, 0], thrust[:, None]).transpose(2, 3, 0, 1)[..., None, :]
+    rest[..., Q] = swept[:, :, 0].transpose(2, 3, 0, 1)[..., None, :]
     rest[..., K] = bent.transpose(1, 2, 0)[..., None]
-    rest[..., W] = cross(swept[:, :, 1, None], arms[:, None]).transpose(3, 4, 0, 2, 1)
+    rest[..., W] = swept[:, :, 1:].transpose(3, 4, 0, 2, 1)
     rest[..., TIP, B] = hinge.transpose(1, 2, 0)
     return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
 
 
 def places_of(legs: Legs, root: Floats, x: Floats) -> Floats:
     """Put the points (3, P, L, F) [m] where a state has them: root (3, F) [m], and the legs' unknowns (8, L, F)."""
-    return _points(legs, root, x)[0]
+    return _points(legs, root, x[K], exponential(_vectors(legs, x)))[0]
 
 
-def _points(legs: Legs, root: Floats, x: Floats) -> tuple[Floats, ...]:
+def _vectors(legs: Legs, x: Floats) -> Floats:
+    """(3, 3, L, F) [rad] how line, foot and toes turn in a state."""
+    out = np.empty((3, 3, *legs.flexion.shape))
+    out[:, 0], out[:, 1] = x[Q], x[W]
+    np.multiply(x[B], legs.toe_hinge, out=out[:, 2])
+    return out
+
+
+def _points(legs: Legs, root: Floats, k: Floats, turn: Floats) -> tuple[Floats, ...]:
     """Work out points (3, P, L, F) [m], and what their derivatives are made of.
 
     Besides the points: from hip to ankle, and its change by the knee's flexion (3, L, F); arms from the ankle to the
     points (3, P, L, F); the tip's change as toes bend (3, L, F).
+
+    Args:
+        legs: as captured.
+        root: (3, F) [m].
+        k: (L, F) [rad] by how much knees bend.
+        turn: (3, 3, 3, L, F) matrices of line, foot and toes.
     """
-    k = x[K]
     c0, c1, c2 = legs.reach
     cos, sin = np.cos(k), np.sin(k)
     distance = np.sqrt(np.maximum(c0 + c1 * cos + c2 * sin, 1e-12))
-    turn = exponential(np.stack([x[Q], x[W], x[B] * legs.toe_hinge], axis=1))  # (3, 3, 3, L, F)
     line = rotated(turn[:, :, 0], legs.line)
     thrust, bent = line * distance, line * ((c2 * cos - c1 * sin) / (2.0 * distance))
-    in_foot = np.concatenate(
-        [legs.soles, legs.toe_hinge[:, None], rotated(turn[:, :, 2], legs.tip)[:, None]], axis=1
-    )  # fmt: skip
+    in_foot = np.empty((3, 4, *k.shape))
+    in_foot[:, :2], in_foot[:, 2], in_foot[:, 3] = legs.soles, legs.toe_hinge, rotated(turn[:, :, 2], legs.tip)
     by_foot = rotated(turn[:, :, 1, None], in_foot)
     arms = np.empty((3, POINTS, *k.shape))
     arms[:, :2], arms[:, 2], arms[:, TIP] = by_foot[:, :2], 0.0, by_foot[:, TOE] + by_foot[:, 3]

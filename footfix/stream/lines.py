@@ -33,14 +33,12 @@ class Row:
 
     Args:
         text: the row, with what stands before its numbers.
-        words: where each of its numbers stands in it, [start, end).
         values: (C,) the numbers; in place of one that is none stands the last one that was.
         end: what ends it.
         broken: whether a number was none.
     """
 
     text: bytes
-    words: tuple[tuple[int, int], ...]
     values: Floats
     end: bytes
     broken: bool = False
@@ -52,10 +50,10 @@ class Row:
             values: (C,) the new ones.
             bare: without what stands before the numbers, ended as a line; else as it came.
         """
-        out = bytearray(self.text)
+        out, words = bytearray(self.text), [match.span() for match in _WORD.finditer(self.text)][-len(values) :]
         which = range(len(values)) if self.broken else np.flatnonzero(values != self.values).tolist()
         for k in reversed(which):
-            start, end = self.words[k]
+            start, end = words[k]
             word = self.text[start:end]
             value = float(values[k])
             if self.broken and value == self.values[k] and number(word) == value:
@@ -65,7 +63,7 @@ class Row:
             out[start:end] = text.removeprefix(b"-") if not text.strip(b"-0.") else text
         if not bare:
             return bytes(out) + self.end
-        return bytes(out[self.words[0][0] :] if self.end == b"||" else out) + (b"\n" if self.end == b"||" else self.end)
+        return bytes(out[words[0][0] :] if self.end == b"||" else out) + (b"\n" if self.end == b"||" else self.end)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,14 +193,14 @@ class Lines:
         if line.lstrip()[:6].lower() in (b"motion", b"frames", b"frame:"):
             return Said("heading", f"{readable(line[:40])} among the rows was left out")
         self.rows += 1
-        found = [match.span() for match in _WORD.finditer(line)]
+        found = line.split()
         if len(found) != columns and not (len(found) > columns and end == b"||"):
             return Said("misfit", f"row {self.rows} has {len(found)} numbers, not {columns}, and was left out")
         found = found[len(found) - columns :]
         try:
-            values = np.array([float(line[a:b]) for a, b in found])
+            values = np.array([float(word) for word in found])
         except ValueError:
-            read = [number(line[a:b]) for a, b in found]
+            read = [number(word) for word in found]
             if sum(value is None for value in read) > 0.5 * columns:
                 return Said("garbage", f"row {self.rows} holds no numbers, and was left out: {readable(line[:40])}")
             values = np.array([np.nan if value is None else value for value in read])
@@ -211,7 +209,7 @@ class Lines:
         if broken:
             values = np.where(good, values, np.zeros(columns) if self._last is None else self._last)
         self._last = values
-        return Row(line, tuple(found), values, end, broken)
+        return Row(line, values, end, broken)
 
 
 def _motion_at(header: bytes) -> int:

@@ -25,7 +25,8 @@ Before = Literal["pass", "wait"]
 MOST = 5.0  # [s] of look-ahead; for more, wait for the end and clean the whole
 _FEWEST = 12  # frames of which a figure can be told
 _REMEMBERED = 2.0  # [s] that detection looks back
-_MEANWHILE = 0.5  # [s] in which frames pass while their figure is calibrated
+_MEANWHILE = 0.5  # [s] in which frames pass while their figure is calibrated, and they are recalled
+_RECALLED = 0.25  # [s] of frames that are recalled at a time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +91,8 @@ class Live:
         self._columns = len(source.channels) if isinstance(source, Document) else 7 * len(source)
         self.effectors: tuple[str, ...] = ()
         self._engine: Engine | None = None
+        self._next: Engine | None = None  # while it recalls what was given out already
+        self._recalled = 0  # number of the row that it recalls next
         self._figure: _Figure | None = None
         self._coming: Future[_Figure] | None = None  # the figure, while it is calibrated
         self._held: list[Floats] = []  # rows before calibration; those that pass were given out already
@@ -97,7 +100,7 @@ class Live:
         self._base = self._offset = 0  # numbers of the first frame since the last start, and of the engine's
         self._paced()
         if known is not None:
-            self._start(self._measured(known))
+            self._engine = self._made(self._measured(known))
 
     def _paced(self) -> None:
         """Count waits in frames of the rate there is."""
@@ -132,13 +135,15 @@ class Live:
                 out.append(self._as_it_is(len(self._held) - 1))
                 if len(self._held) == self._wanted:
                     self._coming = _meanwhile(self._found, np.stack(self._held))
+                elif self._coming is not None and self._coming.done():
+                    self._prepare(self._last)
             if len(self._held) >= self._last:
                 return out + self._calibrated() + self._pushed(rows[k + 1 :])
         return out
 
     def _closed(self) -> list[Shown]:
         out: list[Shown] = []
-        if self._engine is None and len(self._held) >= max(_FEWEST, LEAST / self._frame_time):
+        if self._engine is None and self._next is None and len(self._held) >= max(_FEWEST, LEAST / self._frame_time):
             out = self._calibrated()
         if self._engine is not None:
             return out + self._counted(self._engine.close())
@@ -151,11 +156,11 @@ class Live:
             frame_time: [s] from now on.
         """
         out = self.close()
-        self._base, self._frame_time, self._coming = self._out, frame_time, None
+        self._base, self._frame_time, self._coming, self._next = self._out, frame_time, None, None
         self._held.clear()
         self._paced()
         if self._figure is not None:
-            self._start(self._figure)
+            self._engine = self._made(self._figure)
         return out
 
     def _as_it_is(self, number: int) -> Shown:
@@ -163,16 +168,28 @@ class Live:
 
     def _calibrated(self) -> list[Shown]:
         """Let the engine go on from the rows that are held, calibrated on them."""
-        rows = np.stack(self._held)
-        figure = self._found(rows) if self._coming is None else self._coming.result()
-        given = len(rows) if self._passes else 0
-        since = max(given - round(_REMEMBERED / self._frame_time), 0)
-        self._start(figure, since=since, given=given)
+        given = len(self._held) if self._passes else 0
+        while self._next is None or self._recalled < given:
+            self._prepare(given)
+        self._engine, self._next, self._coming = self._next, None, None
+        rows = self._held[given:]
         self._held.clear()
-        self._coming = None
-        assert self._engine is not None
-        self._engine.recall(rows[since:given])
-        return self._counted(self._engine.push(rows[given:]))
+        return self._counted(self._engine.push(np.stack(rows))) if rows else []
+
+    def _prepare(self, given: int) -> None:
+        """Make the engine that goes on after `given` rows, or let it recall some of those that are there.
+
+        These are always the same at a time, so that nothing depends on how long calibration takes.
+        """
+        if self._next is None:
+            figure = self._found(np.stack(self._held)) if self._coming is None else self._coming.result()
+            self._recalled = max(given - round(_REMEMBERED / self._frame_time), 0)
+            self._next = self._made(figure, since=self._recalled, given=given)
+            return
+        stop = min(self._recalled + max(round(_RECALLED / self._frame_time), 1), given)
+        if stop <= len(self._held):
+            self._next.recall(np.stack(self._held[self._recalled : stop]))
+            self._recalled = stop
 
     def _found(self, rows: Floats) -> _Figure:
         """Calibrate on the first rows."""
@@ -205,8 +222,8 @@ class Live:
         found = calibrate(clip, self._settings)
         return _Figure(part_of(clip.skeleton, found), source, (*notes, *found.notes))
 
-    def _start(self, figure: _Figure, *, since: int = 0, given: int = 0) -> None:
-        """Begin with the frames from `since` on of those that are held, of which some were given out as they are."""
+    def _made(self, figure: _Figure, *, since: int = 0, given: int = 0) -> Engine:
+        """Make an engine that begins with frame `since` of those that are held; some are given out as they are."""
         if figure is not self._figure:
             for note in figure.notes:
                 self._told(note)
@@ -217,10 +234,10 @@ class Live:
             codec = Channels(figure.source, part, self._frame_time)
         else:
             codec = Arrays(figure.source, part, self._frame_time)
-        self._engine = Engine(
+        self._offset = self._base + since
+        return Engine(
             part, codec, self._columns, self._frame_time, self._settings, self._params.look_ahead, given - since
         )
-        self._offset = self._base + since
 
     def _counted(self, shown: Sequence[Shown]) -> list[Shown]:
         """Frames of the engine, counted since the stream began."""

@@ -16,7 +16,7 @@ from footfix.enforce.assembly import product
 from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, UPRIGHT
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
-from footfix.enforce.terms import friction, near, root_bound, smooth
+from footfix.enforce.terms import near, root_bound, smooth, sticks
 from footfix.motion.clip import Floats
 from footfix.stream.legs import Legs, posed
 from footfix.stream.pins import Stacked
@@ -105,8 +105,7 @@ def _pull(problem: Problem, pin: Stacked, place: Floats, eps: float, static: flo
     step = c / (long + eps) * np.array([1.0, UPRIGHT**2, 1.0]).reshape(3, 1, 1, 1)
     if static > 1.0:
         flat, still = np.sqrt(flat), STATIC * size * problem.frame_time
-        more, _ = friction(smooth(flat, eps) / still)
-        step[::2] += c * (static - 1.0) * more / (flat + eps)
+        step[::2] += c * (static - 1.0) * sticks(smooth(flat, eps) / still) / (flat + eps)
     asked = per_frame / (PLACE * size) ** 2 * pin.placed
     stiff = np.repeat(asked[None], 3, axis=0)
     force = asked * (place - pin.place)
@@ -133,16 +132,20 @@ def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floa
 
 def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
     """FAR of line, knee, ankle and toes."""
+    foot = x[W] - x[Q]
+    squares, lengths = x * x, np.empty((4, *x.shape[1:]))
+    np.add.reduce(squares[Q], axis=0, out=lengths[0])
+    np.add.reduce(foot * foot, axis=0, out=lengths[2])
+    lengths[1], lengths[3] = squares[K], squares[B]
+    bounds = np.stack(problem.farthest())
+    if not np.any(lengths > (bounds**2)[:, None]):
+        return
     kinds = (
         (x[Q], ((Q, 1.0),)),
         (x[K : K + 1], ((slice(K, K + 1), 1.0),)),
-        (x[W] - x[Q], ((W, 1.0), (Q, -1.0))),
+        (foot, ((W, 1.0), (Q, -1.0))),
         (x[B : B + 1], ((slice(B, B + 1), 1.0),)),
     )
-    lengths = np.sqrt(np.stack([np.sum(turn * turn, axis=0) for turn, _ in kinds]))
-    bounds = np.stack(problem.farthest())
-    if not np.any(lengths > bounds[:, None]):
-        return
     weight = RATE * problem.frame_time / np.radians(FAR_TURN) ** 2
     for (turn, parts), bound in zip(kinds, bounds, strict=True):
         pull, bend = _beyond(turn, bound, weight)

@@ -11,6 +11,7 @@ from footfix.enforce.leg import ANKLE, HEEL, TIP, TOE
 from footfix.enforce.pins import PinParams, Pins
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import runs
+from footfix.stream.arithmetic import median
 from footfix.stream.held import Foot, Ground, Plant, masks
 from footfix.stream.legs import POINTS, Legs
 
@@ -155,7 +156,7 @@ def _hold(out: Stacked, foot: Foot, k: int, point: int, start: int, end: int, as
 def _planned(plan: Floats, belt: Floats) -> Floats:
     """(3, n) [m] where a point is to stand that was planned to be at (3, n) [m]: in their middle, at its height."""
     moved = belt[:, None] * np.arange(plan.shape[1])
-    place = np.median(plan - moved, axis=1)[:, None] + moved
+    place = median(plan - moved)[:, None] + moved
     place[1] = plan[1]
     return place
 

@@ -6,7 +6,6 @@ import gc
 import json
 import os
 import stat
-import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable
@@ -14,13 +13,14 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import IO
 
-from footfix.errors import ExitCode, FootfixError, InputError
+from footfix.errors import FootfixError, InputError
 from footfix.formats.bvh.document import Document
 from footfix.notes import Note
 from footfix.settings import Settings
 from footfix.stream.backlog import Backlog, Outlet
 from footfix.stream.engine import Shown
 from footfix.stream.events import Event
+from footfix.stream.interrupts import Interrupted
 from footfix.stream.lines import Header, Row, Said, counted, header_of, with_room
 from footfix.stream.live import Live, StreamParams
 from footfix.stream.sources import Came, Gone, Peer, Source
@@ -28,7 +28,7 @@ from footfix.stream.sources import Came, Gone, Peer, Source
 _OFTEN = 3  # times that one kind of fault is said in full
 _RATE_SPAN = 2.0  # [s] over which the pace of rows is looked at
 _PACED = 0.5  # share of the time that nothing waits, in a stream that comes at a pace
-_ENDING = 5.0  # [s] that the end of an interrupted stream may take, whatever its reader or its threads wait for
+_POLL = 0.2  # [s] in which an interrupt is noticed while nothing comes
 
 
 def json_line(event: Event) -> bytes:
@@ -117,7 +117,7 @@ class Run:
 
     def __init__(
         self, settings: Settings, params: StreamParams, known: Document | None, rows: Sink | None, events: Sink | None,
-        talk: Talk, peer: Peer | None = None,
+        talk: Talk, peer: Peer | None = None, interrupted: Interrupted | None = None,
     ) -> None:  # fmt: skip
         """Know inputs and outputs.
 
@@ -128,7 +128,9 @@ class Run:
             rows, events: where to write them; None for nowhere.
             talk: what to say.
             peer: a listener, to whom the rows go as well.
+            interrupted: tells whether to end.
         """
+        self._interrupted = interrupted or Interrupted()
         self._settings, self._params, self._known = settings, params, known
         self._rows, self._events, self._talk, self._peer = rows, events, talk, peer
         self._live: Live | None = None
@@ -147,29 +149,26 @@ class Run:
 
         Raises:
             InputError: it can't be used.
+            KeyboardInterrupt: the stream was interrupted; all that came in until then was worked on.
         """
         gc.collect()
         gc.freeze()  # what is there already need not be looked through again, which takes 20 ms, time of several frames
         try:
-            while True:
+            while not self._interrupted.came:
                 begun = time.monotonic()
-                item = backlog.get(0.5)
+                item = backlog.get(_POLL)
                 self._idle += time.monotonic() - begun
                 if isinstance(item, Gone) and item.last:
                     break
                 if item is not None:
                     self._take(item)
-        except KeyboardInterrupt:
-            last = threading.Timer(_ENDING, os._exit, (ExitCode.INTERRUPTED,))
-            last.daemon = True
-            last.start()
-            with suppress(Exception):  # it may have come within a step, of which only a part is done
-                self._end(backlog, sources)
-            last.cancel()
-            raise
         except BaseException:
             self._end(backlog, sources)
             raise
+        if self._interrupted.came:
+            with suppress(Exception):  # such as a reader that was interrupted, too
+                self._end(backlog, sources)
+            raise KeyboardInterrupt
         self._end(backlog, sources)
         if self._live is None:
             raise InputError("nothing came in", file="<stdin>")

@@ -12,6 +12,7 @@ from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
+from footfix.stream.arithmetic import product, product_back
 from footfix.stream.legs import Kinds, Legs
 from footfix.stream.limits import FASTEST, limited
 from footfix.stream.part import Part
@@ -65,15 +66,15 @@ class Turner:
         changed = np.any(own != 0.0, axis=1)  # (L, n)
         world = pose.rotations.transpose(1, 0, 2)[self._slots]  # (2, 4, L, n, 4)
         world[1][self._slots[1] < 0] = rotation.identity()
-        captured = rotation.multiply(rotation.inverse(world[1]), world[0])
+        captured = product_back(world[1], world[0])
         wanted = _local(world, _world(legs, own.swapaxes(0, 1)))
         more = np.where(
             (changed & self._written[..., None])[..., None],
-            rotation.multiply(wanted, rotation.inverse(captured)), rotation.identity(),
+            product(wanted, rotation.inverse(captured)), rotation.identity(),
         )  # fmt: skip
         more, late = limited(more, more[:, :, 0] if self._last is None else self._last, self._most)
         self._last = more[:, :, -1]
-        rotations = np.where(late[..., None], rotation.multiply(more, captured), wanted)
+        rotations = np.where(late[..., None], product(more, captured), wanted)
         return Turned(rotations, changed | late, late)
 
     def correction(self, clip: Clip, turned: Turned, shift: Floats) -> Correction:
@@ -94,8 +95,8 @@ def _world(legs: Legs, x: Floats) -> Floats:
     bend, line, foot, toes = rotation.from_rotation_vector(vectors.transpose(1, 2, 3, 0))
     thigh, shank, way = (each.transpose(1, 2, 0) for each in (legs.thigh, legs.shank, legs.line))
     # the line from hip to ankle keeps its direction while the knee bends
-    swing = rotation.multiply(line, rotation.between(thigh + rotation.rotate(bend, shank), way))
-    below = rotation.multiply(np.stack([swing, foot]), np.stack([bend, toes]))
+    swing = product(line, rotation.between(thigh + rotation.rotate(bend, shank), way))
+    below = product(np.stack([swing, foot]), np.stack([bend, toes]))
     return np.stack([swing, below[0], foot, below[1]])
 
 
@@ -107,5 +108,5 @@ def _local(captured: Floats, turns: Floats) -> Floats:
         turns: (4, L, n, 4) of the joints.
     """
     above = np.concatenate([rotation.identity((1, *turns.shape[1:3])), turns[:3]])
-    world = rotation.multiply(np.stack([turns, above]), captured)
-    return rotation.normalize(rotation.multiply(rotation.inverse(world[1]), world[0]))
+    world = product(np.stack([turns, above]), captured)
+    return rotation.normalize(product_back(world[1], world[0]))

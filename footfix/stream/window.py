@@ -69,7 +69,7 @@ class Window:
             first: number of the first frame that may be changed.
         """
         self._known, self._translates, self._frame_time, self._params = known, translates, frame_time, params
-        self._turner = turner
+        self._turner, self._costs = turner, costs_of(params)
         rig, heights = known.rig, params.heights == "floor"
         at_floor = np.array([nominal(rig, e) for e in range(len(rig.soles))])
         order = [next(e for e, s in enumerate(rig.soles) if (s.leg, s.part) == (k, part))
@@ -168,7 +168,7 @@ class Window:
         """The problem of a window; its pins are known apart from it."""
         fault = self._usual_fault(captured, newest)
         return Problem(
-            legs.apart(), (), self._frame_time, self._known.rig.leg_length, costs_of(self._params), self._known.noise,
+            legs.apart(), (), self._frame_time, self._known.rig.leg_length, self._costs, self._known.noise,
             self._known.white, np.full(legs.flexion.shape[1], fault), self._translates, onward=not last,
         )  # fmt: skip
 

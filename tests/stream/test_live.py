@@ -128,6 +128,19 @@ def test_frames_before_calibration_pass_as_they_are_or_wait(before: str) -> None
     assert not np.array_equal(rows, file.values[:FRAMES])
 
 
+def test_nothing_depends_on_how_long_calibration_takes() -> None:
+    file, found = sample("walk_skate"), []
+    for waits in (True, False):
+        live, shown = Live(file, file.frame_time, Settings(), StreamParams(calibration=0.8)), []
+        for row in file.values[:FRAMES]:
+            if waits and live._coming is not None:
+                live._coming.result()
+            shown += live.push(row[None])
+        found.append(np.stack([each.row for each in shown + live.close()]))
+    assert np.array_equal(*found)
+    assert not np.array_equal(found[0], file.values[:FRAMES])
+
+
 def test_a_stream_goes_on_after_a_restart_and_counts_on() -> None:
     file = sample("walk_skate")
     live = Live(file, file.frame_time, Settings(), StreamParams(), known=file)

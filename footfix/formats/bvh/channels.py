@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.formats.bvh.tree import Channel
 from footfix.motion import rotation
-from footfix.motion.clip import Bools, Clip, Floats, Skeleton, constant_track, per_frame, same_track
+from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, constant_track, per_frame, same_track
 
 _BLOCK = 1 << 14  # rotations worked on together: their arrays stay in the cache of a core
 
@@ -88,11 +88,13 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, bas
                 rotations[group, :, span] = rotation.identity()[:, None]
             else:
                 which = np.array([[column for column, _ in turns[joint]] for joint in group])
-                _euler(np.deg2rad(block[which.T]), order, rotations, group, span)
+                write_quaternions(np.deg2rad(block[which.T]), order, rotations, group, span)
     return Clip.from_tracks(skeleton, places, rotations.transpose(2, 0, 1), frame_time)
 
 
-def _euler(angles: Floats, order: tuple[int, ...], out: Floats, group: list[int], span: slice) -> None:
+def write_quaternions(
+    angles: Floats, order: tuple[int, ...], out: Floats, group: Sequence[int] | Ints, span: slice
+) -> None:
     """Write the quaternions of intrinsic angles (n, joints of the group, frames) [rad] into (J, 4, F)."""
     if sorted(order) != [0, 1, 2]:
         letters = "".join("XYZ"[axis] for axis in order)
@@ -143,14 +145,14 @@ def _transformed(clip: Clip, unit_m: float, axes: Floats) -> Clip:
         turn = rotation.from_matrix(axes)
         rotations, offsets = rotations.copy(order="K"), offsets.copy()
         for root in roots.tolist():
-            places[root] = per_frame(lambda place: _permute(place, axes), places[root])
-            offsets[root] = _permute(offsets[root], axes)
+            places[root] = per_frame(lambda place: permuted(place, axes), places[root])
+            offsets[root] = permuted(offsets[root], axes)
             rotations[:, root] = rotation.multiply(turn, rotations[:, root])
     skeleton = replace(skeleton, offsets=offsets, end_offsets=skeleton.end_offsets * unit_m)
     return Clip.from_tracks(skeleton, places, rotations, clip.frame_time)
 
 
-def _permute(vectors: Floats, axes: Floats) -> Floats:
+def permuted(vectors: Floats, axes: Floats) -> Floats:
     """Compute `axes @ vectors` for a matrix of 0, 1 and -1: exact to the last bit, and never -0."""
     source = np.argmax(np.abs(axes), axis=1)
     return np.asarray(vectors[..., source] * axes[np.arange(3), source] + 0.0)
@@ -209,8 +211,8 @@ def _moved(columns: list[tuple[int, int]], old: Floats, new: Floats, unit_m: flo
     differs = _differs(old, new)
     if not differs.any():
         return
-    back = _permute(new / unit_m, axes.T)
-    moved = _permute(differs.astype(np.float64), np.abs(axes.T)) > 0.0
+    back = permuted(new / unit_m, axes.T)
+    moved = permuted(differs.astype(np.float64), np.abs(axes.T)) > 0.0
     for column, axis in columns:
         if moved[:, axis].any():
             yield Change(column, moved[:, axis], back[:, axis])

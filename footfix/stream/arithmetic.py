@@ -1,0 +1,83 @@
+"""Arithmetic of a few frames in few operations: the same numbers as `enforce.posed` and numpy say of whole clips.
+
+Vectors and matrices have their components first, quaternions last.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from footfix.motion.clip import Floats
+
+_NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
+_ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix, laid out as a row, and their mirrors
+
+# A product of quaternions a b is the sum of w, x, y, z of a, each times components of b in this order and of this sign.
+_OWN = np.array([3, 0, 1, 2])
+_OTHER = np.array([[0, 1, 2, 3], [3, 2, 1, 0], [2, 3, 0, 1], [1, 0, 3, 2]])
+_SIGN = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [-1.0, 1.0, 1.0, -1.0]])
+_BACK = _SIGN * np.array([[1.0], [-1.0], [-1.0], [-1.0]])
+
+
+def product(a: Floats, b: Floats) -> Floats:
+    """Compose rotations (..., 4): `b` followed by `a`; see `rotation.multiply`."""
+    return np.asarray(np.add.reduce(a[..., _OWN, None] * (b[..., _OTHER] * _SIGN), axis=-2))
+
+
+def product_back(a: Floats, b: Floats) -> Floats:
+    """Compose rotations (..., 4): `b` followed by the inverse of `a`."""
+    return np.asarray(np.add.reduce(a[..., _OWN, None] * (b[..., _OTHER] * _BACK), axis=-2))
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Compute vector products (3, ...); the shapes broadcast."""
+    return np.asarray(a[_NEXT] * b[_AFTER] - a[_AFTER] * b[_NEXT])
+
+
+def rotated(matrix: Floats, v: Floats) -> Floats:
+    """Multiply matrices (3, 3, ...) by vectors (3, ...)."""
+    return np.asarray(np.add.reduce(matrix * v, axis=1))
+
+
+def exponential(vector: Floats) -> Floats:
+    """Convert rotation vectors (3, ...) [rad] to matrices (3, 3, ...); see `enforce.posed.exponential`."""
+    square, _, sines, halves = _sines(vector)
+    return _series(vector, square, sines, halves)
+
+
+def exponential_and_jacobian(vector: Floats) -> Floats:
+    """Get (3, 3, 2, ...): `enforce.posed`'s `exponential` and `left_jacobian` of rotation vectors (3, ...) [rad]."""
+    square, angle, sines, halves = _sines(vector)
+    both = np.empty((3, *square.shape))
+    both[0], both[1] = sines, halves
+    both[2] = np.where(angle > 1e-3, (1.0 - sines) / np.maximum(square, 1e-12), 1.0 / 6.0)
+    return _series(vector[:, None], square, both[:2], both[1:])
+
+
+def _sines(vector: Floats) -> tuple[Floats, ...]:
+    """(...) each: x^2, x = |v|, sin(x) / x, and (1 - cos x) / x^2."""
+    square = np.add.reduce(vector**2, axis=0)
+    angle = np.sqrt(square)
+    of = np.empty((2, *angle.shape))
+    np.divide(angle, np.pi, out=of[0])
+    np.divide(angle, 2.0 * np.pi, out=of[1])
+    sines = np.sinc(of)
+    return square, angle, sines[0], 0.5 * sines[1] ** 2
+
+
+def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:
+    """(3, 3, ...) I + first [v] + second [v]^2; [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
+    once, twice = first * v, second * v
+    flat = np.empty((9, *once.shape[1:]))
+    flat[::4] = (1.0 - second * square) + twice * v
+    both, skew = twice * v[_NEXT], once[_AFTER]
+    flat[_ABOVE], flat[_BELOW] = both - skew, both + skew
+    return flat.reshape(3, 3, *once.shape[1:])
+
+
+def median(values: Floats) -> Floats:
+    """Get the middle of the numbers (..., n) of each row."""
+    ordered, half = np.sort(values, axis=-1), values.shape[-1] // 2
+    if values.shape[-1] % 2:
+        return np.asarray(ordered[..., half])
+    return np.asarray(0.5 * (ordered[..., half - 1] + ordered[..., half]))
