@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import socket
 import subprocess
@@ -104,7 +105,11 @@ def test_a_peer_that_is_killed_is_waited_for_again() -> None:
         (["--connect", "here"], "HOST:PORT"),
     ],
 )
-def test_options_that_make_no_sense_are_refused(options: list[str], says: str, run: Run) -> None:
-    code, _, said = run("stream", *options)
+def test_options_that_make_no_sense_are_refused(
+    options: list[str], says: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Path(os.devnull).open() as nothing:
+        monkeypatch.setattr(sys, "stdin", nothing)
+        code, _, said = run("stream", *options)
     assert code == 2
     assert says in said
