@@ -47,7 +47,7 @@ class Outcome:
 
 
 def run(
-    work: Work, tasks: Sequence[Task], *, crew: Crew, told: Callable[[FileResult], None],
+    work: Work, tasks: Sequence[Task], *, crew: Crew, on_result: Callable[[FileResult], None],
     journal: Journal | None = None, asked_to_stop: Callable[[int], None] = lambda running: None,
 ) -> Outcome:  # fmt: skip
     """Do all tasks; one that fails does not stop the others.
@@ -56,7 +56,7 @@ def run(
         work: the function that does a task.
         tasks: in the order of the results.
         crew: where they are done.
-        told: called with each result, in the order in which clips end.
+        on_result: called with each result, in the order in which clips end.
         journal: records each clip before it begins and after it ends.
         asked_to_stop: called once, at the first interrupt.
 
@@ -85,7 +85,7 @@ def run(
         for index, result in ended:
             results[index] = result
             journal.end(tasks[index].job.name, result)
-            told(result)
+            on_result(result)
     return Outcome(tuple(results[index] for index in sorted(results)), stop.soon and len(results) < len(tasks))
 
 

@@ -41,7 +41,7 @@ def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
 
 def results(names: list[str], *, workers: int = 2, timeout: float | None = None) -> dict[str, FileResult]:
     tasks = [task(name) for name in names]
-    outcome = run_all(batch_tasks.act, tasks, crew=Crew(workers, timeout), told=lambda each: None)
+    outcome = run_all(batch_tasks.act, tasks, crew=Crew(workers, timeout), on_result=lambda each: None)
     assert [each.source for each in outcome.results] == names  # in the order of the tasks
     return {each.source: each for each in outcome.results}
 

@@ -11,8 +11,9 @@ from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.leg import calibrate, tracks
-from footfix.enforce.mesh import sunk
+from footfix.enforce.mesh import over_floor, sunk
 from footfix.enforce.params import EnforceParams
+from footfix.enforce.pins import Pins
 from footfix.enforce.run import enforce
 from footfix.enforce.task import task_of
 from footfix.enforce.vertices import vertices_of
@@ -71,6 +72,19 @@ def test_a_heel_that_is_high_over_its_toes_has_no_floor_of_its_own() -> None:
     )
     assert found.penetration_mm == pytest.approx(0.0, abs=1e-6)
     assert found.float_mm > 60.0
+
+
+def test_heel_and_toe_are_drawn_up_by_as_much_as_floor_and_step_are_high() -> None:
+    clip, rig = spoiled(0.1)
+    pose, none = rig.pose(clip), np.zeros(len(clip))
+    off, low = none.astype(bool), none - 9.0
+    pin = Pins(none[1:], np.zeros((3, len(clip) - 1)), off, low, none, low, np.zeros((3, len(clip))), off)
+    pins = [(pin, pin)] * 2
+    plain = over_floor(pins, rig, pose, [none, none])
+    raised = over_floor(pins, replace(rig, floor=rig.floor + 0.3), pose, [none + 0.2, none])
+    for leg, up in ((0, 0.5), (1, 0.3)):
+        for one, other in zip(plain[leg], raised[leg], strict=True):
+            assert np.allclose(other.level - one.level, up, atol=1e-12)
 
 
 @pytest.mark.parametrize("size", [1.0, 2.0])
