@@ -48,7 +48,7 @@ class Outcome:
 
 def run(
     work: Work, tasks: Sequence[Task], *, crew: Crew, on_result: Callable[[FileResult], None],
-    journal: Journal | None = None, asked_to_stop: Callable[[int], None] = lambda running: None,
+    journal: Journal | None = None, on_interrupt: Callable[[int], None] = lambda running: None,
 ) -> Outcome:  # fmt: skip
     """Do all tasks; one that fails does not stop the others.
 
@@ -58,7 +58,7 @@ def run(
         crew: where they are done.
         on_result: called with each result, in the order in which clips end.
         journal: records each clip before it begins and after it ends.
-        asked_to_stop: called once, at the first interrupt.
+        on_interrupt: called once, at the first interrupt.
 
     Raises:
         KeyboardInterrupt: at the second interrupt; what was finished before it is kept.
@@ -78,7 +78,7 @@ def run(
 
     results: dict[int, FileResult] = {}
     with (
-        _interrupts(stop, lambda: asked_to_stop(len(tasks) - len(results))),
+        _interrupts(stop, lambda: on_interrupt(len(tasks) - len(results))),
         # closing it at an interrupt kills the processes and removes their temporary files
         closing(_done(work, tasks, crew, stop, starting)) as ended,
     ):

@@ -20,8 +20,8 @@ from footfix.batch.outputs import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
 from footfix.batch.work import clean_one
-from footfix.cli.closing import wrote
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
+from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,

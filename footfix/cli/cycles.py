@@ -139,7 +139,7 @@ def make(
 ) -> int:  # fmt: skip
     """Make locomotion from a model: BVH, contacts and report, as of `clean`."""
     from footfix.batch.cycles import load_plan, run_make
-    from footfix.cli.closing import print_result
+    from footfix.cli.results import print_result
     from footfix.cli.running import config_near
     from footfix.formats.plans import PlanRow
 
