@@ -25,7 +25,7 @@ def _files() -> tuple[FileCycles, ...]:
     found = []
     for name, speeds in SPEEDS.items():
         for k, speed in enumerate(speeds):
-            data = walker(name, speed, 5.0 if name == "walk" else 4.0, k)
+            data = walker(name, speed, 7.0 if name == "walk" else 5.0, k)
             found.append(cycles_of_file(data, f"{name}_{speed}.bvh", Settings()))
     return tuple(found)
 
