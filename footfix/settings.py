@@ -49,7 +49,7 @@ class Settings:
     """The parameters of all steps.
 
     Args:
-        rig: finding legs, soles, scale and floor, or being told them.
+        rig: finding legs, soles, scale and floor, or taking them as given.
         smooth: the Savitzky-Golay filter.
         detect: finding contacts.
         enforce: holding them.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import compileall
+import gc
 import hashlib
 import os
 import pickle
@@ -29,9 +31,16 @@ settings.load_profile("untimed")
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Set a folder for what the processes of this run make once."""
+    """Set a folder for what the processes of this run make once, and compile what each of them imports."""
     if not hasattr(session.config, "workerinput"):
         os.environ[once.FOLDER] = tempfile.mkdtemp(prefix="footfix-tests-")
+        # where Python is told to keep no bytecode, each of some fifty processes would compile all of it
+        compileall.compile_dir(ROOT / "footfix", quiet=2)
+
+
+def pytest_collection_finish() -> None:
+    """Keep what was imported and collected out of garbage collections: there is much of it, and it stays."""
+    gc.freeze()
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

@@ -29,11 +29,15 @@ def once(name: str, make: Callable[[], _Value]) -> _Value:
         begun.touch(exist_ok=False)
     except FileExistsError:
         until = time.monotonic() + 120.0
-        while not made.exists() and time.monotonic() < until:
+        while not made.exists() and begun.exists() and time.monotonic() < until:
             time.sleep(0.05)
         if made.exists():
             return pickle.loads(made.read_bytes())  # type: ignore[no-any-return]
-    value = make()
+    try:
+        value = make()
+    except BaseException:
+        begun.unlink()  # what failed here is not waited for elsewhere
+        raise
     part = made.with_suffix(f".{os.getpid()}")
     part.write_bytes(pickle.dumps(value))
     part.replace(made)

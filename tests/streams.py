@@ -22,7 +22,7 @@ from footfix.stream.legs import POINTS, Kinds, Legs, Measure
 from footfix.stream.part import Part, part_of
 from footfix.stream.pins import Stacked
 
-FRAMES = 150  # of a sample that are streamed
+FRAMES = 110  # of a sample that are streamed
 
 
 @cache

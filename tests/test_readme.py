@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -35,7 +34,10 @@ def test_the_commands_over_many_clips_run(tmp_path: Path, monkeypatch: pytest.Mo
     commands = [line.split("   ")[0].split() for line in block.splitlines() if "--dask" not in line]
     monkeypatch.chdir(tmp_path)
     (tmp_path / "takes").mkdir()
-    shutil.copy(ROOT / "sample_data" / "walk_skate.bvh", "takes")
+    whole = (ROOT / "sample_data" / "walk_skate.bvh").read_bytes().splitlines(keepends=True)
+    rows = next(k for k, line in enumerate(whole) if line.startswith(b"Frame Time")) + 1
+    head = b"".join(whole[:rows]).replace(b"Frames: 301", b"Frames: 120")
+    (tmp_path / "takes" / "walk_skate.bvh").write_bytes(head + b"".join(whole[rows : rows + 120]))
     for command in commands:
         if "--shard" in command:  # one clip has no third of sixteen parts
             command[command.index("--shard") + 1] = "1/1"

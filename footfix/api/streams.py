@@ -31,7 +31,7 @@ class Frame:
         positions: (J, 3) [m] places of the joints in their parents' frames; None in a stream of rows.
         rotations: (J, 4) xyzw; likewise.
         contacts: (E,) which effectors are planted.
-        events: strikes and lifts that are told with this frame.
+        events: strikes and lifts that are reported with this frame.
     """
 
     number: int
@@ -62,7 +62,7 @@ class Stream:
         frame_time: [s] between frames; that of the file where it is not given. Needed with a skeleton.
         settings: how the figure is found, and its contacts detected and enforced.
         calibrate_on: another clip of the same figure to calibrate on.
-        calibration: of first motion by which legs and floor are told where nothing else does [s].
+        calibration: first motion of the stream, on which legs and floor are measured where nothing else gives them [s].
         before: whether frames before that "pass" as they are, or "wait" to be corrected, too.
 
     Raises:

@@ -47,17 +47,17 @@ def _connect(address: str) -> Any:
 def _feed(client: Any, work: Work, tasks: Sequence[Task], stop: Stop, starting: Callable[[int], None]) -> Results:
     threads = max(sum(client.nthreads().values()), 1)
     suspects: list[int] = []
-    for index, end in _ended(client, work, tasks, range(len(tasks)), _AHEAD * threads, stop, starting):
+    for index, end in _results(client, work, tasks, range(len(tasks)), _AHEAD * threads, stop, starting):
         if _was_lost(end):
             suspects.append(index)
         else:
             yield index, _result(end, tasks[index])
     # A lost worker also loses clips that only waited there: one at a time, each is judged by itself.
-    for index, end in _ended(client, work, tasks, suspects, 1, stop, lambda index: None):
+    for index, end in _results(client, work, tasks, suspects, 1, stop, lambda index: None):
         yield index, _result(end, tasks[index])
 
 
-def _ended(
+def _results(
     client: Any, work: Work, tasks: Sequence[Task], order: Iterable[int], ahead: int, stop: Stop,
     starting: Callable[[int], None],
 ) -> Iterator[tuple[int, FileResult | Exception]]:  # fmt: skip

@@ -10,7 +10,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from footfix.batch.ending import ended
+from footfix.batch.attempt import attempted
 from footfix.batch.files import read_whole, write_whole
 from footfix.batch.inputs import Source
 from footfix.batch.making import fingerprint, write_outputs
@@ -129,7 +129,7 @@ def run_make(
         return write_outputs(task, made, fingerprint(asked + data, settings, None))
 
     begun = time.perf_counter()
-    return replace(ended(task, work), seconds=time.perf_counter() - begun)
+    return replace(attempted(task, work), seconds=time.perf_counter() - begun)
 
 
 def _made(

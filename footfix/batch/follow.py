@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from footfix.batch.ending import ended
+from footfix.batch.attempt import attempted
 from footfix.batch.files import STDIN, read_clip, read_whole
 from footfix.batch.inputs import Source
 from footfix.batch.making import fingerprint, write_outputs
@@ -112,4 +112,4 @@ def run_follow(
         return write_outputs(task, made, fingerprint(b"".join(held.values()), settings, None))
 
     begun = time.perf_counter()
-    return replace(ended(task, work), seconds=time.perf_counter() - begun)
+    return replace(attempted(task, work), seconds=time.perf_counter() - begun)

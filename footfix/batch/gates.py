@@ -90,7 +90,7 @@ def check(task: Task, data: bytes) -> FileResult:
         data, source, task.settings, labels=task.labels or labels, beside=beside_of(task),
         skin=skin_for(task.settings, task.folder),
     )  # fmt: skip
-    plants = [{**plant, **fate} for plant, fate in zip(plants, _fates(report, plants), strict=True)]
+    plants = [{**plant, **reason} for plant, reason in zip(plants, _reasons(report, plants), strict=True)]
     values = {**measures, **_rounded(held([p["slide_mm"] for p in plants], [bool(p["let_go"]) for p in plants]))}
     wanted = [name for name in gates if name in COST_OF]
     paid = dataclasses.asdict(costs(measures, before or measures))
@@ -135,15 +135,15 @@ def _cleaning(
     return report["before"], None if task.extra.get("anew") else contacts_of(report)
 
 
-def _fates(report: Mapping[str, Any], plants: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+def _reasons(report: Mapping[str, Any], plants: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
     """Find for each plant the reason why cleaning let it go, wholly or in part; "" where it is held."""
     words = {"released": "let go", "partly": "held only in part"}
-    fates: dict[tuple[Any, ...], str] = {}
+    reasons: dict[tuple[Any, ...], str] = {}
     for each in report.get("plants") or ():
         if isinstance(each, dict) and each.get("outcome") in words:
             why = f": {each['reason']}" if each.get("reason") else ""
-            fates[each.get("effector"), each.get("start"), each.get("end")] = words[each["outcome"]] + why
-    return [{"let_go": fates.get((p["effector"], p["start"], p["end"]), "")} for p in plants]
+            reasons[each.get("effector"), each.get("start"), each.get("end")] = words[each["outcome"]] + why
+    return [{"let_go": reasons.get((p["effector"], p["start"], p["end"]), "")} for p in plants]
 
 
 def _no_reference(wanted: list[str]) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from footfix.batch.attempt import attempted
 from footfix.batch.clips import beside_of, joined_result, parts_of
-from footfix.batch.ending import ended
 from footfix.batch.files import sync_folder, write_whole
 from footfix.batch.outputs import is_within
 from footfix.batch.task import CONTACTS, REPORT, FileResult, Task, beside
@@ -55,7 +55,7 @@ def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "
     if parts is None:
         return _written(task, data, [task], [make(task)], keys)[0]
     _refuse_what_is_there(task, parts)
-    results = [ended(part, partial(make, part)) for part in parts]
+    results = [attempted(part, partial(make, part)) for part in parts]
     good = [k for k, each in enumerate(results) if not isinstance(each, FileResult)]
     outputs = [each for each in results if not isinstance(each, FileResult)]
     if good:

@@ -47,8 +47,8 @@ class Outcome:
 
 
 def run(
-    work: Work, tasks: Sequence[Task], *, crew: Crew, told: Callable[[FileResult], None],
-    journal: Journal | None = None, asked_to_stop: Callable[[int], None] = lambda running: None,
+    work: Work, tasks: Sequence[Task], *, crew: Crew, on_result: Callable[[FileResult], None],
+    journal: Journal | None = None, on_interrupt: Callable[[int], None] = lambda running: None,
 ) -> Outcome:  # fmt: skip
     """Do all tasks; one that fails does not stop the others.
 
@@ -56,9 +56,9 @@ def run(
         work: the function that does a task.
         tasks: in the order of the results.
         crew: where they are done.
-        told: called with each result, in the order in which clips end.
+        on_result: called with each result, in the order in which clips end.
         journal: records each clip before it begins and after it ends.
-        asked_to_stop: called once, at the first interrupt.
+        on_interrupt: called once, at the first interrupt.
 
     Raises:
         KeyboardInterrupt: at the second interrupt; what was finished before it is kept.
@@ -78,14 +78,14 @@ def run(
 
     results: dict[int, FileResult] = {}
     with (
-        _interrupts(stop, lambda: asked_to_stop(len(tasks) - len(results))),
+        _interrupts(stop, lambda: on_interrupt(len(tasks) - len(results))),
         # closing it at an interrupt kills the processes and removes their temporary files
         closing(_done(work, tasks, crew, stop, starting)) as ended,
     ):
         for index, result in ended:
             results[index] = result
             journal.end(tasks[index].job.name, result)
-            told(result)
+            on_result(result)
     return Outcome(tuple(results[index] for index in sorted(results)), stop.soon and len(results) < len(tasks))
 
 

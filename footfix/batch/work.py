@@ -10,9 +10,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from footfix.batch.attempt import attempted
 from footfix.batch.cleanings import contacts_of_cleaning
 from footfix.batch.clips import beside_of, joined_result, parts_of, spread
-from footfix.batch.ending import ended
 from footfix.batch.files import STDIN, read_clip
 from footfix.batch.making import made, write
 from footfix.batch.skins import skin_for
@@ -70,7 +70,7 @@ def _guarded(task: Task, work: Work) -> FileResult:
         data = _read(task)
         return work(_as_it_is(task, data), data)
 
-    result = ended(task, done)
+    result = attempted(task, done)
     return replace(result, seconds=time.perf_counter() - begun)
 
 
@@ -92,7 +92,7 @@ def _each(work: Work) -> Work:
         parts = parts_of(task, data)
         if parts is None:
             return work(task, data)
-        return joined_result(task, [ended(part, partial(work, part, data)) for part in parts])
+        return joined_result(task, [attempted(part, partial(work, part, data)) for part in parts])
 
     return done
 

@@ -32,7 +32,7 @@ from footfix.errors import ExitCode
 @click.option("--anew", is_flag=True, help="Detect contacts anew, even where those of a cleaning lie beside the clip.")
 @click.option("--junit", type=click.Path(dir_okay=False, path_type=Path), help="Write the results as JUnit XML.")
 @click.option("--format", "style", type=click.Choice(["text", "csv", "json", "github"]), default="text",
-              show_default=True, help="How results are told: a table, a row a clip, one document, or annotations.")
+              show_default=True, help="How results are shown: a table, a row a clip, one document, or annotations.")
 @click.option("--list", "listed", is_flag=True, help="List every measure with unit and meaning; measure nothing.")
 @many
 @shared

@@ -20,8 +20,8 @@ from footfix.batch.outputs import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
 from footfix.batch.work import clean_one
-from footfix.cli.closing import wrote
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
+from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,
@@ -139,7 +139,7 @@ def run_clips(
     path = journal_in(whole.folder, many.tag, own=whole.own, ending=ending) if writes and whole.folder else None
     journal = Journal(path)
     try:
-        outcome = run_tasks(work, tasks, many, common, writing.style, journal, _told_cleaned(common, few))
+        outcome = run_tasks(work, tasks, many, common, writing.style, journal, _print_verdicts(common, few))
         if not outcome.interrupted:
             journal.finish()
     finally:
@@ -170,9 +170,9 @@ def _close_clean(
     if len(entries) > 1 and writing.style == "text":
         say(table(entries))
     hint = "" if len(tasks) == 1 else "-o FOLDER adds index.html and summary.json"
-    said = wrote(outcome.results, extra=whole.files.values(), hint="" if whole.files else hint, every=common.verbose)
-    if said:
-        say(said)
+    text = wrote(outcome.results, extra=whole.files.values(), hint="" if whole.files else hint, every=common.verbose)
+    if text:
+        say(text)
     return code(outcome)
 
 
@@ -218,8 +218,8 @@ def _reported(job: Job) -> bool:
     return isinstance(head, dict) and "fingerprint" in head
 
 
-def _told_cleaned(common: Common, few: bool) -> Callable[[FileResult, Say], None]:
-    def told(result: FileResult, say: Say) -> None:
+def _print_verdicts(common: Common, few: bool) -> Callable[[FileResult, Say], None]:
+    def print_verdict(result: FileResult, say: Say) -> None:
         from footfix.report.text import summarize
 
         for each in spread(result):
@@ -229,7 +229,7 @@ def _told_cleaned(common: Common, few: bool) -> Callable[[FileResult, Say], None
             if not each.error and not common.quiet and not common.as_json and shown:
                 say(summarize(each.report, verbose=common.verbose and few))
 
-    return told
+    return print_verdict
 
 
 def _entry(task: Task, result: FileResult, whole: Whole) -> Entry:

@@ -48,7 +48,7 @@ def fit(
     from footfix.batch.work import sample_one
     from footfix.cli.running import code, config_for, found_inputs, print_json, reading, run_tasks, tasks_for
     from footfix.cli.say import say
-    from footfix.jobs.fit import told_of
+    from footfix.jobs.fit import fit_entry
     from footfix.report.text import printable
 
     found = found_inputs(src, many)
@@ -57,12 +57,12 @@ def fit(
     tasks = tasks_for([reading(each) for each in found], found, config_for(src, many, common, {}))
     tasks = [replace(task, extra={"style": style_of(each, globs)}) for task, each in zip(tasks, found, strict=True)]
 
-    def told(result: FileResult, say: Callable[[str], None]) -> None:
+    def print_cycles(result: FileResult, say: Callable[[str], None]) -> None:
         for each in spread(result):
             if common.verbose and each.report:
-                say(f"{printable(each.source)}: {printable(each.report['cycles'].told)}")
+                say(f"{printable(each.source)}: {printable(each.report['cycles'].summary)}")
 
-    outcome = run_tasks(sample_one, tasks, many, common, "text", Journal(), told)
+    outcome = run_tasks(sample_one, tasks, many, common, "text", Journal(), print_cycles)
     if outcome.interrupted:
         return ExitCode.INTERRUPTED
     clips = [each for result in outcome.results for each in spread(result)]
@@ -70,7 +70,7 @@ def fit(
     files = [each.report["cycles"] for each in clips if each.status != "failed"]
     fitted = fit_and_write(files, output, components=components)
     if common.as_json:
-        print_json({"format": "footfix-cycles-fit", "version": 1, "model": str(output), **told_of(fitted),
+        print_json({"format": "footfix-cycles-fit", "version": 1, "model": str(output), **fit_entry(fitted),
                     "failed": failed})  # fmt: skip
     elif not common.quiet:
         say(_fitted(fitted, output, common.verbose))
@@ -139,7 +139,7 @@ def make(
 ) -> int:  # fmt: skip
     """Make locomotion from a model: BVH, contacts and report, as of `clean`."""
     from footfix.batch.cycles import load_plan, run_make
-    from footfix.cli.closing import told
+    from footfix.cli.results import print_result
     from footfix.cli.running import config_near
     from footfix.formats.plans import PlanRow
 
@@ -158,4 +158,4 @@ def make(
     result = run_make(
         model, rows, output, settings, seconds=seconds, fps=fps, path=path, force=force, dry_run=dry_run
     )  # fmt: skip
-    return told(result, common)
+    return print_result(result, common)

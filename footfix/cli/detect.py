@@ -16,8 +16,8 @@ from footfix.batch.clips import spread
 from footfix.batch.journal import Journal
 from footfix.batch.task import FileResult
 from footfix.batch.work import detect_one
-from footfix.cli.closing import wrote
 from footfix.cli.options import Common, Given, Many, given, many, shared
+from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,

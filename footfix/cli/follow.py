@@ -42,7 +42,7 @@ def follow(
     path: walk.bvh tired.bvh@3s jog.bvh@8m.
     """
     from footfix.batch.follow import named, run_follow
-    from footfix.cli.closing import told
+    from footfix.cli.results import print_result
     from footfix.cli.running import config_near
 
     parts = [named(each) for each in clips]
@@ -53,7 +53,7 @@ def follow(
         options["report"] = {"kind": report}
     config = config_near([name for name, _ in parts], common, options)
     result = run_follow(path, parts, output, config.settings(Path(parts[0][0])), force=force, dry_run=dry_run)
-    return told(result, common)
+    return print_result(result, common)
 
 
 def _speed(text: str | None) -> dict[str, Any]:

@@ -74,7 +74,7 @@ def run_repair(src: tuple[str, ...], *, output: Path | None, force: bool, many: 
         found, output=output, in_place=False, suffixes=lambda source: (), force=force, one_file=one_file
     )  # fmt: skip
 
-    def told(result: FileResult, say: Say) -> None:
+    def print_repairs(result: FileResult, say: Say) -> None:
         if result.data:
             sys.stdout.buffer.write(result.data)
         if common.quiet or common.as_json or result.error:
@@ -85,7 +85,7 @@ def run_repair(src: tuple[str, ...], *, output: Path | None, force: bool, many: 
             place = f" line {note['line']}:" if "line" in note else ""
             say(f"  {note['severity']} [{note['id']}]{place} {note['text']}")
 
-    outcome = run_tasks(repair_one, tasks_for(jobs, found, config), many, common, "text", Journal(), told)
+    outcome = run_tasks(repair_one, tasks_for(jobs, found, config), many, common, "text", Journal(), print_repairs)
     if common.as_json:
         print_json(one_or_many([plain(each) for each in outcome.results]))
     return ExitCode.INTERRUPTED if outcome.interrupted else code(outcome)

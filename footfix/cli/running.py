@@ -167,7 +167,7 @@ def run_tasks(
 
     progress = Progress(len(tasks), shown=not common.quiet and not common.as_json)
 
-    def ended(result: FileResult) -> None:
+    def finished(result: FileResult) -> None:
         for each in (part for part in spread(result) if part.error):
             progress.say(f"footfix: {printable(each.error)}")
             if style == "github":
@@ -177,13 +177,13 @@ def run_tasks(
         told(result, progress.say)
         progress.step(failed=result.status == "failed", skipped=result.skipped)
 
-    def asked_to_stop(running: int) -> None:
+    def on_interrupt(running: int) -> None:
         progress.say("footfix: finishing the clips that are being worked on; once more stops at once")
 
     tasks = [replace(task, animations=many.animation) for task in tasks]
     crew = Crew(many.jobs, many.timeout, many.dask)
     try:
-        return run(work, tasks, crew=crew, told=ended, journal=journal, asked_to_stop=asked_to_stop)
+        return run(work, tasks, crew=crew, on_result=finished, journal=journal, on_interrupt=on_interrupt)
     finally:
         progress.close()
 

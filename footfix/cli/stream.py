@@ -39,14 +39,14 @@ def _seconds(context: click.Context, option: click.Parameter, value: str) -> flo
               help="Where the rows go; standard output by default.")
 @click.option("--events", metavar="FILE|-", help="A line of JSON for each strike and lift, as soon as it is known.")
 @click.option("--listen", metavar="tcp://HOST:PORT", help="Rows come from a peer that connects here, and go back to "
-              "it, too; 127.0.0.1 unless told otherwise.")  # fmt: skip
+              "it, too; 127.0.0.1 by default.")  # fmt: skip
 @click.option("--connect", metavar="HOST:PORT", help="Rows come from a peer there, as Axis Neuron sends them as text.")
 @click.option("--once", is_flag=True, help="End when the first peer goes; else the next one is waited for.")
 @click.option("--calibrate", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="FILE.bvh",
-              help="A clip of the same figure, by which legs, floor and unit are told; and the header of rows that "
+              help="A clip of the same figure, on which legs, floor and unit are measured; and the header of rows that "
               "come without one.")  # fmt: skip
 @click.option("--calibration", default="2", show_default=True, metavar="SECONDS", callback=_seconds,
-              help="Without --calibrate they are told by so much of the stream.")
+              help="Without --calibrate they are measured on so much of the stream.")
 @click.option("--before", type=click.Choice(["pass", "wait"]), default="pass", show_default=True,
               help="Frames before that pass as they are, or wait and are corrected, too.")
 @shared

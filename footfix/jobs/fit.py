@@ -53,7 +53,7 @@ class FileCycles:
     left_out: Mapping[str, int]
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """The cycles that were found, in words."""
         count = len(self.samples)
         text = f"{count} {'cycle' if count == 1 else 'cycles'}"
@@ -206,7 +206,7 @@ def _unlike(one: Skeleton, other: Skeleton) -> str:
     return ""
 
 
-def told_of(fitted: Fitted) -> dict[str, Any]:
+def fit_entry(fitted: Fitted) -> dict[str, Any]:
     """Describe a fit as a document; each key carries its unit."""
     model, error = fitted.model, fitted.error
     return {

@@ -100,10 +100,10 @@ def redraw(
         raise InputError(f"the clip has {len(before)} frames and the corrected one {len(after)}: not the same clip")
     if rig.get("leg_length_m") is None:
         return draw(None, None, None, report, contacts, params, again)[0]
-    told = _told(report)
-    rigs = find_rigs(clip, told.rig, skin=shown_skin(document, told.rig, skin))
+    settings = _settings(report)
+    rigs = find_rigs(clip, settings.rig, skin=shown_skin(document, settings.rig, skin))
     whole = joined(rigs)
-    belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), told.enforce.ground)
+    belt = ground_of(before, rigs[0], _planted(before, rigs[0], contacts, whole), settings.enforce.ground)
     if loop is not None:
         before = in_place_if_written_so(before, whole, loop)
     return draw(before, after, whole, report, contacts, params, again, belt)[0]
@@ -115,8 +115,8 @@ def _planted(clip: Clip, rig: Rig, contacts: bytes, whole: Rig | None = None) ->
     return all_of_them.only(sole.name for sole in rig.soles)
 
 
-def _told(report: Mapping[str, Any]) -> Settings:
+def _settings(report: Mapping[str, Any]) -> Settings:
     """Read the settings of the rig and of moving ground from a report, to find both again as they were."""
-    said = report.get("settings") or {}
-    ground = (said.get("enforce") or {}).get("ground") or {}
-    return compose([Layer("report", {"rig": said.get("rig") or {}, "enforce": {"ground": ground}})])
+    stored = report.get("settings") or {}
+    ground = (stored.get("enforce") or {}).get("ground") or {}
+    return compose([Layer("report", {"rig": stored.get("rig") or {}, "enforce": {"ground": ground}})])

@@ -112,7 +112,7 @@ def _near(pose: Pose, rig: Rig, yaw: float) -> bool:
 
 
 def said_to_be_one(pose: Pose, rig: Rig) -> Cycle:
-    """Get the cycle of a clip whose last frame is said to be the first of the next round."""
+    """Get the cycle of a clip whose last frame is the first of the next round."""
     return Cycle(len(pose.positions) - 1, _yaw(pose.rotation(rig.root)))
 
 

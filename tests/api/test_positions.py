@@ -128,10 +128,10 @@ def test_the_published_skeleton_is_a_tree_of_its_names() -> None:
 
 
 @pytest.mark.clips
-@pytest.mark.parametrize("folder", ["t2m", "pybvh", "bandai", "lafan_karstm"])
+@pytest.mark.parametrize("folder", ["t2m", "lafan_karstm"])
 def test_captured_clips_are_held_as_positions(folder: str) -> None:
     path = need(shared(f"clips/{folder}"), f"clips/{folder}")[0]
-    clip = footfix.load(path).clip.frames(slice(0, 400))
+    clip = footfix.load(path).clip.frames(slice(0, 250))
     whole = footfix.clean(clip)
     given = footfix.global_positions(clip)
     found = footfix.clean_positions(given, clip.skeleton.parents.tolist(), clip.frame_time, names=clip.skeleton.names)

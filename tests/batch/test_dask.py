@@ -64,13 +64,13 @@ def contents(folder: Path) -> dict[str, bytes]:
 def test_a_cluster_gives_the_same_bytes_a_killed_worker_included(
     cluster: Any, tasks: list[Task], tmp_path: Path
 ) -> None:
-    assert run(clean_one, tasks, crew=Crew(workers=1), told=lambda each: None).interrupted is False
+    assert run(clean_one, tasks, crew=Crew(workers=1), on_result=lambda each: None).interrupted is False
     alone = contents(tmp_path / "out")
     for path in (tmp_path / "out").iterdir():
         path.unlink()
     crew = Crew(dask=cluster.scheduler_address)
     work = batch_tasks.clean_or_die_once if sys.platform != "win32" else clean_one
-    outcome = run(work, tasks, crew=crew, told=lambda each: None)
+    outcome = run(work, tasks, crew=crew, on_result=lambda each: None)
     assert [each.status for each in outcome.results] == ["cleaned", "cleaned", "failed", "cleaned"]
     assert "broken.bvh" in outcome.results[2].error
     if sys.platform != "win32":
@@ -86,7 +86,7 @@ def test_a_clip_that_kills_every_worker_is_given_up_and_named(
     deadly = replace(tasks[0], job=replace(tasks[0].job, source="die1", name="die1"))
     harmless = replace(tasks[0], job=replace(tasks[0].job, source="x", name="x"))
     crew = Crew(dask=cluster.scheduler_address)
-    outcome = run(batch_tasks.act, [deadly, harmless], crew=crew, told=lambda each: None)
+    outcome = run(batch_tasks.act, [deadly, harmless], crew=crew, on_result=lambda each: None)
     assert [each.status for each in outcome.results] == ["failed", "done"], [each.error for each in outcome.results]
     assert "die1" in outcome.results[0].error and "lost" in outcome.results[0].error
 
@@ -96,7 +96,7 @@ def test_an_address_where_nothing_answers_is_a_usage_error(tasks: list[Task], mo
     real = distributed.Client
     monkeypatch.setattr(distributed, "Client", lambda address, **more: real(address, **{**more, "timeout": 1}))
     with pytest.raises(UsageError, match="no scheduler"):
-        run(clean_one, tasks, crew=Crew(dask="tcp://127.0.0.1:9"), told=lambda each: None)
+        run(clean_one, tasks, crew=Crew(dask="tcp://127.0.0.1:9"), on_result=lambda each: None)
 
 
 def test_a_result_lost_with_its_worker_is_waited_for_and_a_lost_clip_told_apart() -> None:

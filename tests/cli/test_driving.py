@@ -146,7 +146,7 @@ def test_detecting_in_many_clips_prints_a_table(run: Run, takes: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes streams")
-@pytest.mark.parametrize("closed", [">&-", ">&- 2>&- <&-"])
+@pytest.mark.parametrize("closed", [">&- 2>&- <&-"])
 def test_closed_streams_are_no_failure(clip: Path, closed: str) -> None:
     command = f'"{sys.executable}" -m footfix clean walk.bvh -o out {closed}'
     assert subprocess.run(command, shell=True, check=False).returncode == 0

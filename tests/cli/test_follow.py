@@ -19,7 +19,7 @@ from walker_gaits import Gait
 from footfix import cli
 from footfix.batch.follow import named
 from footfix.formats.bvh import decode
-from footfix.formats.bvh.anew import continuous_angles, with_motion
+from footfix.formats.bvh.new_motion import continuous_angles, with_motion
 from footfix.motion.kinematics import places
 
 Run = Callable[..., tuple[int, str, str]]

@@ -111,15 +111,14 @@ def test_cleaned_again_it_stays_the_same_file(run: Run, figure: Path, tmp_path: 
 
 
 def test_processes_and_resume_make_the_same(run: Run, figure: Path, tmp_path: Path) -> None:
-    for k in range(2):
-        figure.with_name(f"more{k}.vrma").write_bytes(character({"Walk": walk("walk", 30.0, 1.0).clip}).glb())
+    figure.with_name("more.vrma").write_bytes(character({"Walk": walk("walk", 30.0, 1.0).clip}).glb())
     one, two = tmp_path / "one", tmp_path / "two"
     assert run("clean", figure.parent, "-o", one, *QUICK)[0] == 0
     assert run("clean", figure.parent, "-o", two, "--report", "json", "-j2")[0] == 0
     assert names(one) == names(two)
     assert all((one / name).read_bytes() == (two / name).read_bytes() for name in names(one))
     summary = json.loads((one / "summary.json").read_text())
-    assert summary["clips"]["total"] == 4 and summary["files"][0]["source"] == "figure.glb#Walk"
+    assert summary["clips"]["total"] == 3 and summary["files"][0]["source"] == "figure.glb#Walk"
     code, _, said = run("clean", figure.parent, "-o", one, "--resume", *QUICK)
     assert code == 0 and "done before" in said
     assert json.loads((one / "summary.json").read_text()) == summary
@@ -258,7 +257,7 @@ def test_all_animations_of_an_animal_have_its_four_legs(animal: str) -> None:
     if not path.exists():
         pytest.skip(f"no character: {path} is absent")
     data, found = path.read_bytes(), []
-    for name in footfix.animations(str(path))[::5]:
+    for name in footfix.animations(str(path))[::9]:
         settings = with_shared_legs(data, f"{path.name}#{name}", SETTINGS)
         clip = footfix.load(str(path), animation=name).clip
         found.append([(leg.name, *leg.chain, leg.toe) for leg in find_rig(clip, settings.rig).legs])

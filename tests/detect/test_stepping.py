@@ -16,7 +16,16 @@ from footfix.detect.evidence import resample
 from footfix.detect.fitted import network
 from footfix.detect.network import SWING
 from footfix.detect.run import DetectParams, find
-from footfix.detect.stepping import SteppingParams, parting, resting_speed, slowest, stepping, velocities
+from footfix.detect.stepping import (
+    SteppingParams,
+    by_velocities,
+    from_rest_to_rest,
+    parting,
+    resting_speed,
+    slowest,
+    stepping,
+    velocities,
+)
 from footfix.detect.tracks import Foot, Tracks, tracks_of
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
@@ -208,3 +217,32 @@ def test_of_two_feet_that_part_equally_fast_the_less_likely_to_stand_steps() -> 
     share = odds / (1.0 + odds)
     for answer, expected in zip(found, (0.99 * (1.0 - 0.6 * share), 0.6 * (1.0 - 0.99 * (1.0 - share))), strict=True):
         assert 1.0 - np.exp(answer[100:-100, SWING]) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_foot_leaves_from_rest_to_rest_by_hand() -> None:
+    leaves, creeps, planted = np.zeros(12), np.full(12, 0.5), np.ones(12)
+    leaves[2:5], leaves[7:10] = 0.1, 1.0
+    assert set(from_rest_to_rest(leaves, creeps, planted)) == {(2, 5), (7, 10)}
+    lifted = planted.copy()
+    lifted[[3, 8]] = 0.2  # off the floor meanwhile: then it has to leave faster than one at rest may creep
+    assert from_rest_to_rest(leaves, creeps, lifted) == [(7, 10)]
+    for at in (6, 10):  # no rest before, or after
+        assert from_rest_to_rest(leaves, creeps, np.where(np.arange(12) == at, 0.2, lifted)) == []
+    assert from_rest_to_rest(leaves[2:], creeps[2:], planted[2:]) == [(5, 8), (5, 8)]
+    assert from_rest_to_rest(leaves[:5], creeps[:5], planted[:5]) == []
+
+
+@pytest.mark.parametrize(("rest", "fast", "still", "calm", "steps"), [
+    (0.0, 0.08, 0.1, 2.0, False), (0.0, 0.08, 0.05, 2.0, True),
+    (0.2, 0.35, 0.1, 2.0, False), (0.2, 0.35, 0.1, 1.2, True),
+])  # fmt: skip
+def test_a_foot_rests_below_the_larger_of_two_speeds(
+    rest: float, fast: float, still: float, calm: float, steps: bool
+) -> None:
+    velocity = np.zeros((400, 2, 2))
+    velocity[..., 1] = rest
+    velocity[150:250, :, 1] = fast
+    answer = np.tile(np.log([0.01, 0.5, 0.3, 0.19]), (400, 1))
+    params = SteppingParams(parting=10.0, travel=0.0, noise=0.0, creeping=0.0, length=0.01, still=still, calm=calm)
+    found = by_velocities((answer, answer), (1, 0), np.zeros((400, 2)), (velocity, 0.0 * velocity), params)
+    assert bool(np.exp(found[0][200, SWING]) > 0.5) is steps

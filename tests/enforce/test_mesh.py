@@ -11,8 +11,9 @@ from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.leg import calibrate, tracks
-from footfix.enforce.mesh import sunk
+from footfix.enforce.mesh import over_floor, skins_of, sunk
 from footfix.enforce.params import EnforceParams
+from footfix.enforce.pins import Pins
 from footfix.enforce.run import enforce
 from footfix.enforce.task import task_of
 from footfix.enforce.vertices import vertices_of
@@ -71,6 +72,33 @@ def test_a_heel_that_is_high_over_its_toes_has_no_floor_of_its_own() -> None:
     )
     assert found.penetration_mm == pytest.approx(0.0, abs=1e-6)
     assert found.float_mm > 60.0
+
+
+def test_heel_and_toe_are_drawn_up_by_as_much_as_floor_and_step_are_high() -> None:
+    clip, rig = spoiled(0.1)
+    pose, none = rig.pose(clip), np.zeros(len(clip))
+    off, low = none.astype(bool), none - 9.0
+    pin = Pins(none[1:], np.zeros((3, len(clip) - 1)), off, low, none, low, np.zeros((3, len(clip))), off)
+    pins = [(pin, pin)] * 2
+    plain = over_floor(pins, rig, pose, [none, none])
+    raised = over_floor(pins, replace(rig, floor=rig.floor + 0.3), pose, [none + 0.2, none])
+    for leg, up in ((0, 0.5), (1, 0.3)):
+        for one, other in zip(plain[leg], raised[leg], strict=True):
+            assert np.allclose(other.level - one.level, up, atol=1e-12)
+
+
+def test_over_a_step_a_foot_need_not_be_much_higher_than_it_was() -> None:
+    """A step is only where a foot once stood: what comes up to it or leaves it need not be over it."""
+    clip, rig = spoiled(0.0)
+    pose, none = rig.pose(clip), np.zeros(len(clip))
+    legs = tracks(clip, rig, pose, calibrate(rig, pose, clip))
+    flat, high = (skins_of(rig, legs, pose, 0.0, [none + step] * 2, clip.skeleton) for step in (0.0, 0.5))
+    for mesh in rig.meshes:
+        floor, captured = flat[mesh.leg].lowest[0], mesh.lowest(pose)
+        assert np.ptp(floor) == 0.0 and abs(floor[0] - rig.floor) < 0.01 * rig.leg_length
+        bound = high[mesh.leg].lowest[0]
+        assert (bound >= floor).all() and (bound <= np.maximum(captured + 0.05 * rig.leg_length, floor)).all()
+        assert bound.max() > floor[0] + 0.03, "it swings over the floor, and there it is to stay over its way"
 
 
 @pytest.mark.parametrize("size", [1.0, 2.0])

@@ -21,7 +21,7 @@ from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import EPS, descend, solve, thinned
 from footfix.enforce.task import task_of
-from footfix.enforce.whole_clip import problem_of
+from footfix.enforce.whole_clip import costs_of, problem_of
 from footfix.motion.clip import Floats
 
 # A quadratic problem: legs that can't turn, and a root that is wanted elsewhere.
@@ -305,3 +305,13 @@ def test_a_motion_costs_the_same_at_any_rate() -> None:
 def test_clips_of_any_length_are_solved(frames: int) -> None:
     x = solve(skating(120.0, frames))
     assert x.shape[1] == frames and np.isfinite(x).all()
+
+
+def test_a_root_that_shares_the_correction_goes_five_times_as_far_and_as_fast() -> None:
+    own = CostParams()
+    assert costs_of(EnforceParams(costs=own)) == own == costs_of(EnforceParams(costs=own, method="root"))
+    shared = replace(
+        own, root=5.0 * own.root, root_height=5.0 * own.root_height, root_acceleration=5.0 * own.root_acceleration,
+        root_farthest=5.0 * own.root_farthest,
+    )  # fmt: skip
+    assert costs_of(EnforceParams(costs=own, method="both")) == shared

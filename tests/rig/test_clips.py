@@ -60,8 +60,8 @@ def _found(name: str) -> tuple[Clip, FileUnits, Rig]:
     return placed, found, find_rig(placed)
 
 
-def _some(rows: list[dict[str, str]], most: int = 3) -> list[dict[str, str]]:
-    """Of the files of one origin of which a person says the same, the smallest few: they differ in length mostly."""
+def _some(rows: list[dict[str, str]], most: int = 1) -> list[dict[str, str]]:
+    """Of the files of one origin of which a person says the same, the smallest: they differ in length mostly."""
     size = {row["file"]: path.stat().st_size if (path := SHARED / row["file"]).exists() else 0 for row in rows}
     alike: dict[tuple[str, ...], list[dict[str, str]]] = {}
     for row in sorted(rows, key=lambda row: size[row["file"]]):
@@ -99,21 +99,21 @@ PLAIN = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", PLAIN)
+@pytest.mark.parametrize("name", PLAIN[::2])
 def test_names_only_confirm_what_shape_says(name: str) -> None:
     clip, _, rig = _found(name)
     other, order = shuffled(nameless(clip), seed=1)
     assert legs(find_rig(other), order) == legs(rig)
 
 
-@pytest.mark.parametrize("name", PLAIN[::3])
+@pytest.mark.parametrize("name", PLAIN[::6])
 def test_any_axis_can_be_up(name: str) -> None:
     clip, _, _ = _found(name)
     for up in AXES:
         assert infer_units(with_up(clip, up)).up == up
 
 
-@pytest.mark.parametrize("name", PLAIN)
+@pytest.mark.parametrize("name", PLAIN[1::2])
 def test_a_mirror_swaps_sides(name: str) -> None:
     clip, _, _ = _found(name)
     one, two = find_rig(nameless(clip)), find_rig(mirrored(nameless(clip)))

@@ -72,7 +72,7 @@ def test_a_filter_of_few_values_is_that_of_a_clip() -> None:
 
 @pytest.mark.parametrize("name", ["walk_skate", "run", "stairs"])
 def test_contacts_are_those_of_the_whole_clip_but_for_a_few_frames(name: str) -> None:
-    whole = cut(tracks(name), 0, 200)
+    whole = cut(tracks(name), 0, 140)
     sampled = resample(whole)
     detector = Detector(
         [foot.side for foot in whole.feet], sampled.mates, sampled.jitter, whole.leg_length, whole.frame_time, 0.15,

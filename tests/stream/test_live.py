@@ -32,7 +32,7 @@ def test_every_frame_comes_out_once_in_order_and_one_for_one(name: str) -> None:
     assert values.shape == sample(name).values[:FRAMES].shape
 
 
-@pytest.mark.parametrize("look_ahead", [0.0, 0.05, 0.15])
+@pytest.mark.parametrize("look_ahead", [0.0, 0.15])
 def test_no_frame_waits_longer_than_look_ahead_and_a_thirtieth_of_a_second(look_ahead: float) -> None:
     file = sample("walk_skate")
     stream = footfix.Stream(file, look_ahead)
@@ -144,8 +144,8 @@ def test_nothing_depends_on_how_long_calibration_takes() -> None:
 def test_a_stream_goes_on_after_a_restart_and_counts_on() -> None:
     file = sample("walk_skate")
     live = Live(file, file.frame_time, Settings(), StreamParams(), known=file)
-    shown = live.push(file.values[:50]) + live.restart(file.frame_time) + live.push(file.values[:40]) + live.close()
-    assert [each.number for each in shown] == list(range(90))
+    shown = live.push(file.values[:30]) + live.restart(file.frame_time) + live.push(file.values[:20]) + live.close()
+    assert [each.number for each in shown] == list(range(50))
 
 
 def test_strikes_and_lifts_alternate_and_bound_the_contacts() -> None:

@@ -1,9 +1,9 @@
 """BVH files: read without loss; on writing, only the numbers that changed are replaced."""
 
-from footfix.formats.bvh.anew import with_motion
 from footfix.formats.bvh.compose import compose
 from footfix.formats.bvh.document import Document
 from footfix.formats.bvh.glued import separate_numbers
+from footfix.formats.bvh.new_motion import with_motion
 from footfix.formats.bvh.read import decode, glance
 from footfix.formats.bvh.repair import repair
 from footfix.formats.bvh.select import select

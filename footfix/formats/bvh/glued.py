@@ -56,7 +56,7 @@ def separate_numbers(data: bytes) -> tuple[bytes, tuple[Note, ...]]:
     return b"".join([*parts, data[done:]]), (Note(ID, text, line=at, column=column),)
 
 
-def said(word: bytes) -> tuple[str, str]:
+def describe(word: bytes) -> tuple[str, str]:
     """Describe a word of numbers that run together: what is wrong, and what to do next."""
     first, second, *_ = (each.decode("ascii", "replace") for each in split_numbers(word))
     what = f"two numbers run together, '{readable(word)}': a blank is missing between {first} and {second}"

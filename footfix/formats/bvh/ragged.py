@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.formats.bvh.glued import said, split_numbers
+from footfix.formats.bvh.glued import describe, split_numbers
 from footfix.formats.bvh.numbers import foreign, number, tokens, words
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor, Notes, readable
@@ -127,7 +127,7 @@ def _refuse_glued(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange:
             first.setdefault(int(line[k]), k)
     for at, k in first.items():
         if counts[at] + more[at] in layouts:
-            what, hint = said(cursor.text[starts[k] : ends[k]])
+            what, hint = describe(cursor.text[starts[k] : ends[k]])
             raise cursor.fail(what, at=int(starts[k]), hint=hint)
 
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 from footfix.errors import InputError
 from footfix.formats.bvh.channels import position_base
 from footfix.formats.bvh.document import Document
-from footfix.formats.bvh.doubts import frame_time, look_over
 from footfix.formats.bvh.hierarchy import read_hierarchy
 from footfix.formats.bvh.motion import Headings, read_headings, read_rows
 from footfix.formats.bvh.numbers import number
+from footfix.formats.bvh.oddities import frame_time, look_over
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor, Limits, Notes, refuse_other_formats, searchable_text
 from footfix.formats.bvh.tree import Hierarchy

@@ -13,8 +13,8 @@ import numpy as np
 from footfix.formats.bvh.compose import hierarchy_lines, motion_lines
 from footfix.formats.bvh.digits import fixed
 from footfix.formats.bvh.document import Document
-from footfix.formats.bvh.doubts import HUGE
 from footfix.formats.bvh.numbers import number
+from footfix.formats.bvh.oddities import HUGE
 from footfix.formats.bvh.splice import row_blocks
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.contacts import runs

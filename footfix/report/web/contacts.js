@@ -12,7 +12,7 @@ class Contacts {
   constructor(document, frames, plants) {
     this.document = document;
     this.frames = frames;
-    this.fates = new Map(plants.map(([name, start, before, after, outcome]) => [`${name} ${start}`, { before, after, outcome }]));
+    this.outcomes = new Map(plants.map(([name, start, before, after, outcome]) => [`${name} ${start}`, { before, after, outcome }]));
     this.lanes = (document.effectors || []).map((effector) => effector.contacts || []);
     this.untouched = new Set(this.lanes.flat());
     this.undone = [];
@@ -117,8 +117,8 @@ class Contacts {
   }
 
   /** What became of a contact: {before, after, outcome}, slides in millimetres; nothing for one that was edited. */
-  fate(lane, contact) {
-    return this.untouched.has(contact) ? this.fates.get(`${this.effectors[lane].name} ${contact.start}`) : undefined;
+  outcome(lane, contact) {
+    return this.untouched.has(contact) ? this.outcomes.get(`${this.effectors[lane].name} ${contact.start}`) : undefined;
   }
 
   /** Whether an effector is planted at a frame. */

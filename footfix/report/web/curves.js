@@ -105,16 +105,16 @@ function drawSlides(timeline, context, theme, lane, base) {
   const { contacts, tops } = timeline;
   const up = (mm) => (Math.min(mm, tops.slide) * (SPEED_PLOT - 4)) / tops.slide;
   for (const contact of contacts.lanes[lane]) {
-    const fate = contacts.fate(lane, contact);
-    if (!fate) continue;
+    const found = contacts.outcome(lane, contact);
+    if (!found) continue;
     const [left, right] = [timeline.x(contact.start), timeline.x(contact.end)];
     const wide = Math.max(right - left, 2);
     context.fillStyle = theme.was;
     context.globalAlpha = 0.5;
-    context.fillRect(left, base - up(fate.before || 0), wide, up(fate.before || 0));
+    context.fillRect(left, base - up(found.before || 0), wide, up(found.before || 0));
     context.globalAlpha = 1;
-    context.fillStyle = fate.after > 1000 * NOTICED ? theme.fair : timeline.color(theme, lane);
-    context.fillRect(left, base - up(fate.after || 0), wide, up(fate.after || 0));
+    context.fillStyle = found.after > 1000 * NOTICED ? theme.fair : timeline.color(theme, lane);
+    context.fillRect(left, base - up(found.after || 0), wide, up(found.after || 0));
   }
   rule(timeline, context, theme, base - up(1000 * NOTICED), [1, 3]);
 }

@@ -88,7 +88,7 @@ def render(data: PageData) -> str:
         method=text(report.get("method") or "none"),
         length=_length(data.motion),
         tiles=sections.tiles(report, verdict),
-        fate=text(sections.fate(report)),
+        outcomes=text(sections.outcomes(report)),
         released=sections.loop_list(report) + sections.released_list(report),
         notes=sections.notes_list(entries(report, "notes")),
         viewer=_viewer(data),
@@ -141,13 +141,13 @@ def _data(data: PageData) -> str:
     document = {
         "contacts": _finite(data.contacts),
         "motion": {**packed(data.motion, data.lines), "round": round_of(data.report), "path": path_of(data.report)},
-        "plants": [_fate(plant) for plant in entries(data.report, "plants")],
+        "plants": [_outcome(plant) for plant in entries(data.report, "plants")],
     }
     values = f'<script type="application/json" id="data">{embedded_json(document)}</script>'
     return f"{values}\n<script>{script(*_SCRIPTS)}</script>"
 
 
-def _fate(plant: Report) -> list[Any]:
+def _outcome(plant: Report) -> list[Any]:
     """List what the timeline shows of a plant: effector, start, slides and outcome."""
     slides = (number(plant.get(f"slide_{when}_mm")) for when in ("before", "after"))
     return [str(plant.get("effector", "")), plant.get("start"), *slides, str(plant.get("outcome") or "")]

@@ -114,7 +114,7 @@ _FATES = (
 )
 
 
-def fate(report: Report) -> str:
+def outcomes(report: Report) -> str:
     """Count the plants by outcome, in a line."""
     counts = Counter(str(plant.get("outcome")) for plant in entries(report, "plants"))
     return ", ".join(f"{counts[key]} {words}" for key, words in _FATES if counts[key])

@@ -242,7 +242,7 @@ class Timeline {
       const [left, right] = [this.x(contact.start), this.x(contact.end)];
       const box = { x: left, y: this.top(lane) + 2, wide: Math.max(right - left, 1.5), tall: LANE - 5 };
       drawBar(context, theme, box, contact, this.color(theme, lane), chosen);
-      if (this.contacts.fate(lane, contact)?.after > 1000 * NOTICED) underline(context, theme, box);
+      if (this.contacts.outcome(lane, contact)?.after > 1000 * NOTICED) underline(context, theme, box);
       if (this.editing && chosen) for (const x of [left, right]) drawHandle(context, theme, x, box);
     }
   }

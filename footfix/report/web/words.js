@@ -28,7 +28,7 @@ function inWords(contacts, lane, frame) {
   const wish = wishOf(contact);
   if (wish === "forbid") return "contact forbidden";
   const certain = wish === "force" ? "forced" : `confidence ${(contact.confidence ?? 1).toFixed(2)}`;
-  const fate = contacts.fate(lane, contact);
-  const slides = fate ? `, ${OUTCOMES[fate.outcome] || fate.outcome}, slides ${fate.before?.toFixed(0)} → ${fate.after?.toFixed(0)} mm` : "";
+  const found = contacts.outcome(lane, contact);
+  const slides = found ? `, ${OUTCOMES[found.outcome] || found.outcome}, slides ${found.before?.toFixed(0)} → ${found.after?.toFixed(0)} mm` : "";
   return `planted ${contact.start}–${contact.end}, ${certain}${slides}`;
 }

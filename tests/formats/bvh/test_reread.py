@@ -31,7 +31,8 @@ def changed(clip: Clip, rng: np.random.Generator, size: float, share: float = 0.
 
 @pytest.mark.parametrize("folder", ["samples", "clips", "odd"])
 def test_real_files(folder: str) -> None:
-    paths = {"samples": sorted(SAMPLES.glob("*.bvh")), "clips": one_of_each_origin(1.5e5), "odd": shared("odd")}[folder]
+    every = {"samples": sorted(SAMPLES.glob("*.bvh")), "clips": one_of_each_origin(1.5e5), "odd": shared("odd")}[folder]
+    paths = every if folder == "samples" else every[::2]
     rng = np.random.default_rng(1)
     for path in (path for path in need(paths, folder) if path.stat().st_size < 150_000):
         try:
@@ -44,7 +45,7 @@ def test_real_files(folder: str) -> None:
             says_what_is_read(document, changed(document.clip, rng, float(rng.choice([1e-9, 1e-6, 0.1, 3.0]))))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(files(), st.integers(0, 2**32), st.sampled_from([1e-7, 0.1, 1e3]), st.sampled_from([1.0, 0.01, 1 / 17.7]),
        st.sampled_from(["y", "z", "-x"]))  # fmt: skip
 def test_any_file(made: tuple[Any, ...], seed: int, size: float, unit: float, up: str) -> None:

@@ -10,7 +10,7 @@ from cycle_walkers import SPEEDS, files, fitted
 
 from footfix.errors import InputError
 from footfix.formats.models import decode_model, encode_model
-from footfix.jobs.fit import fit_files, told_of
+from footfix.jobs.fit import fit_entry, fit_files
 from footfix.locomotion.cycles.eigencycles import Ramp, kernel
 from footfix.locomotion.cycles.model import warped
 from footfix.locomotion.cycles.samples import Sample, shift_phases
@@ -113,7 +113,7 @@ def test_another_skeleton_is_left_aside() -> None:
 
 
 def test_what_is_told_names_the_files() -> None:
-    told = told_of(fitted())
+    told = fit_entry(fitted())
     assert len(told["files"]) == len(files())
     assert {each["gait"] for each in told["gaits"]} == {"walk", "run"}
 

@@ -124,10 +124,10 @@ def test_along_a_path_the_root_stays_on_it() -> None:
 def test_the_engine_changes_in_mid_change_without_a_slip() -> None:
     engine = footfix.Engine(fitted().model, speed=0.8, run=0.0)
     frames = []
-    for k in range(480):
-        if k == 60:
+    for k in range(330):
+        if k == 40:
             engine.set(speed=1.9, run=1.0, over=3.0)
-        if k == 200:
+        if k == 150:
             engine.set(speed=1.2, run=0.0, turn=25.0, over=1.0)
         frames.append(engine.step(1 / 120))
     clip = engine.clip(frames, 1 / 120)

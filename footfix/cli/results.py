@@ -13,7 +13,7 @@ from footfix.errors import ExitCode
 from footfix.report.text import printable
 
 
-def told(result: FileResult, common: Common) -> ExitCode:
+def print_result(result: FileResult, common: Common) -> ExitCode:
     """Print the result of a command that made one clip, and return its exit code.
 
     Args:
@@ -30,9 +30,9 @@ def told(result: FileResult, common: Common) -> ExitCode:
         return ExitCode.BUG if result.bug else ExitCode.FAILED
     if not common.quiet and not common.as_json:
         say(summarize(result.report, verbose=common.verbose))
-        said = wrote([result], every=common.verbose)
-        if said:
-            say(said)
+        text = wrote([result], every=common.verbose)
+        if text:
+            say(text)
     sys.stdout.flush()
     return ExitCode.DONE
 
@@ -57,15 +57,15 @@ def wrote(results: Sequence[FileResult], *, extra: Iterable[Path] = (), hint: st
     if len(results) == 1 and not pages:
         pages = [path for path in results[0].written if path.endswith(PAGE)]
     if every:
-        said = "\n".join(f"wrote {printable(path)}" for path in files)
+        text = "\n".join(f"wrote {printable(path)}" for path in files)
     elif len(results) == 1 and not whole:
         first = _motion(results[0])
-        said = f"wrote {printable(first)}" + (f" and {len(files) - 1} more beside it" if len(files) > 1 else "")
+        text = f"wrote {printable(first)}" + (f" and {len(files) - 1} more beside it" if len(files) > 1 else "")
     else:
-        said = f"wrote {len(files)} files to {printable(_common(files))}"
+        text = f"wrote {len(files)} files to {printable(_common(files))}"
     last = f"open {printable(pages[0])}" if pages else hint
-    said = f"{done}; {said}" if done else said
-    return said + ("\n" if every and last else "; " if last else "") + last
+    text = f"{done}; {text}" if done else text
+    return text + ("\n" if every and last else "; " if last else "") + last
 
 
 def _motion(result: FileResult) -> str:

@@ -1,4 +1,4 @@
-"""The end of work on a clip, whatever happens: one clip's failure does not stop others."""
+"""Work on one clip, and its failure as a result: one clip's failure does not stop others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from footfix.errors import FootfixError, InputError
 Made = TypeVar("Made")
 
 
-def ended(task: Task, work: Callable[[], Made]) -> Made | FileResult:
+def attempted(task: Task, work: Callable[[], Made]) -> Made | FileResult:
     """Return the result of some work on a clip, or a result that says why it failed."""
     source = task.job.source
     try:
@@ -28,5 +28,5 @@ def ended(task: Task, work: Callable[[], Made]) -> Made | FileResult:
     except Exception as error:
         if os.environ.get("FOOTFIX_DEBUG"):
             raise
-        said = f"{source}: a bug in footfix, not in your file: {type(error).__name__}: {error}"
-        return FileResult(source, "failed", error=said, bug=True)
+        text = f"{source}: a bug in footfix, not in your file: {type(error).__name__}: {error}"
+        return FileResult(source, "failed", error=text, bug=True)
