@@ -14,7 +14,7 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.rig.sample import Sample
-from footfix.rig.soles import Foot, floor, resting
+from footfix.rig.soles import MESH_OVER_LOW, Foot, floor, resting
 
 # In leg lengths.
 _LEAST = -0.005  # resting height of a ball on the plane, at least: toe joints of some skeletons lie on the ground
@@ -69,7 +69,7 @@ def skin_on_zero_plane(heights: Floats, velocities: Floats, level: float, leg: f
     """
     if abs(level) < _SKIN * leg:
         return True
-    rest = resting(heights, velocities, leg)
+    rest = resting(heights, velocities, leg, MESH_OVER_LOW)
     on_plane = (rest & (np.abs(heights) < _SKIN * leg)).any(axis=1)
     return bool(-_SUNK * leg < level < 0.0 and on_plane.sum() >= _WHILE * rest.any(axis=1).sum())
 
