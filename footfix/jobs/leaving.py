@@ -38,5 +38,6 @@ def _stranded(document: Document, rig: Rig) -> tuple[str, ...]:
     if skin is None or rig.meshes:
         return ()
     notes = left_behind(document.clip, rig, find_followers(document.clip, rig))
-    names = [name for note in notes for name in note.joints if skin.names.count(name) == 1]
-    return tuple(name for name in names if skin.moved_by(skin.below(skin.names.index(name))).any())
+    named = {name for note in notes for name in note.joints}
+    bearing = [k for k, name in enumerate(skin.names) if name in named and skin.moved_by(skin.below(k)).any()]
+    return tuple(sorted({skin.names[k] for k in bearing}))
