@@ -22,13 +22,13 @@ def why_left(document: Document, rigs: Sequence[Rig]) -> Note | None:
         rigs: its figures.
     """
     moved = np.flatnonzero(document.moved)
-    legs = [joint for rig in rigs for leg in rig.legs for joint in (*leg.chain, leg.ankle, leg.toe) if joint is not None]
+    legs = [j for rig in rigs for leg in rig.legs for j in (*leg.chain, leg.ankle, leg.toe) if j is not None]
     if not np.isin(document.clip.skeleton.with_ancestors(legs), moved).any():
         return Note("legs-not-moved", "nothing in it moves the legs, or the figure as a whole: it is left as it is")
     names = tuple(name for rig in rigs for name in _stranded(document, rig))
     if not names:
         return None
-    text = f"the feet that are seen hang from {', '.join(names)}, which can't go along with the legs: it is left as it is"
+    text = f"its feet hang from {', '.join(names)}, which can't go along with the legs: it is left as it is"
     return Note("feet-not-moved", text, "warning", joints=names)
 
 
