@@ -29,12 +29,13 @@ def beside_of(task: Task) -> Callable[[str], bytes] | None:
     return lambda path: read_whole(folder / path, task.settings.limits.bytes)
 
 
-def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
+def parts_of(task: Task, data: bytes, *, poses: bool = True) -> tuple[Task, ...] | None:
     """List the tasks of the clips of a file, as far as they are asked for; None for a file of one clip.
 
     Args:
         task: of the file.
         data: its bytes.
+        poses: whether clips too short to hold a motion are among them, though nobody asks for them by name.
 
     Raises:
         InputError: it can't be read, holds no clip, or not the one that is asked for.
@@ -49,6 +50,8 @@ def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
     chosen = [_chosen(names, each, job.source) for each in dict.fromkeys(asked)] or list(names)
     if len(names) == 1:
         return None
+    if not (poses or asked):
+        chosen = [name for name in chosen if not _is_pose(task, data, name)] or chosen
     if task.labels is not None and len(chosen) > 1:
         raise InputError(
             f"the labels are of one clip, but {len(chosen)} are in the file", file=job.source,
@@ -56,6 +59,18 @@ def parts_of(task: Task, data: bytes) -> tuple[Task, ...] | None:
         )  # fmt: skip
     ends = file_names(names)
     return tuple(_part(task, name, ends[name]) for name in chosen)
+
+
+def _is_pose(task: Task, data: bytes, name: str) -> bool:
+    """Tell whether a clip of a file has too few frames for a motion, as a T-pose beside animations has."""
+    from footfix.formats.document import open_document
+    from footfix.jobs.source import LEAST_FRAMES
+
+    limits, beside = task.settings.limits, beside_of(task)
+    try:
+        return open_document(data, name=f"{task.job.source}#{name}", limits=limits, beside=beside).frames < LEAST_FRAMES
+    except InputError:
+        return False  # the error is raised where the clip is worked on
 
 
 def file_names(names: Sequence[str]) -> dict[str, str]:

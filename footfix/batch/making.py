@@ -45,7 +45,7 @@ def made(task: Task, data: bytes, make: Callable[[Task], Outputs], what: str = "
         make: makes the outputs of the task of one clip.
         what: part of the fingerprint that tells other commands' outputs from those of cleaning.
     """
-    parts = parts_of(task, data)
+    parts = parts_of(task, data, poses=not what)
     tasks = (task,) if parts is None else parts
     keys = [what + fingerprint(data, part.settings, part.labels) + part.job.end for part in tasks]
     done = [_finished(part, key) if task.resume else None for part, key in zip(tasks, keys, strict=True)]

@@ -44,7 +44,7 @@ def detect_one(task: Task) -> FileResult:
 
 def inspect_one(task: Task) -> FileResult:
     """Describe one file."""
-    return _guarded(task, _each(_inspect))
+    return _guarded(task, _each(_inspect, poses=True))
 
 
 def repair_one(task: Task) -> FileResult:
@@ -85,11 +85,11 @@ def _as_it_is(task: Task, data: bytes) -> Task:
     return replace(task, job=replace(job, source="stdin.glb", target=target))
 
 
-def _each(work: Work) -> Work:
-    """Do some work on every clip of a file."""
+def _each(work: Work, *, poses: bool = False) -> Work:
+    """Do some work on every clip of a file, those too short to hold a motion (`poses`) left out."""
 
     def done(task: Task, data: bytes) -> FileResult:
-        parts = parts_of(task, data)
+        parts = parts_of(task, data, poses=poses)
         if parts is None:
             return work(task, data)
         return joined_result(task, [attempted(part, partial(work, part, data)) for part in parts])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from footfix.formats.bvh.text import Limits
 from footfix.formats.suffixes import MOTION, in_file
-from footfix.motion.clip import Clip, Ints
+from footfix.motion.clip import Bools, Clip, Ints
 from footfix.notes import Note
 from footfix.rig.params import RigParams
 
@@ -73,6 +73,10 @@ class Document(Protocol):
     @property
     def metric(self) -> bool:
         """Whether its format says metres and y up, so that the figure's size hardly counts against it."""
+
+    @property
+    def moved(self) -> Bools:
+        """(J,) the joints that the file may move; channels of a format that need not have them may be missing."""
 
     @property
     def skin(self) -> Skin | None:

@@ -12,6 +12,7 @@ from footfix import version
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite, shown_skin
 from footfix.jobs.contacts import contacts_json, find_contacts
+from footfix.jobs.leaving import why_left
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
 from footfix.motion.clip import Clip
@@ -54,15 +55,17 @@ def clean_file(
     source = source_entry(data, name, clip)
     if len(clip) < LEAST_FRAMES:
         return _too_short(data, document, source, settings, output)
-    if leave:
-        settings = replace(settings, smooth=replace(settings.smooth, channels=False))
     with about(name):
         skin = shown_skin(document, settings.rig, skin)
-        prepared = prepare(clip, settings, find_rigs(clip, settings.rig, frame_range, skin), frame_range)
-        if leave:
-            prepared = replace(prepared, notes=(*prepared.notes, Note("cleaned-already", leave)))
+        rigs = find_rigs(clip, settings.rig, frame_range, skin)
+        left = Note("cleaned-already", leave) if leave else None if labels else why_left(document, rigs)
+        if left:
+            settings = replace(settings, smooth=replace(settings.smooth, channels=False))
+        prepared = prepare(clip, settings, rigs, frame_range)
+        if left:
+            prepared = replace(prepared, notes=(*prepared.notes, left))
         contacts = find_contacts(prepared, settings, labels)
-        corrected, figures = correct(prepared, contacts, settings, leave=bool(leave))
+        corrected, figures = correct(prepared, contacts, settings, leave=left is not None)
         # the bytes to write, and the clip that reading them again gives
         written, reread = rewrite(document, corrected, limits=settings.limits)
     results = measure_figures(clip, reread, figures)

@@ -243,7 +243,7 @@ def _floor(
     if meshes:  # a foot may lie on its side, or on its back
         pose = Pose(tuple(range(len(seen.skeleton))), seen.places, seen.turns)
         heights = np.stack([mesh.lowest(pose) for mesh in meshes], axis=1)
-    level, others = soles.floor(heights, velocities, leg)
+    level, others = soles.floor(heights, velocities, leg, soles.MESH_OVER_LOW if meshes else soles.OVER_LOW)
     if on_zero:
         return 0.0, others, "the file's zero plane, on which the toes rest"
     if meshes and skin_on_zero_plane(heights, velocities, level, leg):

@@ -29,6 +29,8 @@ _BALL_OF_TIP = 0.72  # the ball's way ahead of the ankle, as a share of the tip'
 _HEEL_OF_BALL = 0.45  # the heel's way behind the ankle, as a share of the ball's way ahead
 _STILL = 0.25  # [leg lengths / s] a foot that moves less may be standing
 _LEVEL = 0.12  # [leg lengths / s] a foot that rises and falls less may be standing on something that moves
+OVER_LOW = 0.01  # of a sole point
+MESH_OVER_LOW = 0.08  # of the lowest vertex of a foot, of which toe and heel are a part
 _OFTEN = 0.4  # share of the most used level's frames that makes another height a level too
 
 
@@ -243,7 +245,9 @@ def alike(feet: list[Foot], ends: list[str]) -> list[Foot]:
 _MEASURES = ("ankle_height", "ball_height", "behind", "reach", "drop", "usual")
 
 
-def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple[float, ...]]:
+def floor(
+    heights: Floats, velocities: Floats, leg: float, over: float = OVER_LOW
+) -> tuple[float, tuple[float, ...]]:  # fmt: skip
     """Find the lowest height at which soles rest often, and the others at which they do.
 
     Somebody who jumps off a box or walks up stairs rests on several levels; the floor is the lowest of those
@@ -253,8 +257,9 @@ def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple
         heights: (S, P) [m] of the sole points.
         velocities: (S, P, 3) [m/s].
         leg: leg length [m].
+        over: as in `resting`.
     """
-    values = np.sort(heights[resting(heights, velocities, leg)])
+    values = np.sort(heights[resting(heights, velocities, leg, over)])
     band = 0.015 * leg
     count = np.searchsorted(values, values + band, side="right") - np.searchsorted(values, values - band)
     levels = []
@@ -267,14 +272,21 @@ def floor(heights: Floats, velocities: Floats, leg: float) -> tuple[float, tuple
     return levels[0], tuple(levels[1:])
 
 
-def resting(heights: Floats, velocities: Floats, leg: float) -> Bools:
+def resting(heights: Floats, velocities: Floats, leg: float, over: float = OVER_LOW) -> Bools:
     """Tell (S, P) which points may be resting: those that are still, or level and low where none is still for long.
 
     On a treadmill, or in a clip whose root is held in place, planted feet travel; but not up or down.
+
+    Args:
+        heights: (S, P) [m].
+        velocities: (S, P, 3) [m/s].
+        leg: leg length [m].
+        over: [leg lengths] how much higher than the lowest a point that rests may be; a toe that is driven into the
+            floor at every step is lower than where the foot stands.
     """
     still = np.linalg.norm(velocities, axis=-1) <= _STILL * leg
     if still.mean() >= 0.25:
         return np.asarray(still)
     low, high = np.quantile(heights, [0.03, 0.97], axis=0)
-    level = (np.abs(velocities[..., 1]) <= _LEVEL * leg) & (heights <= low + 0.25 * (high - low) + 0.01 * leg)
+    level = (np.abs(velocities[..., 1]) <= _LEVEL * leg) & (heights <= low + 0.25 * (high - low) + over * leg)
     return np.asarray(level if level.any() else heights <= low)

@@ -14,7 +14,7 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.rig.sample import Sample
-from footfix.rig.soles import Foot, floor, resting
+from footfix.rig.soles import MESH_OVER_LOW, Foot, floor, resting
 
 # In leg lengths.
 _LEAST = -0.005  # resting height of a ball on the plane, at least: toe joints of some skeletons lie on the ground
@@ -23,7 +23,8 @@ _ONE_LEVEL = 0.06  # heights nearer to each other are of one level; stairs and b
 _UNEVEN = 0.05  # of feet that rest farther apart in height, one stands on something
 _MOST_ANKLE = 0.16  # height of an ankle over its sole, as on shoes with heels; what seems higher never stood flat
 _LEAST_DROP = 0.02  # a tip that is hardly below its ankle is no sign of where the sole is
-_SKIN = 0.02  # from the plane, up to which soles of a skin that rest rest on it
+_SKIN = 0.035  # from the plane, up to which soles of a skin that rest are meant to rest on it
+_ON_PLANE = 0.02  # the same where others are in the ground
 _SUNK = 0.15  # below the plane, up to which the mesh of a foot is in the floor; stairs are farther down
 _WHILE = 0.8  # of the frames with a foot at rest, in which another one rests on the plane
 
@@ -69,8 +70,8 @@ def skin_on_zero_plane(heights: Floats, velocities: Floats, level: float, leg: f
     """
     if abs(level) < _SKIN * leg:
         return True
-    rest = resting(heights, velocities, leg)
-    on_plane = (rest & (np.abs(heights) < _SKIN * leg)).any(axis=1)
+    rest = resting(heights, velocities, leg, MESH_OVER_LOW)
+    on_plane = (rest & (np.abs(heights) < _ON_PLANE * leg)).any(axis=1)
     return bool(-_SUNK * leg < level < 0.0 and on_plane.sum() >= _WHILE * rest.any(axis=1).sum())
 
 

@@ -15,7 +15,7 @@ import jsonschema
 import numpy as np
 import pytest
 from conftest import SHARED
-from glbmaker import binary_of, character, tree_of, world
+from glbmaker import binary_of, character, tree_of, with_tree, world
 from walks import walk
 
 import footfix
@@ -176,6 +176,70 @@ def test_a_text_file_goes_with_the_files_it_names(run: Run, tmp_path: Path) -> N
     (source.parent / "data" / "numbers.bin").unlink()
     code, _, said = run("clean", source, "-o", tmp_path / "no", *QUICK)
     assert code == 3 and "numbers.bin" in said
+
+
+def with_more(data: bytes, name: str, channels: list[tuple[str, str]]) -> bytes:
+    """A GLB with one more animation, which has some of the channels of the first: (name of the node, path)."""
+    tree = tree_of(data)
+    first = tree["animations"][0]
+    nodes = [node["name"] for node in tree["nodes"]]
+    wanted = {(nodes.index(node), path) for node, path in channels}
+    own = [c for c in first["channels"] if (c["target"]["node"], c["target"]["path"]) in wanted]
+    samplers = [first["samplers"][c["sampler"]] for c in own]
+    channels_ = [{"sampler": k, "target": c["target"]} for k, c in enumerate(own)]
+    tree["animations"].append({"name": name, "samplers": samplers, "channels": channels_})
+    return with_tree(data, tree)
+
+
+def test_what_does_not_move_the_legs_gets_no_channels_for_them(run: Run, figure: Path, tmp_path: Path) -> None:
+    """A nod is played over a walk: with channels for the legs, in whatever pose they rest, it would stop the walk."""
+    figure.write_bytes(with_more(glb(), "Nod", [("Spine", "rotation")]))
+    assert run("clean", str(figure), "--animation", "Nod", "-o", str(tmp_path / "out"), *QUICK)[0] == 0
+    assert (tmp_path / "out" / "figure.glb").read_bytes() == figure.read_bytes()
+    report = json.loads((tmp_path / "out" / "figure.Nod.report.json").read_text())
+    assert report["status"] == "unchanged"
+    assert "legs-not-moved" in {note["id"] for note in report["notes"]}
+
+
+def test_a_pose_among_animations_is_no_failure_unless_asked_for(run: Run, figure: Path, tmp_path: Path) -> None:
+    tree = tree_of(glb())
+    two = next(s for s in tree["animations"][0]["samplers"] if tree["accessors"][s["input"]]["count"] == 2)
+    keys = next(s["input"] for s in tree["animations"][0]["samplers"] if s["interpolation"] == "LINEAR")
+    tree["accessors"].append({**tree["accessors"][keys], "count": 2})
+    pose = {"input": len(tree["accessors"]) - 1, "output": two["output"]}
+    target = next(c["target"] for c in tree["animations"][0]["channels"] if c["target"]["path"] == "translation")
+    tree["animations"].append({"name": "Pose", "samplers": [pose], "channels": [{"sampler": 0, "target": target}]})
+    figure.write_bytes(with_tree(glb(), tree))
+    assert run("detect", str(figure), "-o", str(tmp_path / "all"), "-j1")[0] == 0
+    assert not [name for name in names(tmp_path / "all") if "Pose" in name]
+    code, _, said = run("detect", str(figure), "--animation", "Pose", "-o", str(tmp_path / "one"), "-j1")
+    assert (code, "no motion" in said) == (3, True)
+
+
+def test_an_animation_of_the_face_alone_is_none_of_the_clips(run: Run, figure: Path, tmp_path: Path) -> None:
+    tree = tree_of(glb())
+    body = next(k for k, node in enumerate(tree["nodes"]) if "mesh" in node)
+    sampler = {**tree["animations"][0]["samplers"][0]}
+    channel = {"sampler": 0, "target": {"node": body, "path": "weights"}}
+    tree["animations"] = [{"name": "Smile", "samplers": [sampler], "channels": [channel]}, tree["animations"][0]]
+    figure.write_bytes(with_tree(glb(), tree))
+    assert footfix.animations(figure) == ("Walk",)
+    assert run("clean", str(figure), "-o", str(tmp_path / "out"), *QUICK)[0] == 0
+    after = tree_of((tmp_path / "out" / "figure.glb").read_bytes())
+    assert after["animations"][0] == tree["animations"][0]
+    assert after["animations"][1] != tree["animations"][1]
+
+
+@pytest.mark.parametrize(("animation", "left"), [("Idle", True), ("Walking", False)])
+def test_legs_whose_feet_cannot_go_along_are_left(run: Run, tmp_path: Path, animation: str, left: bool) -> None:
+    """The robot's feet hang from its root; where they have no channels, its legs must not walk away from them."""
+    path = SHARED / "glb" / "RobotExpressive.glb"
+    if not path.exists():
+        pytest.skip(f"no file: {path} is absent")
+    assert run("clean", str(path), "--animation", animation, "-o", str(tmp_path), *QUICK)[0] == 0
+    assert ((tmp_path / path.name).read_bytes() == path.read_bytes()) is left
+    report = json.loads((tmp_path / f"RobotExpressive.{animation}.report.json").read_text())
+    assert ("feet-not-moved" in {note["id"] for note in report["notes"]}) is left
 
 
 def test_from_python(figure: Path, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from footfix.formats.bvh.channels import check_unit_and_up, displaced, to_clip
 from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.tree import Channel
-from footfix.motion.clip import Clip, Floats, Skeleton
+from footfix.motion.clip import Bools, Clip, Floats, Skeleton
 from footfix.notes import Note
 
 
@@ -59,6 +59,11 @@ class Document:
     def values(self) -> Floats:
         """(F, C) the numbers of the rows, in the file's units and degrees."""
         return self.rows.values
+
+    @property
+    def moved(self) -> Bools:
+        """(J,) the joints that the file may move: all."""
+        return np.ones(len(self.skeleton), np.bool_)
 
     @property
     def frames(self) -> int:

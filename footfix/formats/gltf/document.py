@@ -16,7 +16,7 @@ from footfix.formats.gltf.grid import Grid
 from footfix.formats.gltf.mesh import skin_of
 from footfix.formats.gltf.nodes import Nodes
 from footfix.formats.gltf.tracks import WIDTHS, Track
-from footfix.motion.clip import Clip, Floats, Ints, Skeleton, constant_track
+from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, constant_track
 from footfix.notes import Note
 from footfix.rig.figure import figures
 from footfix.rig.params import RigParams
@@ -81,6 +81,12 @@ class Document:
             return skin_of(self.container, self.nodes)
         except InputError:
             return None
+
+    @property
+    def moved(self) -> Bools:
+        """(J,) the joints that the animation turns or displaces, if only by a little."""
+        moving = {node for (node, path), track in self.tracks.items() if path in WIDTHS and not track.constant}
+        return np.array([node in moving for node in self.joints], np.bool_)
 
     @cached_property
     def scales(self) -> tuple[Floats, ...]:

@@ -10,7 +10,7 @@ from footfix.formats.gltf.container import Beside, Container, neighbours, open_c
 from footfix.formats.gltf.document import Document
 from footfix.formats.gltf.grid import grid_of
 from footfix.formats.gltf.nodes import joints_of, read_nodes
-from footfix.formats.gltf.tracks import WIDTHS, animation_names, read_tracks
+from footfix.formats.gltf.tracks import WIDTHS, animation_names, morphs_only, read_tracks
 from footfix.formats.suffixes import in_file
 from footfix.notes import Note
 
@@ -40,7 +40,7 @@ def decode(data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Bes
 
 
 def clips_of(data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: Beside | None = None) -> tuple[str, ...]:
-    """List the animations of a glTF file by name.
+    """List the animations of a glTF file by name, without those that change a mesh's shapes alone.
 
     Raises:
         InputError: it is no glTF, is damaged, packed, or has none.
@@ -49,7 +49,7 @@ def clips_of(data: bytes, *, name: str = "", limits: Limits = _LIMITS, beside: B
     names = animation_names(container)
     if not names:
         raise InputError("the file holds no animation", file=name, hint="there is no motion to work on")
-    return names
+    return tuple(each for k, each in enumerate(names) if not morphs_only(container, k)) or names
 
 
 def neighbours_of(
@@ -78,7 +78,7 @@ def _decoded(container: Container, wanted: str, limits: Limits) -> Document:
     names = animation_names(container)
     if not names:
         raise InputError("the file holds no animation", hint="there is no motion to work on")
-    animation = _chosen(names, wanted)
+    animation = _chosen(container, names, wanted)
     tracks = read_tracks(container, animation)
     moving = {key: track for key, track in tracks.items() if key[1] in WIDTHS}
     nodes = read_nodes(container, limits)
@@ -93,7 +93,7 @@ def _decoded(container: Container, wanted: str, limits: Limits) -> Document:
     return replace(document, notes=_doubts(document))
 
 
-def _chosen(names: tuple[str, ...], wanted: str) -> int:
+def _chosen(container: Container, names: tuple[str, ...], wanted: str) -> int:
     if wanted in names:
         return names.index(wanted)
     listed = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
@@ -102,6 +102,9 @@ def _chosen(names: tuple[str, ...], wanted: str) -> int:
         if len(same) == 1:
             return same[0]
         raise InputError(f"it has no animation {wanted!r}", hint=f"there are {listed}")
+    bodies = [k for k in range(len(names)) if len(names) > 1 and not morphs_only(container, k)]
+    if len(bodies) == 1:
+        return bodies[0]
     if len(names) > 1:
         raise InputError(f"it holds {len(names)} animations: {listed}", hint=f"name one: FILE#{names[0]}")
     return 0

@@ -102,6 +102,16 @@ def animation_names(container: Container) -> tuple[str, ...]:
     return tuple(found)
 
 
+def morphs_only(container: Container, animation: int) -> bool:
+    """Tell whether an animation moves no node, but changes the shapes of meshes: a face that smiles."""
+    row, where = container.tables["animations"][animation], f"animations[{animation}]"
+    try:
+        targets = [child(each, "target", where) for each in rows_of(row, "channels", where)]
+    except InputError:
+        return False  # it is damaged, as whoever reads it will say
+    return bool(targets) and all(target.get("path") == "weights" for target in targets)
+
+
 def read_tracks(container: Container, animation: int) -> Mapping[tuple[int, str], Track]:
     """Read the channels of an animation that move nodes: (node, path) -> track.
 
