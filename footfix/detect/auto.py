@@ -11,6 +11,7 @@ from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
+from footfix.detect.overtaking import OvertakingParams, overtaking
 from footfix.detect.path import masks, resting, stretches
 from footfix.detect.stepping import SteppingParams, stepping
 from footfix.detect.timing import Timing, timed
@@ -29,6 +30,7 @@ class AutoParams:
         highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
         steep: [leg lengths] of height beyond it for each nat that standing costs.
         stepping: when a foot that looks planted steps.
+        overtaking: when it goes ahead of the pelvis.
         kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """
@@ -39,6 +41,7 @@ class AutoParams:
     highest: float = 0.065
     steep: float = 0.005
     stepping: SteppingParams = field(default_factory=SteppingParams)
+    overtaking: OvertakingParams = field(default_factory=OvertakingParams)
     kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
@@ -88,7 +91,8 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
         part = slice(low, high)
         alone = tuple(grounded(network.logits(curves), curves, params) for curves in evidence(sampled, part))
-        for k, answer in enumerate(stepping(alone, sampled, part, params.stepping)):
+        answered = overtaking(stepping(alone, sampled, part, params.stepping), sampled, part, params.overtaking)
+        for k, answer in enumerate(answered):
             answers[k].append(answer[first - low : first - low + chunk])
     return tuple(np.concatenate(answer) for answer in answers)
 
