@@ -149,3 +149,24 @@ def resting(part: Bools, planted: Bools, height: Floats, rise: float) -> Bools:
             highest = max(float(height[a - 1]), float(height[b])) + rise
             out[a:b] = bool(np.all(height[a:b] < highest))
     return out
+
+
+def landed(part: Bools, speed: Floats, swing: float) -> Bools:
+    """Leave frames out at both ends of contacts in which a part of a foot (F,) still goes as only a swing does.
+
+    At few frames a second the frame in which a foot comes down may be one of the quickest of its swing. At the clip's
+    own ends nothing lands or leaves.
+
+    Args:
+        part: (F,) heel, or toe, in contact.
+        speed: (F - 1,) from each frame to the next, over the ground.
+        swing: in the same unit; what goes so much faster than a contact does on the whole has not landed.
+    """
+    out = part.copy()
+    for a, b in runs(part):
+        inside = speed[a : b - 1]
+        rests = np.flatnonzero(inside <= np.median(inside) + swing) if len(inside) else np.zeros(0, dtype=np.intp)
+        if len(rests):
+            out[a : a + int(rests[0])] &= a == 0
+            out[a + int(rests[-1]) + 2 : b] &= b == len(part)
+    return out
