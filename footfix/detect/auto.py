@@ -27,7 +27,7 @@ class AutoParams:
         switch: what a landing or a leaving costs; dearer means fewer and longer contacts [nats].
         roll: what a change between heel, flat and toe costs [nats].
         rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
-        swing: [leg lengths/s] what goes so much faster than a contact does on the whole lands or leaves yet.
+        landing: [leg lengths] what goes farther in one frame, than at the slowest of a contact, lands or leaves yet.
         highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
         steep: [leg lengths] of height beyond it for each nat that standing costs.
         stepping: when a foot that looks planted steps.
@@ -39,7 +39,7 @@ class AutoParams:
     switch: float = 3.0
     roll: float = 2.0
     rise: float = 0.01
-    swing: float = 2.5
+    landing: float = 0.05
     highest: float = 0.065
     steep: float = 0.005
     stepping: SteppingParams = field(default_factory=SteppingParams)
@@ -72,8 +72,8 @@ def auto(
         heel, toe = masks(plants, len(tracks), per_frame)
         for part, point in ((heel, foot.heel), (toe, foot.toe)):
             down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)
-            speed = np.hypot(*np.diff(point[:, ::2], axis=0).T) / tracks.frame_time
-            down = landed(down, speed, params.swing * tracks.leg_length)
+            step = np.hypot(*np.diff(point[:, ::2], axis=0).T)
+            down = landed(down, step, params.landing * tracks.leg_length)
             columns.append(carrying(down, tracks, foot, point, params.kneeling))
         sure += _parts(answer, len(tracks), per_frame)
     notes = frame_rate(tracks, params.doubts)
