@@ -51,9 +51,7 @@ def overtaking(
     places = sampled.tracks.pelvis[part, ::2]
     now, lasting = velocity_of(places), savgol(places, STEP, seconds=params.lasting, degree=1, derivative=1)
     feet = (velocities(foot, part) for foot in sampled.tracks.feet)
-    return tuple(
-        stands(answer, ahead(foot, now, lasting, params)) for answer, foot in zip(answers, feet, strict=True)
-    )
+    return tuple(stands(answer, ahead(foot, now, lasting, params)) for answer, foot in zip(answers, feet, strict=True))
 
 
 def ahead(foot: Floats, now: Floats, lasting: Floats, params: OvertakingParams) -> Floats:
