@@ -128,12 +128,16 @@ def bounds(of: Problem) -> list[tuple[Floats, Floats, float]]:
     c, size, deg = of.costs, of.leg_length, np.pi / 180.0
     one = np.eye(of.unknowns)
     found = [(one[:ROOT], np.full(of.frames, c.root_farthest * size), costs.FAR_ROOT * size)]
-    small = c.unnoticed_turn * np.maximum(of.fault / (c.noticed * size), 1.0)
+    seen = np.maximum(of.fault / (c.noticed * size), 1.0)
+    small, least, most = c.unnoticed_turn * seen, min(costs.TOES * c.unnoticed_turn, c.toes_farthest), c.toes_farthest
+    some = min(costs.TOES_FREE * least, most)  # from here on toes go to their limit
+    share = np.clip((seen - costs.TOES_FREE) / (2.0 - costs.TOES_FREE), 0.0, 1.0)
+    toes = np.where(share > 0.0, some + share * (most - some), np.minimum(least * seen, most))
     for k in range(len(of.legs)):
         own = one[of.columns(k)]
         joints = (own[:3], c.line_farthest), (own[3:4], c.ankle_farthest), (own[4:7] - own[:3], c.ankle_farthest)
-        for turn, far in (*joints, (own[7:8] / costs.TOES, c.toes_farthest)):
-            found.append((turn, np.minimum(small, far) * deg, costs.FAR_TURN * deg))
+        found += [(turn, np.minimum(small, far) * deg, costs.FAR_TURN * deg) for turn, far in joints]
+        found.append((own[7:8], toes * deg, costs.FAR_TURN * deg))
     return found
 
 

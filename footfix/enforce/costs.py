@@ -14,7 +14,8 @@ GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults are
 # Bounds, as standard deviations of what is beyond them.
 FLOOR, PLACE, FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
 KNEE, SPEED, FAR_TURN = 0.3, 0.15, 0.5  # [degrees]
-TOES = 1.15  # times as far as other joints toes bend for what is not noticed
+TOES = 1.15  # times as far as other joints toes bend for what is not noticed,
+TOES_FREE = 1.3  # and up to so many times as much; then more and more, as far as they may for twice as much
 CUT, CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 
@@ -40,7 +41,8 @@ class CostParams:
         ankle_farthest: beyond this the foot hardly turns against the shank, and the knee hardly bends [degrees].
         toes_farthest: beyond this the toes hardly bend [degrees].
         noticed: a fault that viewers notice: 21 mm of a grown-up (Prazak & O'Sullivan 2011) [leg lengths].
-        unnoticed_turn: farther than this a joint hardly turns for a smaller fault; for more, in proportion [degrees].
+        unnoticed_turn: farther than this a joint hardly turns for a smaller fault; for more, in proportion; toes as far
+            as they may for twice as much [degrees].
         speed: by which a joint may turn faster than captured [degrees/s].
         level: of a plant from its floor, in a tenth of a second [leg lengths].
     """
@@ -53,11 +55,11 @@ class CostParams:
     line: float = 5.0
     knee: float = 3.0
     foot: float = 4.5
-    toes: float = 10.0
+    toes: float = 15.0
     line_acceleration: float = 200.0
     knee_acceleration: float = 200.0
     foot_acceleration: float = 300.0
-    toes_acceleration: float = 500.0
+    toes_acceleration: float = 1000.0
     line_farthest: float = 12.0
     ankle_farthest: float = 25.0
     toes_farthest: float = 40.0

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from footfix.enforce.costs import GROWN, NOISY, CostParams
+from footfix.enforce.costs import GROWN, NOISY, TOES, TOES_FREE, CostParams
 from footfix.enforce.leg import LEG, ROOT, B, LegTracks
 from footfix.enforce.pins import Pins
 from footfix.enforce.vertices import Vertices
@@ -71,10 +71,18 @@ class Problem:
             own[B] = leg.bends and leg.turns
         return free
 
-    def farthest(self, most: float) -> Floats:
-        """Bound how far a joint goes freely, (F,) [rad]: in proportion to the fault, at most `most` [degrees]."""
-        seen = np.maximum(self.fault / (self.costs.noticed * self.leg_length), 1.0)
-        return np.radians(np.minimum(self.costs.unnoticed_turn * seen, most))
+    def farthest(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Bound how far line, knee, ankle and toes turn freely, each (F,) [rad]: the larger the fault, the farther.
+
+        They go in proportion to it. Toes bend as far as they may for a fault twice as large as what is noticed: while
+        the heel rises, toe joint and tip both stand only if they do.
+        """
+        c = self.costs
+        seen = np.maximum(self.fault / (c.noticed * self.leg_length), 1.0)
+        line, ankle = (np.minimum(c.unnoticed_turn * seen, most) for most in (c.line_farthest, c.ankle_farthest))
+        least = min(TOES * c.unnoticed_turn, c.toes_farthest)
+        toes = np.interp(seen, [1.0, TOES_FREE, 2.0], [least, min(TOES_FREE * least, c.toes_farthest), c.toes_farthest])
+        return np.radians(line), np.radians(ankle), np.radians(ankle), np.radians(toes)
 
     def near(self) -> tuple[Floats, Floats]:
         """Compute the standard deviations of NEAR: s0 [m, rad] and s2 [m/s^2, rad/s^2], both (U,)."""

@@ -32,7 +32,6 @@ from footfix.enforce.costs import (
     RATE,
     SPEED,
     STATIC,
-    TOES,
     UPRIGHT,
 )
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
@@ -182,10 +181,9 @@ def joint_terms(problem: Problem, k: int, x: Floats, base: int, out: System | No
     for turn, bend, off in ((q, axis, half), (knee, None, 0.0), (w - q, axis, half)):
         cost += _speed(turn, bend, turn @ x - off, own, most, sv, out)
     toes = np.zeros((1, LEG))
-    toes[0, B] = 1.0 / TOES
-    bounds = ((q, c.line_farthest), (knee, c.ankle_farthest), (w - q, c.ankle_farthest), (toes, c.toes_farthest))
-    for turn, most in bounds:
-        cost += _far(turn, x, own, problem.farthest(most), np.radians(FAR_TURN), problem, out)
+    toes[0, B] = 1.0
+    for turn, far in zip((q, knee, w - q, toes), problem.farthest(), strict=True):
+        cost += _far(turn, x, own, far, np.radians(FAR_TURN), problem, out)
     return cost
 
 

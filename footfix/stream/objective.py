@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.assembly import product
-from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, TOES, UPRIGHT
+from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, UPRIGHT
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import friction, near, root_bound, smooth
@@ -133,16 +133,14 @@ def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floa
 
 def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
     """FAR of line, knee, ankle and toes."""
-    c = problem.costs
-    most = (c.line_farthest, c.ankle_farthest, c.ankle_farthest, c.toes_farthest)
     kinds = (
         (x[Q], ((Q, 1.0),)),
         (x[K : K + 1], ((slice(K, K + 1), 1.0),)),
         (x[W] - x[Q], ((W, 1.0), (Q, -1.0))),
-        (x[B : B + 1] / TOES, ((slice(B, B + 1), 1.0 / TOES),)),
+        (x[B : B + 1], ((slice(B, B + 1), 1.0),)),
     )
     lengths = np.sqrt(np.stack([np.sum(turn * turn, axis=0) for turn, _ in kinds]))
-    bounds = np.stack([problem.farthest(each) for each in most])
+    bounds = np.stack(problem.farthest())
     if not np.any(lengths > bounds[:, None]):
         return
     weight = RATE * problem.frame_time / np.radians(FAR_TURN) ** 2
