@@ -11,7 +11,8 @@ from footfix.detect.doubts import DoubtParams, frame_rate, unsure
 from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
-from footfix.detect.path import masks, resting, stretches
+from footfix.detect.overtaking import OvertakingParams, overtaking
+from footfix.detect.path import landed, masks, resting, stretches
 from footfix.detect.stepping import SteppingParams, stepping
 from footfix.detect.timing import Timing, timed
 from footfix.detect.tracks import Finding, Tracks
@@ -26,9 +27,11 @@ class AutoParams:
         switch: what a landing or a leaving costs; dearer means fewer and longer contacts [nats].
         roll: what a change between heel, flat and toe costs [nats].
         rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
+        landing: [leg lengths] what goes farther in one frame, than at the slowest of a contact, lands or leaves yet.
         highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
         steep: [leg lengths] of height beyond it for each nat that standing costs.
         stepping: when a foot that looks planted steps.
+        overtaking: when it goes ahead of the pelvis.
         kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """
@@ -36,9 +39,11 @@ class AutoParams:
     switch: float = 3.0
     roll: float = 2.0
     rise: float = 0.01
+    landing: float = 0.05
     highest: float = 0.065
     steep: float = 0.005
     stepping: SteppingParams = field(default_factory=SteppingParams)
+    overtaking: OvertakingParams = field(default_factory=OvertakingParams)
     kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
@@ -67,6 +72,8 @@ def auto(
         heel, toe = masks(plants, len(tracks), per_frame)
         for part, point in ((heel, foot.heel), (toe, foot.toe)):
             down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)
+            step = np.hypot(*np.diff(point[:, ::2], axis=0).T)
+            down = landed(down, step, params.landing * tracks.leg_length)
             columns.append(carrying(down, tracks, foot, point, params.kneeling))
         sure += _parts(answer, len(tracks), per_frame)
     notes = frame_rate(tracks, params.doubts)
@@ -88,7 +95,8 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
         part = slice(low, high)
         alone = tuple(grounded(network.logits(curves), curves, params) for curves in evidence(sampled, part))
-        for k, answer in enumerate(stepping(alone, sampled, part, params.stepping)):
+        answered = overtaking(stepping(alone, sampled, part, params.stepping), sampled, part, params.overtaking)
+        for k, answer in enumerate(answered):
             answers[k].append(answer[first - low : first - low + chunk])
     return tuple(np.concatenate(answer) for answer in answers)
 

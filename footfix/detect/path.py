@@ -11,6 +11,7 @@ from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 
+_SLOW, _BRAKED = 0.25, 0.4  # of the steps of a contact, the slowest; of the farthest step, one that is short again
 EARLY = 0.4  # grid steps: plates, the more so filtered ones, tell of a landing a little before the joints do
 
 
@@ -148,4 +149,28 @@ def resting(part: Bools, planted: Bools, height: Floats, rise: float) -> Bools:
         if a > 0 and b < len(part) and part[a - 1] and part[b]:
             highest = max(float(height[a - 1]), float(height[b])) + rise
             out[a:b] = bool(np.all(height[a:b] < highest))
+    return out
+
+
+def landed(part: Bools, step: Floats, farthest: float) -> Bools:
+    """Leave frames out at both ends of contacts in which a part of a foot (F,) still goes far in one frame.
+
+    At few frames a second the frame in which a foot comes down may be one of the quickest of its swing. Where it is,
+    the contact begins once the foot is braked. At the clip's own ends nothing lands or leaves.
+
+    Args:
+        part: (F,) heel, or toe, in contact.
+        step: (F - 1,) from each frame to the next, over the ground.
+        farthest: in the same unit; what goes so much farther than the contact does at its slowest has not landed.
+    """
+    out = part.copy()
+    for a, b in runs(part):
+        inside = step[a : b - 1] - np.quantile(step[a : b - 1], _SLOW) if b - a > 1 else np.zeros(0)
+        rests = np.flatnonzero(inside <= _BRAKED * farthest)
+        if not len(rests):
+            continue
+        if a > 0 and inside[0] > farthest:
+            out[a : a + int(rests[0])] = False
+        if b < len(part) and inside[-1] > farthest:
+            out[a + int(rests[-1]) + 2 : b] = False
     return out

@@ -11,10 +11,12 @@ from footfix.enforce.footplant import Footplant
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contact, Contacts
+from footfix.motion.kinematics import forward
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds
 
+_CLOSED = 0.001  # [m] between the last frame and the first: less is not told
 _SAME = 0.05  # [rad] a joint whose first and last turns differ by more is left as it comes
 
 
@@ -88,10 +90,23 @@ def _between(a: Floats, b: Floats) -> Floats:
 
 
 def cycle_note(rounds: Rounds) -> Note:
-    """Say that a clip is a cycle."""
+    """Say that a clip is a cycle, and how far its last frame is from its first where it repeats that."""
     seconds = rounds.cycle.frames * rounds.whole.frame_time
+    off, joint = _open(rounds) if len(rounds.whole) > rounds.cycle.frames else (0.0, "")
+    but = f", but for {1000.0 * off:.0f} mm at {joint}, which stay (`footfix loop` closes a clip)"
     text = (
-        f"the clip is a cycle of {seconds:.2f} s: its last frame leads to the first, and contacts and correction go on "
-        "over the seam (enforce.cycle=no leaves it open)"
+        f"the clip is a cycle of {seconds:.2f} s: its last frame leads to the first{but if off > _CLOSED else ''}, and "
+        "contacts and correction go on over the seam (enforce.cycle=no leaves it open)"
     )
     return Note("cycle", text)
+
+
+def _open(rounds: Rounds) -> tuple[float, str]:
+    """[m] how far the joint that is farthest in the last frame is from its place in the first, of the root; and it."""
+    ends = rounds.whole.frames(np.array([0, len(rounds.whole) - 1]))
+    pose = forward(ends)
+    place, turn = pose.position(rounds.root), pose.rotation(rounds.root)
+    seen = rotation.rotate(rotation.inverse(turn)[:, None], pose.positions - place[:, None])  # (2, J, 3)
+    off = np.linalg.norm(seen[1] - seen[0], axis=1)
+    worst = int(np.argmax(off))
+    return float(off[worst]), ends.skeleton.names[worst]

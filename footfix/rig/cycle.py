@@ -75,7 +75,8 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cyc
     every = np.arange(0, frames - 1, 1 if frames * clip.frame_time <= _LONGEST else 1 + frames // 200)
     steps = step(every, every + 1)
     usual = _size(steps)
-    first, last, over = step(np.array([0, frames - 2, frames - 1]), np.array([1, frames - 1, 0]))
+    ends = step(np.array([frames - 3, frames - 2, frames - 1, 0, 1]), np.array([frames - 2, frames - 1, 0, 1, 2]))
+    earlier, last, over, first, later = ends
     height, turn = pose.position(rig.root)[:, 1], pose.rotation(rig.root)
     low, yaw = _HEIGHT * rig.leg_length, _yaw(turn)
     if usual < 1e-6:
@@ -91,7 +92,9 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cyc
     if _size(over) < _SAME * usual and abs(height[-1] - height[0]) < low:
         return Cycle(frames - 1, yaw)
     rise = 0.5 * (height[1] - height[0] + height[-1] - height[-2])
-    if _size(over - beside) < max(_ALIKE * usual, _ERRS * _errs(steps)) and abs(height[0] - height[-1] - rise) < low:
+    curved = beside + (first - later + last - earlier) / 6.0  # by the cubic through four steps: few frames make a round
+    off = min(_size(over - beside), _size(over - curved))
+    if off < max(_ALIKE * usual, _ERRS * _errs(steps)) and abs(height[0] - height[-1] - rise) < low:
         return Cycle(frames, yaw + 0.5 * (_yaw(turn[:2]) + _yaw(turn[-2:])))
     return None
 

@@ -96,6 +96,29 @@ def test_a_part_that_does_not_rise_between_two_contacts_of_a_plant_never_left() 
     assert np.array_equal(path.resting(part, apart, height, 1.0), part)
 
 
+def test_a_contact_begins_once_the_foot_is_braked_and_ends_before_it_dashes_off() -> None:
+    step = np.full(19, 0.002)
+    step[[4, 5, 6]] = [0.11, 0.10, 0.03]
+    step[14] = 0.08
+    part = np.zeros(20, dtype=np.bool_)
+    part[5:16] = True
+    assert np.flatnonzero(path.landed(part, step, 0.05)).tolist() == list(range(7, 15))
+    slow = np.minimum(step, 0.04)
+    assert np.array_equal(path.landed(part, slow, 0.05), part), "what is not far in any frame stays"
+    belt = step + 0.2
+    assert np.array_equal(path.landed(part, belt, 0.05), path.landed(part, step, 0.05)), "a belt takes all along"
+    fast = np.where(np.arange(19) % 2 == 0, 0.2, 0.1)
+    assert path.landed(part, fast, 0.05)[6:15].all(), "what is fast throughout loses its ends alone"
+
+
+def test_at_the_ends_of_a_clip_no_foot_lands() -> None:
+    step = np.array([0.2, 0.001, 0.001, 0.001, 0.2])
+    every = np.ones(6, dtype=np.bool_)
+    assert np.array_equal(path.landed(every, step, 0.05), every)
+    single = np.array([False, True, False, False, False, False])
+    assert np.array_equal(path.landed(single, step, 0.05), single)
+
+
 def test_the_network_is_what_its_numbers_say() -> None:
     random = np.random.default_rng(0)
     seen = random.normal(size=(50, len(COLUMNS)))

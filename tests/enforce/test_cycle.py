@@ -10,6 +10,7 @@ from legmaker import largest_turn
 from walks import cleaned, rig_of
 from walks import short_walk as walk
 
+from footfix.enforce.cycle import cycle_note
 from footfix.enforce.params import EnforceParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -74,6 +75,31 @@ def test_a_round_of_few_frames_is_found_and_a_round_that_lacks_more_than_one_is_
     found = found_in(clip)
     assert found is not None and found.frames == len(clip)  # type: ignore[attr-defined]
     assert found_in(clip.frames(slice(0, -2))) is None
+
+
+def test_a_round_of_few_frames_is_found_though_a_joint_is_quickest_over_the_seam() -> None:
+    clip = striding(0.1, closed=False)[0].frames(slice(None, None, 5))
+    arm = clip.skeleton.names.index("LeftArm")
+    swing = rotation.from_axis_angle(X, np.sin(4.0 * np.pi * (np.arange(len(clip)) + 0.5) / len(clip)))
+    found = found_in(clip.with_joints({}, {arm: swing}))
+    assert found is not None and found.frames == len(clip)  # type: ignore[attr-defined]
+
+
+def test_what_the_last_frame_lacks_to_the_first_is_said() -> None:
+    clip, _ = striding(closed=True)
+    shin = clip.skeleton.names.index("LeftLeg")
+    turns = clip.rotation(shin).copy()
+    turns[-1] = rotation.multiply(turns[-1], rotation.from_axis_angle(X, 0.02))
+    rig = rig_of(walk())
+    plain, off = (rounds_of(c, rig, "find") for c in (clip, clip.with_joints({}, {shin: turns})))
+    assert plain is not None and off is not None
+    assert "stay" not in cycle_note(plain).text
+    pose = forward(clip)
+    below = [j for j in range(len(clip.skeleton)) if shin in clip.skeleton.ancestors(j)]
+    reach = np.linalg.norm((pose.positions[-1, below] - pose.position(shin)[-1])[:, 1:], axis=1)  # about the x axis
+    moved = 1000.0 * 2.0 * np.sin(0.01) * reach.max()  # [mm]
+    name = clip.skeleton.names[below[int(np.argmax(reach))]]
+    assert f"but for {moved:.0f} mm at {name}, which stay" in cycle_note(off).text
 
 
 def test_what_is_no_cycle_is_none() -> None:
