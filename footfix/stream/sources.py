@@ -192,13 +192,21 @@ class Peer(Source):
         except TimeoutError:
             return None
 
+    def _who(self, peer: socket.socket) -> str:
+        """Name a peer by its own address; by the one that was asked for where it is gone already."""
+        try:
+            host, port = peer.getpeername()[:2]
+        except (OSError, ValueError):
+            return str(self._address)
+        return str(Address(str(host), int(port)))
+
     def _talk(self, peer: socket.socket) -> None:
         """Read from a peer until it is gone."""
         peer.settimeout(None)
         with suppress(OSError):
             peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._lines.forget()
-        self.backlog.put(Came(str(self._address)))
+        self.backlog.put(Came(self._who(peer)))
         if self._listens:
             self.outlet = Outlet(peer.sendall)
             if greeting := self.greeting():
