@@ -16,8 +16,9 @@ from footfix.detect.auto import AutoParams, grounded
 from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
 from footfix.detect.network import FLAT, HEEL, TOE, Network
+from footfix.detect.overtaking import OvertakingParams, ahead
 from footfix.detect.path import EARLY, Stretch, resting, stretches
-from footfix.detect.stepping import WINDOW
+from footfix.detect.stepping import WINDOW, stands
 from footfix.detect.timing import timed_by
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
@@ -72,6 +73,22 @@ def logits(network: Network, curves: Sequence[Floats], count: int) -> Floats:
     return np.asarray(z - np.log(np.exp(z).sum(axis=-1, keepdims=True)))
 
 
+def overtaken(answers: Floats, pelvis: Floats, velocity: Floats, params: OvertakingParams) -> Floats:
+    """Find the log probabilities of each foot, given where it goes ahead of the pelvis; see `detect.overtaking`.
+
+    Whether the pelvis travels is told by the time about a moment, and where too little of it has come, by the newest.
+
+    Args:
+        answers: (feet, n, 4) log probabilities.
+        pelvis: (m, 2) [leg lengths] places over the ground; m is n or more, and the answers are of the last n.
+        velocity: (n, 1 + 2 feet, 2) [leg lengths/s] over the ground of the pelvis, and of each foot's heel and toe.
+        params: when a foot goes ahead.
+    """
+    lasting = filtered(pelvis, seconds=params.lasting, degree=1, derivative=1)[-len(velocity) :]
+    feet = (velocity[:, 1 + 2 * k : 3 + 2 * k] for k in range(len(answers)))
+    return stands(answers, np.stack([ahead(foot, velocity[:, 0], lasting, params) for foot in feet]))
+
+
 class Detector:
     """The detector of one figure in a stream."""
 
@@ -121,6 +138,7 @@ class Detector:
         over_ground = np.ascontiguousarray((velocity[..., 0] + 1j * velocity[..., 1]).T)
         soles = over_ground[1:].reshape(feet, 2, -1).swapaxes(0, 1)
         answers = stepping(standing, self._mates, over_ground[0], soles, self._params.stepping)
+        answers = overtaken(answers, places[:, 0, ::2], velocity[-count:], self._params.overtaking)
         self._answers.replace(self._grid.steps.end - count, answers.swapaxes(0, 1))
 
     def see(self, first: int) -> Seen:

@@ -10,10 +10,11 @@ import footfix
 from footfix.detect import fitted
 from footfix.detect.auto import AutoParams, auto
 from footfix.detect.evidence import STEP, evidence, resample
+from footfix.detect.overtaking import overtaking
 from footfix.detect.stepping import by_velocities, velocities, velocity_of
 from footfix.detect.tracks import Tracks, tracks_of
 from footfix.motion.smoothing import savgol
-from footfix.stream.detection import Detector, logits
+from footfix.stream.detection import Detector, logits, overtaken
 from footfix.stream.filters import filtered
 from footfix.stream.grid import Grid
 from footfix.stream.stepping import stepping
@@ -62,6 +63,24 @@ def test_steps_of_feet_that_look_planted_are_those_of_the_whole_clip(name: str) 
     for count in (n, 60):
         found = stepping(answers[:, -count:], sampled.mates, pelvis[:, 0] + 1j * pelvis[:, 1], plane, params)
         assert np.allclose(found[:, 30:], np.stack(known)[:, -count:][:, 30:], atol=1e-9)  # steps begun before that
+
+
+def test_feet_that_go_ahead_of_the_pelvis_are_those_of_the_whole_clip_where_its_travel_is_known() -> None:
+    whole = cut(tracks("walk_skate"), 0, 200)
+    sampled, params = resample(whole), AutoParams().overtaking
+    places, n = sampled.tracks.pelvis[:, ::2], len(sampled.tracks)
+    velocity = np.concatenate(
+        [velocity_of(places)[:, None], *(velocities(foot) for foot in sampled.tracks.feet)], axis=1
+    )
+    answers = np.log(np.random.default_rng(4).dirichlet(np.ones(4), (2, n)))
+    known = np.stack(overtaking(tuple(answers), sampled, slice(None), params))
+    assert np.abs(known - answers).max() > 1.0, "some go ahead"
+    assert np.allclose(overtaken(answers, places, velocity, params), known, atol=1e-9)
+    early = round(params.lasting / STEP)  # the stream is this far from the end
+    found = overtaken(answers[:, : n - early], places[: n - early], velocity[: n - early], params)
+    assert np.allclose(found[:, : n - 2 * early], known[:, : n - 2 * early], atol=1e-9)
+    decided = np.exp(found[:, n - 2 * early :, 0]) - np.exp(known[:, n - 2 * early : n - early, 0])
+    assert np.abs(decided).mean() < 0.02, "one who walks on travels before as after"
 
 
 def test_a_filter_of_few_values_is_that_of_a_clip() -> None:
