@@ -22,7 +22,7 @@ from footfix.detect.stepping import WINDOW, stands
 from footfix.detect.timing import timed_by
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
-from footfix.stream.filters import filtered
+from footfix.stream.filters import filtered, slopes
 from footfix.stream.grid import FOOT, PAST, Grid
 from footfix.stream.ring import Ring
 from footfix.stream.stepping import stepping
@@ -84,7 +84,7 @@ def overtaken(answers: Floats, pelvis: Floats, velocity: Floats, params: Overtak
         velocity: (n, 1 + 2 feet, 2) [leg lengths/s] over the ground of the pelvis, and of each foot's heel and toe.
         params: when a foot goes ahead.
     """
-    lasting = filtered(pelvis, seconds=params.lasting, degree=1, derivative=1)[-len(velocity) :]
+    lasting = slopes(pelvis, params.lasting, len(velocity))
     feet = (velocity[:, 1 + 2 * k : 3 + 2 * k] for k in range(len(answers)))
     return stands(answers, np.stack([ahead(foot, velocity[:, 0], lasting, params) for foot in feet]))
 

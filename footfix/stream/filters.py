@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.lib.stride_tricks import as_strided
+from numpy.lib.stride_tricks import as_strided, sliding_window_view
 
 from footfix.detect.evidence import STEP
 from footfix.motion.clip import Floats, frozen
@@ -44,6 +44,27 @@ def _weights(window: int, seconds: float, degree: int, derivative: int, step: fl
     all_of_it = savgol(np.eye(window), step, seconds=seconds, degree=degree, derivative=derivative)
     half = window // 2
     return frozen(all_of_it[:half]), frozen(all_of_it[half]), frozen(all_of_it[half + 1 :])
+
+
+def slopes(x: Floats, seconds: float, count: int) -> Floats:
+    """Find the slope of the straight line through a window about each moment, as `savgol` of degree 1 does.
+
+    Args:
+        x: (n, m) on detection's grid, any unit.
+        seconds: [s] window; where too little of it follows, the newest whole one counts.
+        count: for how many of the newest steps it is wanted.
+
+    Returns:
+        (count, m) [unit/s]; zero where no whole window is known yet.
+    """
+    window = window_frames(seconds, STEP, 1)
+    half = window // 2
+    x = x[-max(count + half, window) :]
+    if len(x) < window:
+        return np.zeros((count, x.shape[1]))
+    along = np.arange(window) - half
+    inner = sliding_window_view(x, window, axis=0) @ (along / (STEP * (along @ along)))
+    return np.asarray(inner[np.clip(np.arange(len(x) - count, len(x)) - half, 0, len(inner) - 1)])
 
 
 def floors(ahead: Floats, behind: Floats, seconds: float, count: int) -> tuple[Floats, Floats]:
