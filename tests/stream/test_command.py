@@ -94,6 +94,8 @@ def test_a_peer_that_is_killed_is_waited_for_again() -> None:
     assert process.returncode == 130
     assert b"Traceback" not in said
     assert b"waiting for another" in said
+    assert b"connected: 127.0.0.1:" in said
+    assert b"connected: 127.0.0.1:0\n" not in said, "the port of the peer, not the one that was asked for"
 
 
 @pytest.mark.parametrize(
