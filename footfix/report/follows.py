@@ -7,7 +7,7 @@ from typing import Any
 from footfix.report.verdict import Report, entries, number, section
 
 # ids of notes on what was asked for
-_SAID = ("kinks-rounded", "path-ends", "blend-cut", "too-fast", "feet-let-go")
+_SAID = ("kinks-rounded", "path-ends", "blend-cut", "blend-waits", "too-fast", "feet-let-go")
 
 
 def follow_lines(report: Report) -> list[str]:

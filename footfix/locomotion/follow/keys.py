@@ -12,6 +12,8 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.spline import Cubic, monotone
 
+_EXACT = 1e-8  # [strides] a step of Newton's that is shorter is the last: it leaves its square
+
 
 @dataclass(frozen=True, eq=False)
 class Keys:
@@ -49,6 +51,8 @@ class Keys:
         for _ in range(4):  # Newton
             step = (curve(time)[..., 0] - within) / np.maximum(curve(time, 1)[..., 0], 1e-6)
             time = np.clip(time - step, 0.0, self.strides)
+            if np.abs(step).max(initial=0.0) < _EXACT:
+                break
         return np.asarray(time + rounds * self.strides)
 
     @cached_property

@@ -35,6 +35,7 @@ _PLANE = 0.8  # [rad] a knee that is bent by more tells the plane of its leg
 _STEADY = 0.3  # [s] over which that plane is smoothed
 _CLEAR = 0.01  # [m] over which a foot that gets too low is lifted
 _ENDS = 0.25  # of a swing, in which that comes and goes
+_OUT = 0.3  # [rad] by which slopes at the ends of a swing carry a leg out, at most
 _MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
 
 
@@ -206,10 +207,24 @@ def _led_flexion(mixed: Floats, asked: Floats, some: slice) -> Floats:
 
 
 def _led_over(track: Floats, some: slice) -> Floats:
-    """(n, D) a cubic over frames of a track (F, D) that leads on at both ends with the slopes there."""
+    """(n, D) a curve over frames of a track (F, D) that leads on at both ends with the slopes there.
+
+    It is the cubic that does. Where its slopes are so steep that they would carry it far out, each of them comes to
+    rest earlier: a leg that is nearly straight at the one end is bent quickly there, and no farther for that.
+    """
     a, b = max(some.start - 1, 1), min(some.stop, len(track) - 2)
-    steps = float(b - a)
-    u = ((np.arange(some.start, some.stop) - a) / steps)[:, None]
-    one, two = (track[a] - track[a - 1]) * steps, (track[b + 1] - track[b]) * steps
+    count = np.arange(some.start, some.stop, dtype=np.float64)
+    u = ((count - a) / (b - a))[:, None]
     step = track[b] - track[a]
-    return np.asarray(track[a] + u * one + u**2 * (3.0 * step - 2.0 * one - two) + u**3 * (one + two - 2.0 * step))
+    out = track[a] + u**2 * (3.0 - 2.0 * u) * step
+    return np.asarray(
+        out + _led_on(track[a] - track[a - 1], count - a, b - a) - _led_on(track[b + 1] - track[b], b - count, b - a)
+    )
+
+
+def _led_on(slope: Floats, away: Floats, frames: int) -> Floats:
+    """(n, D) how far a slope (D,) [rad a frame] carries (n,) frames away, at rest after so many of them or fewer."""
+    most = _OUT / (4.0 / 27.0 * max(float(np.linalg.norm(slope)), 1e-12))  # u (1 - u)^2 gets to 4 / 27
+    until = min(float(frames), most)
+    u = np.clip(away / until, 0.0, 1.0)[:, None]
+    return np.asarray(until * u * (1.0 - u) ** 2 * slope)

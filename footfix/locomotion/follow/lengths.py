@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +22,10 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward, places
 
 _SMOOTH = 1.07  # times what joints accelerate by in the walks: enough, since curves add some
-_LENGTHS = (1.0, 0.75, 0.5, 0.4, 1.4, 2.0)  # [strides] that are tried where the asked length is too steep
+_ENOUGH = 1.1  # times that: no blend that begins later is looked for
+_LENGTHS = (1.0, 0.75, 0.5, 0.4, 1.4, 2.0, 1.2)  # [strides] that are tried where the asked length is too steep
+_LATER = ((0.2, 0.85), (0.3, 0.75), (0.4, 0.6))  # [strides] by which it begins later then, and how long it takes
+_WORTH = 0.05  # times that, by which joints accelerate less for it
 _ALIKE = 0.1  # of a length, by which another one differs that is tried
 _BESIDE = 0.7  # [strides] before a blend and after it that are laid, too: feet step into it and out of it
 _FAINT = 0.05  # of what the joint accelerates that does most; less is no matter
@@ -37,12 +40,14 @@ class Length:
         asked: [s] by the end effector that differs most (K 6.2), within what a blend may take.
         peak: the most by which a joint accelerates in it [times the 99th percentile in the walks],
         asked_peak: and in one that takes as long as asked; None where that was not looked at.
+        wait: [s] by which it begins later than asked.
     """
 
     seconds: float
     asked: float
     peak: float | None = None
     asked_peak: float | None = None
+    wait: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,18 +79,25 @@ class Handover:
         """Whether there is anything to blend."""
         return self.walks[0] is not self.walks[1] or self.paces[0] != self.paces[1]
 
+    def later(self, seconds: float) -> Handover:
+        """The same, begun later."""
+        frames = seconds / (self.walks[0].clip.frame_time * self.paces[0].time)
+        return replace(self, start=self.start + seconds, frame=self.frame + frames)
 
-def choose_length(over: Handover, asked: float, params: FollowParams) -> Length:
+
+def choose_length(over: Handover, asked: float, params: FollowParams, room: float = 0.0) -> Length:
     """Choose how long a blend takes.
 
     That is what K 6.2 asks for, where no joint accelerates by more than in the walks; or else the one of a few other
     lengths in which joints do that least. Too short, it throws them; and what comes in the middle of a blend, a strike
-    or a swing, is another thing for every length.
+    or a swing, is another thing for every length. Where a walk itself is jolted just there, no length helps: then the
+    blend waits for a fraction of a stride.
 
     Args:
         over: the walks, and where they are handed over.
         asked: [s] its length by K 6.2.
         params: how short and how long it may be.
+        room: [s] after its start in which it may wait and be over.
     """
     low = params.shortest_blend
     high = max(low, params.longest_blend * over.stride)
@@ -103,7 +115,26 @@ def choose_length(over: Handover, asked: float, params: FollowParams) -> Length:
         if all(abs(length - other) > _ALIKE * other for other in tried):
             tried[length] = _peak(over, length, usual, min(tried.values()))
     best = min(tried, key=lambda length: max(tried[length], _SMOOTH))
-    return Length(best, first, tried[best], tried[first])
+    found = Length(best, first, tried[best], tried[first])
+    return found if tried[best] <= _ENOUGH else _later(over, found, tried[best], usual, (low, high), room)
+
+
+def _later(
+    over: Handover, found: Length, peak: float, usual: Floats, limits: tuple[float, float], room: float
+) -> Length:  # fmt: skip
+    """A blend that begins a little later, if joints accelerate less in it; `found` if not, see `choose_length`."""
+    least = peak - _WORTH
+    for strides, own in _LATER:
+        dt = over.walks[0].clip.frame_time
+        wait, length = round(strides * over.stride / dt) * dt, float(np.clip(own * over.stride, *limits))
+        if wait + length > room:
+            break
+        new = _peak(over.later(wait), length, usual, least)
+        if new < least:
+            found, least = replace(found, seconds=length, peak=new, wait=wait), new
+        if new <= _ENOUGH:
+            break
+    return found
 
 
 def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) -> float:

@@ -12,7 +12,7 @@ from footfix.errors import UsageError
 from footfix.locomotion.follow.balance import end_effectors
 from footfix.locomotion.follow.blend import Transition, blend_length, check_order
 from footfix.locomotion.follow.keys import Keys
-from footfix.locomotion.follow.lengths import Handover, choose_length
+from footfix.locomotion.follow.lengths import Handover, Length, choose_length
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.stride import Way
@@ -38,7 +38,7 @@ class At:
 
 
 def transitions_of(
-    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way,
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way, length: float,
     params: FollowParams, holding: EnforceParams,
 ) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
     """Tell when each walk is handed over to the next, and for how long (K 6.2).
@@ -46,7 +46,8 @@ def transitions_of(
     Args:
         walks: in their order,
         keys, paces, ats: and of each its key-times, how it is gone, and where it begins.
-        way: how they get on along the path.
+        way: how they get on along the path,
+        length: [m] and how long that is.
         params: how long a blend may be.
         holding: how footplants are enforced.
 
@@ -61,11 +62,12 @@ def transitions_of(
     found: list[Transition] = []
     starts = [0.0]
     notes = []
+
+    def begins(at: At) -> float:
+        return at.seconds if at.seconds is not None else time_at(way.gone(at.metres or 0.0), walks, keys, paces, found)
+
     for k in range(1, len(walks)):
-        at = ats[k]
-        start = at.seconds
-        if start is None:
-            start = time_at(way.gone(at.metres or 0.0), walks, keys, paces, found)
+        start = begins(ats[k])
         starts.append(start)
         check_order(starts, [walk.name for walk in walks])
         if found and start < found[-1].end:
@@ -78,12 +80,25 @@ def transitions_of(
         )  # fmt: skip
         moment = float(keys[k - 1].time(np.array([frame]))[0])
         joint, asked = blend_length(*over.walks, over.keys, moment, ends)
-        length = choose_length(over, asked, params)
+        end = begins(ats[k + 1]) if k + 1 < len(walks) else params.seconds or begins(At(metres=length))
+        took = choose_length(over, asked, params, end - start)
+        if took.wait:
+            notes.append(_waits(walks[k - 1], walks[k], took))
+            start += took.wait
+            gone = frame_at(start, walks, keys, paces, found)[1]
         found.append(Transition(
-            k - 1, k, start, start + length.seconds, float(way.arc(np.array([gone]))[0]), skeleton.names[joint], asked,
-            length.seconds != asked, length.peak, length.asked_peak,
+            k - 1, k, start, start + took.seconds, float(way.arc(np.array([gone]))[0]), skeleton.names[joint], asked,
+            took.seconds != asked, took.peak, took.asked_peak,
         ))  # fmt: skip
     return tuple(found), tuple(notes)
+
+
+def _waits(before: Walk, after: Walk, took: Length) -> Note:
+    text = (
+        f"{after.name} begins {took.wait:.2f} s later than asked: handed over from {before.name} just there, joints "
+        "would be jolted, however long that took"
+    )
+    return Note("blend-waits", text)
 
 
 def timeline_of(

@@ -122,7 +122,7 @@ def _in_zone(
 ) -> tuple[tuple[Floats, Floats], Bools]:  # fmt: skip
     """Which moments (F,) of either walk a leg shows, and (n, E) what is planted then."""
     pair, own = [walks[k] for k in zone.walks], [keys[k] for k in zone.walks]
-    at = zone.at if zone.at[0] is zone.at[1] else _in_step(own, leg, zone.at, weight)
+    at = zone.at if zone.at[0] is zone.at[1] else _in_step(own, leg, zone, weight)
     return at, _planted(pair, at, zone.frames, weight)
 
 
@@ -192,9 +192,7 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
     return _Part(mixed_clip(clips, seen, zone.weight[some], below), feet, both, planted)
 
 
-def _in_step(
-    keys: Sequence[Keys], leg: int, at: tuple[Floats, Floats], weight: Floats
-) -> tuple[Floats, Floats]:  # fmt: skip
+def _in_step(keys: Sequence[Keys], leg: int, zone: Zone, weight: Floats) -> tuple[Floats, Floats]:
     """Moments (F,) of two walks at which one leg is equally far in its stance, or in its swing.
 
     Key-times bring strikes together, but a foot that stands for longer in one walk than in the other would be lifted
@@ -203,11 +201,11 @@ def _in_step(
     one, two = (key.stances[leg] for key in keys)
     mix = (weight > 0.0) & (weight < 1.0)
     if one is None or two is None or not np.any(mix) or abs(one[1] - two[1]) < _ALIKE:
-        return at
+        return zone.at
     stands = one[1] + weight[mix] * (two[1] - one[1])
-    out = at[0].copy(), at[1].copy()
+    out = zone.at[0].copy(), zone.at[1].copy()
     for mine, key, (strike, own) in zip(out, keys, (one, two), strict=True):
-        mine[mix] = key.frame(in_step(key.time(mine[mix]), strike, stands, own))
+        mine[mix] = key.frame(in_step(zone.time[mix], strike, stands, own))
     return out
 
 

@@ -15,7 +15,8 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 
-_BRIEF = 0.06  # [s] a stance, or a swing, that is shorter is none
+_BRIEF = 0.06  # [s] a swing that is shorter is none
+_TOUCH = 0.04  # [s] a stance that is shorter is none; of a gallop they are this short
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +41,12 @@ def find_steps(down: Bools, frame_time: float) -> Steps:
         down: (F,) whether it stands.
         frame_time: [s].
     """
-    F, brief = len(down), max(2, round(_BRIEF / frame_time))
+    F, brief, touch = len(down), *(max(2, round(each / frame_time)) for each in (_BRIEF, _TOUCH))
     down = down.copy()
     for start, end in runs(~down):
         if end - start < brief and start > 0 and end < F:
             down[start:end] = True
-    stances = [each for each in runs(down) if each[1] - each[0] >= brief]
+    stances = [each for each in runs(down) if each[1] - each[0] >= touch]
     time = np.arange(F, dtype=np.float64)
     moment, swing = time.copy(), np.zeros(F)
     if not stances:

@@ -25,12 +25,14 @@ class Zone:
         walks: index of the walk before, and after.
         at: for either (F,) its moment [frames of its round], in all frames of the timeline.
         weight: (F,) how much of the second.
+        time: (F,) the generic times [strides] at which both are; those of no account where one goes on by itself.
     """
 
     frames: slice
     walks: tuple[int, int]
     at: tuple[Floats, Floats]
     weight: Floats
+    time: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +125,11 @@ class Blend:
         gone[inside] = np.interp(time[inside], self.times, self.gone)
         if walks[a] is walks[b] and paces[a] == paces[b]:
             one[after] = two[after]
-            return Zone(where, (a, b), (one, one), weight), gone
-        two[~after] = _to(keys[a], keys[b], one[~after])
-        one[after] = _to(keys[b], keys[a], two[after])
-        return Zone(where, (a, b), (one, two), weight), gone
+            return Zone(where, (a, b), (one, one), weight, one), gone
+        generic = np.concatenate([keys[a].time(one[~after]), keys[b].time(two[after])])
+        two[~after] = keys[b].frame(generic[~after])
+        one[after] = keys[a].frame(generic[after])
+        return Zone(where, (a, b), (one, two), weight, generic), gone
 
 
 def make_timeline(
@@ -157,7 +160,7 @@ def make_timeline(
     cuts.append(len(time))
     if not blends:
         at, gone = _uniform(walks, paces, piece, time)
-        zone = Zone(slice(0, len(time)), (0, 0), (at, at), np.zeros(len(time)))
+        zone = Zone(slice(0, len(time)), (0, 0), (at, at), np.zeros(len(time)), at)
         return Timeline((zone,), gone, lead, frame_time, tuple(keys))
     zones, far = [], []
     for blend, a, b in zip(blends, cuts[:-1], cuts[1:], strict=True):

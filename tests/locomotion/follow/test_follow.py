@@ -187,6 +187,33 @@ def test_no_joint_is_jolted_while_one_walk_takes_over(path: str, names: tuple[st
     assert change.peak <= max(change.asked_peak, 1.05)
 
 
+def repeated(one: Walk, times: int) -> Walk:
+    """A walk whose round is as many of its rounds."""
+    frames = np.append(np.tile(np.arange(one.frames), times), 0)
+    contacts = replace(one.contacts, frames=len(frames)).with_mask(one.contacts.mask()[frames])
+    more = {"strides": times * one.strides, "length": times * one.length}
+    return replace(one, clip=one.clip.frames(frames), contacts=contacts, **more)  # type: ignore[arg-type]
+
+
+def test_where_a_walk_is_jolted_just_there_the_next_begins_later_if_there_is_time() -> None:
+    one, at = repeated(stride(), 8), 2.0
+    neck = int(one.clip.skeleton.parents[one.clip.skeleton.names.index("Head")])
+    nod = np.zeros(len(one.clip))
+    nod[round((at + 0.05) / one.clip.frame_time)] = 0.2  # once in all rounds: nothing that is usual
+    turned = rotation.multiply(one.clip.rotation(neck), rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), nod))
+    nodding = replace(one, name="nodding.bvh", clip=one.clip.with_joints({}, {neck: turned}))
+    drawn = shape("line:9")
+    assert drawn is not None
+    begun = []
+    for seconds in (5.0, at + 0.3):
+        params, walks = FollowParams(seconds=seconds), [nodding, stride("run")]
+        found = follow_path(drawn.points, walks, [At(), At(seconds=at)], params, EnforceParams(), relative=True)
+        begun.append(found.transitions[0].start)
+        assert any(note.id == "blend-waits" for note in found.notes) == (begun[-1] > at)
+    assert begun[1] == along("line:9", "walk", "run").transitions[0].start == at
+    assert at < begun[0] <= at + 0.4 * one.stride_seconds + one.clip.frame_time
+
+
 def accelerations(clip: Clip) -> Floats:
     return np.asarray(np.linalg.norm(np.diff(places(clip), n=2, axis=0), axis=2) / clip.frame_time**2)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.papers.leg import CapturedLeg
-from footfix.locomotion.follow.legs import steadied
+from footfix.locomotion.follow.legs import _led_over, steadied
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.rig.rig import Leg
@@ -41,3 +41,16 @@ def test_a_leg_keeps_its_plane_where_it_is_bent_already_or_not_bent_now() -> Non
     assert np.array_equal(planes(bent, spin, 1.4), spin)
     straight = leg(np.full(F, 0.03), spin)
     assert np.array_equal(planes(straight, spin, 0.03), spin)
+
+
+def test_a_swing_leads_on_where_its_ends_are_gentle_and_never_far_out() -> None:
+    count = np.arange(200.0)
+    gentle = np.stack([1e-5 * count**2 - 1e-7 * count**3, 2e-3 * count], axis=1)
+    some = slice(60, 140)
+    np.testing.assert_allclose(_led_over(gentle, some)[:, 1], gentle[some, 1], atol=1e-12)
+    np.testing.assert_allclose(_led_over(gentle, some)[:, 0], gentle[some, 0], atol=1e-3)
+    steep = np.zeros((200, 1))
+    steep[:61, 0] = 0.08 * (count[:61] - 59.0)  # at rest at frame 59, and gone on with at once, half a turn and more
+    led = _led_over(steep, some)
+    assert np.abs(led).max() < 0.4
+    np.testing.assert_allclose(np.diff(led[:2, 0]), 0.08, rtol=0.3)
