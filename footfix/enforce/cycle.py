@@ -16,8 +16,7 @@ from footfix.notes import Note
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds
 
-_CLOSED = 0.001  # [m] between the last frame and the first: less is not told
-_SAME = 0.05  # [rad] a joint whose first and last turns differ by more is left as it comes
+_CLOSED = 0.001  # [m] between the last frame and the first: with less they are one
 
 
 def plants_back(found: tuple[Footplant, ...], rounds: Rounds, contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
@@ -63,13 +62,14 @@ def correction_back(found: Correction, rounds: Rounds) -> Correction:
     """Cut the correction of all rounds to the clip, closed at its seam.
 
     The rounds' corrections are alike, but not the same to the digit. From the clip's first frame to its last, its own
-    is led over to that of the round before, whose end is where the clip begins.
+    is led over to that of the round before, whose end is where the clip begins. Where the clip's own ends are apart,
+    its last frame needs another correction than its first: a foot that stands over the seam is held in both.
     """
     within, n = rounds.within, rounds.cycle.frames
     before = slice(within.start - n, within.stop - n)
     shift, rotations = found.root_shift[within], found.rotations[within]
     turns = [rounds.whole.rotation(joint) for joint in found.joints]
-    if len(shift) > n and any(rotation.angle(_between(turn[:1], turn[n:]))[0] > _SAME for turn in turns):
+    if len(shift) > n and _open(rounds)[0] > _CLOSED:
         return replace(found, root_shift=shift, rotations=rotations)  # its ends are as much alike as they were
     u = np.arange(len(shift)) / n
     u = u * u * (3.0 - 2.0 * u)

@@ -1,6 +1,7 @@
 """Legs that the animations of one file share: legs found in most of them are used for all.
 
-The legs of a horse that lies down or a fox that is curled up can't be found in that animation alone.
+The legs of a horse that lies down or a fox that is curled up can't be found in that animation alone. Where no
+animation shows four, the pose in which the skin was bound may.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 
@@ -20,8 +22,11 @@ from footfix.motion.leadin import motion_range
 from footfix.rig.figure import Figure, figures
 from footfix.rig.params import LegParams, RigParams
 from footfix.rig.sample import sample
+from footfix.rig.skin import legs_of
 from footfix.settings import Settings
 
+_BOUND = ""  # stands for the pose of binding among the animations
+_FOUR = 4  # legs, more than which nothing is looked for
 _MOST = 12  # animations of a file that are examined, spread over it
 
 _Legs = tuple[tuple[str, LegParams], ...]
@@ -66,7 +71,10 @@ def _found(data: bytes, file: str, limits: Limits, beside: Beside | None) -> Map
     if len(names) < 2:
         return {}
     some = np.unique(np.linspace(0, len(names) - 1, _MOST).astype(np.intp)).tolist()
-    return {names[k]: _legs_of(data, f"{file}#{names[k]}", limits, beside) for k in some}
+    found = {names[k]: _legs_of(data, f"{file}#{names[k]}", limits, beside) for k in some}
+    most = max(map(len, found.values()))
+    bound = _bound_legs(data, f"{file}#{names[0]}", limits, beside) if most < _FOUR else ()
+    return {**found, _BOUND: bound} if len(bound) > most else found
 
 
 def _legs_of(data: bytes, name: str, limits: Limits, beside: Beside | None) -> _Legs:
@@ -81,6 +89,33 @@ def _legs_of(data: bytes, name: str, limits: Limits, beside: Beside | None) -> _
     return _as_params(shown[0], clip.skeleton.names) if len(shown) == 1 else ()
 
 
+def _bound_legs(data: bytes, name: str, limits: Limits, beside: Beside | None) -> _Legs:
+    """Find the legs that the pose shows in which the skin was bound: an animal that runs or sits stands in it."""
+    try:
+        document = open_document(data, name=name, limits=limits, beside=beside)
+        legs = () if document.skin is None else legs_of(document.skin)
+    except InputError:
+        return ()
+    if document.skin is None or not legs:
+        return ()
+    names, known = document.skin.names, document.clip.skeleton.names
+    found = []
+    for leg in legs:
+        joints = (leg.hip, leg.knee, leg.ankle, *(() if leg.toe is None else (leg.toe,)))
+        if any(known.count(names[joint]) != 1 for joint in joints):
+            return ()
+        side: Literal["left", "right"] = "right" if leg.name.endswith("right") else "left"
+        toe = "none" if leg.toe is None else names[leg.toe]
+        own = LegParams(hip=names[leg.hip], knee=names[leg.knee], ankle=names[leg.ankle], toe=toe, side=side)
+        found.append((leg.name, own))
+    return tuple(sorted(found, key=_in_order))
+
+
+def _in_order(leg: tuple[str, LegParams]) -> tuple[bool, bool]:
+    """In the order of the search: front before back, left before right."""
+    return not leg[0].startswith("front"), leg[1].side == "right"
+
+
 def _as_params(figure: Figure, names: tuple[str, ...]) -> _Legs:
     """Write the legs of a figure as parameters; none where their names or joints are not unique."""
     if not all(figure.sides):
@@ -93,5 +128,4 @@ def _as_params(figure: Figure, names: tuple[str, ...]) -> _Legs:
         hip, knee, ankle = (names[joint] for joint in joints[:3])
         own = LegParams(hip=hip, knee=knee, ankle=ankle, toe="none" if toe is None else names[toe], side=side)
         legs.append((f"{end}_{side}" if end else side, own))
-    # In the order of the search: front before back, left before right.
-    return tuple(sorted(legs, key=lambda leg: (not leg[0].startswith("front"), leg[1].side == "right")))
+    return tuple(sorted(legs, key=_in_order))

@@ -16,13 +16,15 @@ from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite, select, shown_skin
 from footfix.formats.suffixes import in_file
 from footfix.jobs.contacts import contacts_json, find_contacts
+from footfix.jobs.leaving import why_left
 from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
 from footfix.jobs.source import about, opened, source_entry
 from footfix.locomotion.loop.run import Loop, as_round
 from footfix.motion.contacts import Contacts
 from footfix.motion.doubled import Doubled
-from footfix.pipeline import Figure, Result, cut_loop, measure_figures, prepare
+from footfix.notes import Note
+from footfix.pipeline import Figure, Prepared, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
 from footfix.report.loops import in_place_if_written_so
 from footfix.report.pages import draw
@@ -64,7 +66,7 @@ def loop_file(
     with about(name):
         rigs = find_rigs(clip, settings.rig, frame_range, shown_skin(document, settings.rig, skin))
         prepared = prepare(clip, settings, rigs, frame_range)
-        loop = cut_loop(prepared, find_contacts(prepared, settings, labels), settings)
+        loop = _cut(prepared, find_contacts(prepared, settings, labels), settings, why_left(document, rigs))
         some = select(document, loop.frames, limits=settings.limits)
         # the bytes to write, and the clip that reading them again gives
         written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
@@ -85,6 +87,21 @@ def loop_file(
     ground = loop.ground[: len(reread)]
     pages, offenders = draw(before, reread, loop.rig, report, contacts_file, settings.report, again, ground)
     return Outputs(status, written, contacts_file, report, pages, offenders)
+
+
+def _cut(prepared: Prepared, contacts: Contacts, settings: Settings, left: Note | None) -> Loop:
+    """Cut the loop; of a clip whose feet are left as they are only one that is a loop as it is.
+
+    Raises:
+        InputError: the clip holds no cycle, or its feet are left as they are.
+    """
+    try:
+        loop = cut_loop(prepared, contacts, settings)
+    except InputError as error:
+        raise error if left is None else InputError(left.text) from error
+    if left is not None and loop.clip is not prepared.clip:
+        raise InputError(left.text)
+    return loop
 
 
 def _contacts(contacts: Contacts, frames: int) -> Contacts:

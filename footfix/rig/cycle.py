@@ -21,6 +21,7 @@ _MOVES = 0.2  # of the usual step: less than this at the seam is a pause, not a 
 _TILT = 3.0  # [degrees] by which the root may lean otherwise
 _HEIGHT = 0.02  # [leg lengths] by which its height may differ
 _NEAR = 1.5  # of the usual step: less over the seam of an animation in place, which is likely to be a cycle,
+_NEAR_TURN = 0.005  # [rad] or this: an idle that hardly moves misses its first frame by many of its steps
 _NEAR_HEIGHT = 0.04  # [leg lengths]
 _IN_PLACE = 0.15  # [leg lengths] that its root ends from where it begins, at most,
 _IN_PLACE_YAW = 10.0  # [degrees] and is turned
@@ -60,7 +61,7 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cyc
         rig: its root.
         pose: of the clip, with the root.
         likely: whether the clip is of a kind that mostly is one, as animations of games are. In place, its ends need
-            only be about a step apart, and it may pause there.
+            only be about a step apart, or as near as one sees, and it may pause there.
     """
     frames = len(clip)
     if not may_be_cycle(clip) or _tilt(pose.rotation(rig.root)[[0, -1]]) > np.radians(_TILT):
@@ -84,8 +85,8 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cyc
     if _size(over) < _EQUAL and abs(height[-1] - height[0]) < _EQUAL * rig.leg_length:
         return Cycle(frames - 1, yaw)
     beside = 0.5 * (first + last)
-    if likely and _near(pose, rig, yaw) and _size(over) < _NEAR * usual:
-        closed = _size(over) < max(_SAME * usual, _size(over - beside))
+    if likely and _near(pose, rig, yaw) and _size(over) < max(_NEAR * usual, _NEAR_TURN):
+        closed = _size(over) < max(_SAME * usual, _size(over - beside)) or _size(over) >= _NEAR * usual
         return Cycle(frames - 1 if closed else frames, yaw)
     if frames * clip.frame_time > _LONGEST or min(_size(first), _size(last)) < _MOVES * usual:
         return None

@@ -27,6 +27,7 @@ _FEWEST = 3  # vertices that make a sole
 _PAW = 0.05  # share of the lowest vertices that a paw stands on at least
 _ON_TOES = 0.2  # [leg lengths] height of an ankle above which no foot lies flat
 _BAND = 0.02  # [leg lengths] around a place, in which vertices say how thick the sole is there
+_STILL = 4  # frames of a pose, in which an animal is seen to stand on four
 _UPRIGHT = float(np.cos(np.radians(35.0)))  # an axis of the mesh so near to the way from ankles to hips is up
 
 
@@ -150,9 +151,9 @@ def _as_clip(skin: Skin, turn: Floats) -> Clip:
     """Make of the pose of binding, turned (3, 3), a clip that stands still."""
     places = skin.places @ turn.T
     offsets = np.where((skin.parents < 0)[:, None], places, places - places[np.maximum(skin.parents, 0)])
-    turns = np.zeros((2, len(offsets), 4))
+    turns = np.zeros((_STILL, len(offsets), 4))
     turns[..., 3] = 1.0
-    return Clip(Skeleton(skin.names, skin.parents, offsets), np.stack([offsets, offsets]), turns, 1.0 / 30.0)
+    return Clip(Skeleton(skin.names, skin.parents, offsets), np.stack([offsets] * _STILL), turns, 1.0 / 30.0)
 
 
 def _legs(skin: Skin, figure: Figure, clip: Clip) -> tuple[SkinLeg, ...]:

@@ -201,6 +201,25 @@ def test_what_does_not_move_the_legs_gets_no_channels_for_them(run: Run, figure:
     assert "legs-not-moved" in {note["id"] for note in report["notes"]}
 
 
+def test_no_loop_is_cut_out_of_what_does_not_move_the_legs(run: Run, figure: Path, tmp_path: Path) -> None:
+    figure.write_bytes(with_more(glb(), "Nod", [("Spine", "rotation")]))
+    code, _, said = run("loop", str(figure), "--animation", "Nod", "-o", str(tmp_path / "out"), *QUICK)
+    assert (code, "nothing in it moves the legs" in said) == (3, True)
+    assert not (tmp_path / "out" / "figure.glb").exists()
+
+
+def test_legs_that_no_animation_shows_are_those_of_the_pose_of_binding(run: Run, tmp_path: Path) -> None:
+    """A fox that runs and sits is not seen to stand on four in either."""
+    path = SHARED / "glb" / "fox-animations.glb"
+    if not path.exists():
+        pytest.skip(f"no file: {path} is absent")
+    tree = tree_of(path.read_bytes())
+    tree["animations"] = [each for each in tree["animations"] if each["name"] in ("Run", "Sit")]
+    (tmp_path / "fox.glb").write_bytes(with_tree(path.read_bytes(), tree))
+    code, said, _ = run("inspect", str(tmp_path / "fox.glb"))
+    assert (code, said.count("4 legs")) == (0, 2)
+
+
 def test_a_pose_among_animations_is_no_failure_unless_asked_for(run: Run, figure: Path, tmp_path: Path) -> None:
     tree = tree_of(glb())
     two = next(s for s in tree["animations"][0]["samplers"] if tree["accessors"][s["input"]]["count"] == 2)

@@ -153,6 +153,35 @@ def test_a_foot_that_stands_across_the_seam_stands_there_too(closed: bool, yaw: 
     assert steps.max() < 1.6
 
 
+def test_a_foot_is_held_up_to_the_last_frame_of_a_cycle_whose_ends_are_apart() -> None:
+    rig = rig_of(walk())
+    clip, contacts = striding(0.0)
+    thigh = clip.skeleton.names.index("RightUpLeg")
+    drift = rotation.from_axis_angle(X, np.linspace(0.0, 0.02, len(clip)))
+    clip = clip.with_joints({}, {thigh: rotation.multiply(clip.rotation(thigh), drift)})
+    after, found = cleaned(clip, rig, contacts)
+    assert "cycle" in {note.id for note in found.notes}
+    toe = rig.pose(after).position(rig.legs[1].toe)  # type: ignore[arg-type]
+    assert np.linalg.norm(np.diff(toe[-6:, [0, 2]], axis=0), axis=1).max() < 0.0016
+
+
+def test_an_idle_that_nearly_ends_as_it_begins_is_a_cycle_if_its_kind_mostly_is_one() -> None:
+    """It moves so little in a frame that a gap nobody sees is many of its steps."""
+    rig, stand = rig_of(walk()), striding()[0].frames(np.zeros(61, dtype=int))
+    spine, t = stand.skeleton.names.index("Spine"), np.linspace(0.0, 1.0, 61)
+
+    def swaying(apart: float) -> Clip:  # [rad]
+        angle = 0.02 * np.sin(2.0 * np.pi * t) + apart * (t == 1.0)
+        turns = rotation.multiply(stand.rotation(spine), rotation.from_axis_angle(X, angle))
+        return stand.with_joints({}, {spine: turns})
+
+    for apart, likely, is_one in ((0.02, True, True), (0.02, False, False), (0.2, True, False)):
+        clip = swaying(apart)
+        found = find_cycle(clip, rig, rig.pose(clip), likely=likely)
+        assert (found is not None) is is_one, (apart, likely)
+        assert found is None or found.frames == 60
+
+
 @pytest.mark.parametrize("yaw", [0.0, 0.5, -1.2])
 @pytest.mark.parametrize("closed", [True, False])
 def test_rounds_go_on_where_the_one_before_ended(closed: bool, yaw: float) -> None:
