@@ -104,10 +104,14 @@ class Browser:
         return dict(json.loads(message))
 
     def open(self, path: Path, **screen: Any) -> Page:
-        """A page of a file on disk; `screen` as in `Page.resize`."""
-        target = self.call("Target.createTarget", {"url": "about:blank"})["targetId"]
-        session = self.call("Target.attachToTarget", {"targetId": target, "flatten": True})["sessionId"]
+        """A page of a file on disk, in place of the one before; `screen` as in `Page.resize`."""
+        # one tab for all: no page plays on beside the next one, and none needs a process of its own
+        (tab,) = (each for each in self.call("Target.getTargets")["targetInfos"] if each["type"] == "page")
+        session = self.call("Target.attachToTarget", {"targetId": tab["targetId"], "flatten": True})["sessionId"]
         page = Page(self, session)
+        page.run("addEventListener('beforeunload', event => event.stopImmediatePropagation(), true)")  # left unasked
+        page.call("Page.navigate", {"url": "about:blank"})
+        page.wait("location.href === 'about:blank'")
         for domain in ("Page", "Runtime", "Log", "Network"):
             page.call(f"{domain}.enable")
         page.resize(**screen)

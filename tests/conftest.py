@@ -25,6 +25,10 @@ SHARED = Path(os.environ.get("FOOTFIX_SHARED", ROOT.parent / "shared"))
 SAMPLES = ROOT / "sample_data"
 Run = Callable[..., tuple[int, str, str]]  # a command line: exit code, standard output, standard error
 
+# Rewritten test modules are kept for the next run, also where Python is told to keep no bytecode: making them again
+# takes longer than all the rest of the collection. (This file stands before the others are rewritten.)
+sys.dont_write_bytecode = False
+
 # Examples are not timed: on a busy machine any of them may take long.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
