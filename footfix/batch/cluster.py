@@ -7,6 +7,7 @@ scheduler itself gives its clip to another one, and gives the clip up after thre
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
@@ -15,6 +16,9 @@ from footfix.batch.task import FileResult, Task
 from footfix.errors import UsageError
 
 _AHEAD = 4  # tasks submitted per thread of the cluster; few, so that a stop does not leave thousands
+_LOOKS = 0.05  # [s] between looks for a result
+_COUNTS = 5.0  # [s] between counts of the workers, while there is none
+_ALONE = 600.0  # [s] without any worker after which the tasks are given up; a queue may take minutes to start one
 
 
 def on_cluster(
@@ -80,9 +84,27 @@ def _results(
     for _ in range(ahead):
         submit()
     while at_work:
+        if not _ready(client, ended):
+            lost = RuntimeError(f"no worker was left for {_ALONE / 60.0:.0f} minutes")
+            yield from ((index, lost) for index in (*at_work.values(), *(() if stop.soon else waiting)))
+            return
         future = next(ended)
         yield at_work.pop(future), _end(future)
         submit()
+
+
+def _ready(client: Any, ended: Any) -> bool:
+    """Wait for a result; give up where the cluster has had no worker for too long."""
+    counted = seen = time.monotonic()
+    while not ended.has_ready():
+        time.sleep(_LOOKS)
+        now = time.monotonic()
+        if now - counted >= _COUNTS:
+            counted = now
+            seen = now if client.nthreads() else seen
+            if now - seen >= _ALONE:
+                return False
+    return True
 
 
 def _end(future: Any) -> FileResult | Exception:

@@ -83,12 +83,24 @@ def test_a_clip_that_kills_every_worker_is_given_up_and_named(
     cluster: Any, tasks: list[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster.scheduler, "allowed_failures", 0)  # one worker is every worker, and soon there again
+    monkeypatch.setattr(cluster_work, "_ALONE", 60.0)
     deadly = replace(tasks[0], job=replace(tasks[0].job, source="die1", name="die1"))
     harmless = replace(tasks[0], job=replace(tasks[0].job, source="x", name="x"))
     crew = Crew(dask=cluster.scheduler_address)
     outcome = run(batch_tasks.act, [deadly, harmless], crew=crew, on_result=lambda each: None)
     assert [each.status for each in outcome.results] == ["failed", "done"], [each.error for each in outcome.results]
     assert "die1" in outcome.results[0].error and "lost" in outcome.results[0].error
+
+
+def test_tasks_are_given_up_where_no_worker_comes_for_long(monkeypatch: pytest.MonkeyPatch, tasks: list[Task]) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster_work, "_COUNTS", 0.1)
+    monkeypatch.setattr(cluster_work, "_ALONE", 0.5)
+    with distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None, silence_logs=50) as empty:
+        crew = Crew(dask=empty.scheduler_address)
+        outcome = run(clean_one, tasks, crew=crew, on_result=lambda each: None)
+    assert [each.status for each in outcome.results] == ["failed"] * len(tasks)
+    assert all("no worker was left" in (each.error or "") for each in outcome.results)
 
 
 def test_an_address_where_nothing_answers_is_a_usage_error(tasks: list[Task], monkeypatch: pytest.MonkeyPatch) -> None:
