@@ -46,7 +46,7 @@ _PARTS = 8  # of the work that a hop makes
 _SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
 _SPARED = 5  # and a frame for as many of the look-ahead's
 _ROUNDS, _LAST_ROUNDS = 2, 6  # of a window's solution, and of the last one's
-_WORK = 0.012  # [s] that work and the ways in and out may take, of the time that a frame waits
+_WORK = 0.020  # [s] that work and the ways in and out may take, of the time that a frame waits
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
 
 
