@@ -13,7 +13,7 @@ from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.overtaking import OvertakingParams, overtaking
 from footfix.detect.path import landed, masks, resting, stretches
-from footfix.detect.stepping import SteppingParams, stepping
+from footfix.detect.stepping import SteppingParams, stepping, velocities_of
 from footfix.detect.timing import Timing, timed
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats
@@ -95,7 +95,9 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
         part = slice(low, high)
         alone = tuple(grounded(network.logits(curves), curves, params) for curves in evidence(sampled, part))
-        answered = overtaking(stepping(alone, sampled, part, params.stepping), sampled, part, params.overtaking)
+        pelvis, feet = velocities_of(sampled.tracks, part)
+        answered = stepping(alone, sampled.mates, pelvis, feet, params.stepping)
+        answered = overtaking(answered, sampled.tracks.pelvis[part, ::2], pelvis, feet, params.overtaking)
         for k, answer in enumerate(answered):
             answers[k].append(answer[first - low : first - low + chunk])
     return tuple(np.concatenate(answer) for answer in answers)

@@ -7,12 +7,13 @@ belt, and where a figure sways on the spot, nothing is told: there the pelvis do
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.evidence import STEP, Sampled
-from footfix.detect.stepping import stands, velocities, velocity_of
+from footfix.detect.evidence import STEP
+from footfix.detect.stepping import likely, stands
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
@@ -38,20 +39,19 @@ class OvertakingParams:
 
 
 def overtaking(
-    answers: tuple[Floats, ...], sampled: Sampled, part: slice, params: OvertakingParams
-) -> tuple[Floats, ...]:
+    answers: tuple[Floats, ...], pelvis: Floats, now: Floats, each: Sequence[Floats], params: OvertakingParams
+) -> tuple[Floats, ...]:  # fmt: skip
     """The log probabilities (n, 4) of each foot, given where it goes beside the pelvis.
 
     Args:
         answers: for each foot (n, 4) log probabilities.
-        sampled: the clip.
-        part: of its grid that the answers are of.
+        pelvis: (n, 2) [leg lengths] places over the ground.
+        now: (n, 2) [leg lengths/s] its velocity.
+        each: for each foot (n, 2, 2) [leg lengths/s] those of heel and toe.
         params: when a foot goes ahead.
     """
-    places = sampled.tracks.pelvis[part, ::2]
-    now, lasting = velocity_of(places), savgol(places, STEP, seconds=params.lasting, degree=1, derivative=1)
-    feet = (velocities(foot, part) for foot in sampled.tracks.feet)
-    return tuple(stands(answer, ahead(foot, now, lasting, params)) for answer, foot in zip(answers, feet, strict=True))
+    lasting = savgol(pelvis, STEP, seconds=params.lasting, degree=1, derivative=1)
+    return tuple(stands(answer, ahead(foot, now, lasting, params)) for answer, foot in zip(answers, each, strict=True))
 
 
 def ahead(foot: Floats, now: Floats, lasting: Floats, params: OvertakingParams) -> Floats:
@@ -67,10 +67,5 @@ def ahead(foot: Floats, now: Floats, lasting: Floats, params: OvertakingParams) 
     way = lasting / np.maximum(travel, 1e-9)[:, None]
     goes = np.min(np.sum(foot * way[:, None], axis=2), axis=1)  # the slower of heel and toe
     past = goes - np.maximum(travel, np.sum(now * way, axis=1))
-    return _likely(past, params.least + params.share * travel, params) * _likely(travel, params.travels, params)
-
-
-def _likely(speed: Floats, even: Floats | float, params: OvertakingParams) -> Floats:
-    """(n,) the probability of something that is as likely as not at a speed, and the likelier the higher it is."""
-    ratio = np.maximum(speed, 0.0) / even
-    return np.asarray(ratio**params.sharp / (1.0 + ratio**params.sharp))
+    faster = likely(past, params.least + params.share * travel, params.sharp)
+    return faster * likely(travel, params.travels, params.sharp)

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from footfix.detect.evidence import STEP, Sampled, floors
+from footfix.detect.evidence import STEP, floors
 from footfix.detect.network import HEEL, SWING
-from footfix.detect.tracks import Foot
+from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
@@ -59,23 +59,13 @@ class SteppingParams:
 
 
 def stepping(
-    answers: tuple[Floats, ...], sampled: Sampled, part: slice, params: SteppingParams
-) -> tuple[Floats, ...]:
+    answers: tuple[Floats, ...], mates: Sequence[int], pelvis: Floats, each: Sequence[Floats], params: SteppingParams
+) -> tuple[Floats, ...]:  # fmt: skip
     """The log probabilities (n, 4) of each foot, given what the other of its pair does.
 
     Two planted feet part with a probability a, by their speeds; it is this foot that steps with a probability r, by
     which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and
     the other's q.
-    """
-    pelvis = velocity_of(sampled.tracks.pelvis[part, ::2])
-    each = [velocities(foot, part) for foot in sampled.tracks.feet]
-    return by_velocities(answers, sampled.mates, pelvis, each, params)
-
-
-def by_velocities(
-    answers: tuple[Floats, ...], mates: Sequence[int], pelvis: Floats, each: Sequence[Floats], params: SteppingParams
-) -> tuple[Floats, ...]:  # fmt: skip
-    """The same by velocities that are known.
 
     Args:
         answers: for each foot (n, 4) log probabilities.
@@ -97,7 +87,7 @@ def by_velocities(
         rest = rests[k]
         even = params.parting + params.travel * travel + params.noise * rest
         apart = parting(each[k], each[mate])
-        parts = _probability(params.sharp * _log_ratio(apart, even))
+        parts = likely(apart, even, params.sharp)
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
         least = np.maximum(params.still, params.calm * rest)
@@ -135,7 +125,7 @@ def whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) 
     return float(_probability(odds)[0])
 
 
-def _log_ratio(a: Floats, b: Floats) -> Floats:
+def _log_ratio(a: Floats, b: Floats | float) -> Floats:
     return np.asarray(np.log(np.maximum(a, 1e-6)) - np.log(np.maximum(b, 1e-6)))
 
 
@@ -155,6 +145,11 @@ def resting_speed(speed: Floats, params: SteppingParams) -> Floats:
     return np.where(np.isfinite(worse), worse, np.minimum(ahead, behind))
 
 
+def likely(speed: Floats, even: Floats | float, sharp: float) -> Floats:
+    """(n,) the probability of what is as likely as not at a speed `even`; the odds rise with the power `sharp`."""
+    return _probability(sharp * _log_ratio(speed, even))
+
+
 def _probability(odds: Floats) -> Floats:
     """(n,) of log odds (n,)."""
     return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
@@ -167,6 +162,11 @@ def stands(answer: Floats, steps: Floats) -> Floats:
     planted = np.logaddexp.reduce(out[..., HEEL:], axis=-1)
     out[..., SWING] = np.log(np.maximum(-np.expm1(np.minimum(planted, -1e-12)), 1e-12))
     return out
+
+
+def velocities_of(tracks: Tracks, part: slice = slice(None)) -> tuple[Floats, list[Floats]]:
+    """(n, 2) [leg lengths/s] over the ground of the pelvis, and (n, 2, 2) of heel and toe of each foot."""
+    return velocity_of(tracks.pelvis[part, ::2]), [velocities(foot, part) for foot in tracks.feet]
 
 
 def velocities(foot: Foot, part: slice = slice(None)) -> Floats:

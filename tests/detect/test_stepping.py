@@ -18,13 +18,13 @@ from footfix.detect.network import SWING
 from footfix.detect.run import DetectParams, find
 from footfix.detect.stepping import (
     SteppingParams,
-    by_velocities,
     from_rest_to_rest,
     parting,
     resting_speed,
     slowest,
     stepping,
     velocities,
+    velocities_of,
 )
 from footfix.detect.tracks import Foot, Tracks, tracks_of
 from footfix.motion.clip import Bools, Floats
@@ -163,7 +163,7 @@ def test_probabilities_stay_probabilities() -> None:
     sampled = resample(shuffled(0.2, 0.3, 0.0))
     raw = random.normal(scale=6.0, size=(2, len(sampled.tracks), 4))
     answers = tuple(one - np.logaddexp.reduce(one, axis=1)[:, None] for one in raw)
-    after = stepping(answers, sampled, slice(None), SteppingParams())
+    after = stepping(answers, sampled.mates, *velocities_of(sampled.tracks), SteppingParams())
     for one, before in zip(after, answers, strict=True):
         np.testing.assert_allclose(np.exp(one).sum(axis=1), 1.0, atol=1e-9)
         assert (np.exp(one[:, SWING]) >= np.exp(before[:, SWING]) - 1e-9).all(), "it never makes a foot stand"
@@ -212,7 +212,8 @@ def test_of_two_feet_that_part_equally_fast_the_less_likely_to_stand_steps() -> 
     answers = tuple(
         np.tile(np.log([1.0 - p, 0.5 * p, 0.3 * p, 0.2 * p]), (len(sampled.tracks), 1)) for p in stand
     )  # fmt: skip
-    found = stepping(answers, sampled, slice(None), SteppingParams(parting=1e-6, travel=0.0, noise=0.0))
+    params = SteppingParams(parting=1e-6, travel=0.0, noise=0.0)
+    found = stepping(answers, sampled.mates, *velocities_of(sampled.tracks), params)
     odds = (0.01 / 0.99) / (0.4 / 0.6)  # that it is the left one
     share = odds / (1.0 + odds)
     for answer, expected in zip(found, (0.99 * (1.0 - 0.6 * share), 0.6 * (1.0 - 0.99 * (1.0 - share))), strict=True):
@@ -244,5 +245,5 @@ def test_a_foot_rests_below_the_larger_of_two_speeds(
     velocity[150:250, :, 1] = fast
     answer = np.tile(np.log([0.01, 0.5, 0.3, 0.19]), (400, 1))
     params = SteppingParams(parting=10.0, travel=0.0, noise=0.0, creeping=0.0, length=0.01, still=still, calm=calm)
-    found = by_velocities((answer, answer), (1, 0), np.zeros((400, 2)), (velocity, 0.0 * velocity), params)
+    found = stepping((answer, answer), (1, 0), np.zeros((400, 2)), (velocity, 0.0 * velocity), params)
     assert bool(np.exp(found[0][200, SWING]) > 0.5) is steps

@@ -11,7 +11,8 @@ from footfix.detect import fitted
 from footfix.detect.auto import AutoParams, auto
 from footfix.detect.evidence import STEP, evidence, resample
 from footfix.detect.overtaking import overtaking
-from footfix.detect.stepping import by_velocities, velocities, velocity_of
+from footfix.detect.stepping import stepping as stepping_of_clip
+from footfix.detect.stepping import velocities, velocities_of, velocity_of
 from footfix.detect.tracks import Tracks, tracks_of
 from footfix.motion.smoothing import savgol
 from footfix.stream.detection import Detector, logits, overtaken
@@ -58,7 +59,7 @@ def test_steps_of_feet_that_look_planted_are_those_of_the_whole_clip(name: str) 
     feet = np.stack([velocities(foot) for foot in sampled.tracks.feet])  # (feet, n, 2, 2)
     pelvis = velocity_of(sampled.tracks.pelvis[:, ::2])
     answers = np.log(np.random.default_rng(2).dirichlet(np.ones(4), (2, n)))
-    known = by_velocities(tuple(answers), sampled.mates, pelvis, list(feet), params)
+    known = stepping_of_clip(tuple(answers), sampled.mates, pelvis, list(feet), params)
     plane = (feet[..., 0] + 1j * feet[..., 1]).transpose(2, 0, 1)
     for count in (n, 60):
         found = stepping(answers[:, -count:], sampled.mates, pelvis[:, 0] + 1j * pelvis[:, 1], plane, params)
@@ -73,7 +74,7 @@ def test_feet_that_go_ahead_of_the_pelvis_are_those_of_the_whole_clip_where_its_
         [velocity_of(places)[:, None], *(velocities(foot) for foot in sampled.tracks.feet)], axis=1
     )
     answers = np.log(np.random.default_rng(4).dirichlet(np.ones(4), (2, n)))
-    known = np.stack(overtaking(tuple(answers), sampled, slice(None), params))
+    known = np.stack(overtaking(tuple(answers), sampled.tracks.pelvis[:, ::2], *velocities_of(sampled.tracks), params))
     assert np.abs(known - answers).max() > 1.0, "some go ahead"
     assert np.allclose(overtaken(answers, places, velocity, params), known, atol=1e-9)
     early = round(params.lasting / STEP)  # the stream is this far from the end
