@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -71,8 +72,9 @@ class Problem:
             own[B] = leg.bends and leg.turns
         return free
 
+    @cached_property
     def farthest(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Bound how far line, knee, ankle and toes turn freely, each (F,) [rad]: the larger the fault, the farther.
+        """Bounds of how far line, knee, ankle and toes turn freely, each (F,) [rad]: the larger the fault, the farther.
 
         They go in proportion to it. Toes bend as far as they may for a fault twice as large as what is noticed: while
         the heel rises, toe joint and tip both stand only if they do.

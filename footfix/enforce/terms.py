@@ -187,7 +187,7 @@ def joint_terms(problem: Problem, k: int, x: Floats, base: int, out: System | No
         cost += _speed(turn, bend, turn @ x - off, own, most, sv, out)
     toes = np.zeros((1, LEG))
     toes[0, B] = 1.0
-    for turn, far in zip((q, knee, w - q, toes), problem.farthest(), strict=True):
+    for turn, far in zip((q, knee, w - q, toes), problem.farthest, strict=True):
         cost += _far(turn, x, own, far, np.radians(FAR_TURN), problem, out)
     return cost
 

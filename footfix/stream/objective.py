@@ -137,7 +137,7 @@ def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
     np.add.reduce(squares[Q], axis=0, out=lengths[0])
     np.add.reduce(foot * foot, axis=0, out=lengths[2])
     lengths[1], lengths[3] = squares[K], squares[B]
-    bounds = np.stack(problem.farthest())
+    bounds = np.stack(problem.farthest)
     if not np.any(lengths > (bounds**2)[:, None]):
         return
     kinds = (

@@ -340,7 +340,7 @@ def test_what_nobody_notices_is_worth_a_small_turn_by_hand() -> None:
     of = problem(costs=replace(FREE, noticed=0.02, unnoticed_turn=2.0, ankle_farthest=8.0))
     noticed = 0.02 * of.leg_length
     of = replace(of, fault=noticed * np.array([0.0, 1.0, 1.5, 3.0, 4.0, 9.0, np.inf]))
-    line, knee, ankle, toes = (bound / DEG for bound in of.farthest())
+    line, knee, ankle, toes = (bound / DEG for bound in of.farthest)
     np.testing.assert_allclose(line, [2.0, 2.0, 3.0, 6.0, 8.0, 18.0, FREE.line_farthest], rtol=1e-12)
     np.testing.assert_allclose([knee, ankle], [[2.0, 2.0, 3.0, 6.0, 8.0, 8.0, 8.0]] * 2, rtol=1e-12)
     assert toes[:2] == pytest.approx(costs.TOES * 2.0) and np.all(toes[3:] > 1e6)  # nothing bounds them here
@@ -355,7 +355,7 @@ def test_toes_bend_as_far_as_they_may_for_twice_what_is_noticed() -> None:
     of = replace(of, fault=0.02 * of.leg_length * np.array([0.0, 1.0, 1.2, some, 0.5 * (some + 2.0), 2.0, np.inf]))
     least = 2.0 * costs.TOES
     expected = [least, least, 1.2 * least, some * least, 0.5 * (some * least + 40.0), 40.0, 40.0]
-    np.testing.assert_allclose(of.farthest()[3] / DEG, expected, rtol=1e-12)
+    np.testing.assert_allclose(of.farthest[3] / DEG, expected, rtol=1e-12)
 
 
 def test_place_and_cut_by_hand() -> None:
