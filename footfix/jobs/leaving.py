@@ -22,7 +22,7 @@ def why_left(document: Document, rigs: Sequence[Rig]) -> Note | None:
         rigs: its figures.
     """
     moved = np.flatnonzero(document.moved)
-    legs = [j for rig in rigs for leg in rig.legs for j in (*leg.chain, leg.ankle, leg.toe) if j is not None]
+    legs = [j for rig in rigs for leg in rig.legs for j in (*leg.chain, leg.toe) if j is not None]
     if not np.isin(document.clip.skeleton.with_ancestors(legs), moved).any():
         return Note("legs-not-moved", "nothing in it moves the legs, or the figure as a whole: it is left as it is")
     names = tuple(name for rig in rigs for name in _stranded(document, rig))

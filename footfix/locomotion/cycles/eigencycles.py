@@ -145,14 +145,6 @@ class GaitSpace:
         log = self.frequency[0] + self.frequency[1] * np.log(np.maximum(speed, SLOWEST)) + style @ self.frequency[2:]
         return np.asarray(np.exp(log))
 
-    def contact_phases(self, speed: Floats) -> Floats:
-        """(T, E, 2) phase at which each effector is set down, and for how long it stays; 0 where it never is."""
-        m = len(self.contacts)
-        at = np.clip(self.contact_rows(speed), 0.0, m - 1.0)
-        k = np.minimum(at.astype(np.intp), m - 2)
-        w = (at - k)[:, None, None]
-        return np.asarray((1.0 - w) * self.contacts[k] + w * self.contacts[k + 1])
-
     def contact_rows(self, speed: Floats) -> Floats:
         """(...) which of the M rows of `contacts` belongs to speeds (...), numbers between those of two for both."""
         return np.asarray((self.ramp.within(speed) / CONTACT_RANGE + 1.0) * 0.5 * (len(self.contacts) - 1))

@@ -104,8 +104,9 @@ def _levels(model: CycleModel) -> Floats:
     found = np.full((len(model.spaces), len(model.rig.soles)), np.nan)
     for g, space in enumerate(model.spaces):
         speed = 0.5 * (space.ramp.low + space.ramp.high)
-        spans = space.contact_phases(np.array([speed]))[0]
-        pose = _cycle_legs(model, speed, _share(space), spans[:, 0] + 0.5 * spans[:, 1])
+        share = _share(space)
+        spans = model.contact_phases(_asked(model, speed, share, 1))[0]
+        pose = _cycle_legs(model, speed, share, spans[:, 0] + 0.5 * spans[:, 1])
         for e, sole in enumerate(model.rig.soles):
             if spans[e, 1] > 0.02:
                 found[g, e] = (pose.heel if sole.part == "heel" else pose.toe)[e, sole.leg, 1]

@@ -153,7 +153,7 @@ class CycleModel:
         return np.linspace(0.0, FASTEST * self.spaces[-1].ramp.high, len(self.between))
 
     def _contacts_of_gaits(self, asked: Plan) -> Floats:
-        """(T, G, E, 2) contacts of each gait, see `GaitSpace.contact_phases`."""
+        """(T, G, E, 2) of each gait when effectors are set down, and for how long they stay; 0 where they never are."""
         table, slope, at_rest = self._contact_table
         most = table.shape[1] - 1.0
         at = np.minimum(np.maximum(at_rest + asked.speed[:, None] * slope, 0.0), most)
