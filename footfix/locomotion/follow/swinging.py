@@ -1,0 +1,187 @@
+"""Legs that swing from one stance to the next where walks are mixed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footfix.enforce.papers.leg import CapturedLeg, LegTurns, flexion_for, two_bones
+from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.placing import Goal
+from footfix.motion import rotation
+from footfix.motion.clip import Floats
+from footfix.motion.vectors import norm, unit
+
+_ROUNDED = (0.15, 0.5, 1.0)  # [rad] of a knee's flexion, below which it is taken to be less than it is told by
+_CLEAR = 0.01  # [m] over which a foot that gets too low is lifted
+_ENDS = 0.25  # of a swing, in which that comes and goes
+_OUT = 0.3  # [rad] by which slopes at the ends of a swing carry a leg out, at most
+_BESIDE = 3  # frames before a swing, and after it
+
+
+@dataclass(frozen=True, eq=False)
+class _Swing:
+    """A leg, or what becomes of it: (n,) [rad] its knee's flexion, (n, 3) [m] from hip to ankle, (n, 4) its foot."""
+
+    bent: Floats
+    line: Floats
+    foot: Floats
+
+
+def swung(leg: CapturedLeg, ankle: Floats, goal: Goal, swivel: Floats) -> tuple[LegTurns, Floats]:
+    """Solve a leg for where its foot stands; where it swings, as it is mixed, led over from one stance to the next.
+
+    Led over are the knee's flexion, the direction from hip to ankle, and the turn of the foot. Flexion may be led over
+    by itself, or the more it is rounded off, the more like the distance from hip to ankle. A knee that is straightened
+    with a jolt, as many are before a foot comes down, hardly moves a foot while the leg is nearly straight. Led over by
+    itself to a bent one, it would move the foot; where the leg gets nearly straight, by its length, it would be torn.
+    Which of them jolts a leg least is seen for each swing.
+
+    Args:
+        leg: as it is mixed.
+        ankle: (F, 3) [m] where it is to be.
+        goal: its foot.
+        swivel: (F,) [rad] by which the leg turns about its own line.
+
+    Returns:
+        What turns the leg, and (F, 4) the ankle's frame.
+    """
+    if not goal.swings:
+        return two_bones(leg, ankle, swivel), goal.turn
+    asked = _Swing(flexion_for(leg, ankle), ankle - leg.hip, goal.turn)
+    bent, line, foot = asked.bent.copy(), asked.line.copy(), asked.foot.copy()
+    usual = [float(np.percentile(_accelerations(track), 99.0)) for track in (leg.knee, leg.ankle, leg.toe)]
+    for some in goal.swings:
+        around = slice(max(some.start - _BESIDE, 0), min(some.stop + _BESIDE, len(leg)))
+        mine, own = _part(leg, around), slice(some.start - around.start, some.stop - around.start)
+        there = _Swing(asked.bent[around], asked.line[around], asked.foot[around])
+        lowest = float(np.min(_low(leg, ankle, goal.turn)))
+        led = min(
+            _ways(mine, there, own, lowest),
+            key=lambda way: _jolt(mine, way, swivel[around], usual),
+        )
+        bent[around], line[around], foot[around] = led.bent, led.line, led.foot
+    return _turns(leg, _Swing(bent, line, foot), swivel), foot
+
+
+def _ways(leg: CapturedLeg, asked: _Swing, some: slice, lowest: float) -> Iterator[_Swing]:
+    """The ways in which a swing can be led over, in frames about it."""
+    aside = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, asked.line))
+    turned = rotation.to_rotation_vector(rotation.continuous(rotation.multiply(asked.foot, rotation.inverse(leg.turn))))
+    line, foot = asked.line.copy(), asked.foot.copy()
+    line[some] = rotation.rotate(rotation.from_rotation_vector(_led_over(aside, some)), (leg.ankle - leg.hip)[some])
+    foot[some] = rotation.multiply(rotation.from_rotation_vector(_led_over(turned, some)), leg.turn[some])
+    signs = np.sign(leg.flexion[some])
+    one = bool(np.all(signs == signs[0]))
+    for rounded in (0.0, *_ROUNDED) if one else _ROUNDED:
+        bent = asked.bent.copy()
+        bent[some] = _led_flexion(leg.flexion, asked.bent, some, rounded)
+        if rounded and one:
+            bent[some] *= signs[0]
+        yield _lifted(leg, _Swing(bent, line, foot), some, lowest)
+
+
+def _part(leg: CapturedLeg, some: slice) -> CapturedLeg:
+    """A leg in some frames."""
+    tracks = {name: getattr(leg, name)[some] for name in _TRACKS}
+    return replace(leg, **tracks)
+
+
+_TRACKS = ("hip", "knee", "ankle", "turn", "heel", "toe", "knee_axis", "flexion")
+
+
+def _turns(leg: CapturedLeg, led: _Swing, swivel: Floats) -> LegTurns:
+    bend = rotation.from_axis_angle(leg.knee_axis, led.bent - leg.flexion)
+    swing = rotation.between(leg.knee - leg.hip + rotation.rotate(bend, leg.ankle - leg.knee), led.line)
+    return LegTurns(rotation.multiply(rotation.from_axis_angle(unit(-led.line), swivel), swing), bend)
+
+
+def _jolt(leg: CapturedLeg, led: _Swing, swivel: Floats, usual: Sequence[float]) -> float:
+    """The most by which knee, ankle or toe accelerate, of what is usual for each."""
+    turns = _turns(leg, led, swivel)
+    knee = leg.hip + rotation.rotate(turns.swing, leg.knee - leg.hip)
+    ankle = leg.hip + _far(leg, led.bent)[:, None] * unit(led.line)
+    toe = ankle + rotation.rotate(led.foot, leg.in_foot(leg.toe))
+    tracks = (knee, ankle, toe)
+    return max(float(_accelerations(track).max() / max(most, 1e-12)) for track, most in zip(tracks, usual, strict=True))
+
+
+def _accelerations(track: Floats) -> Floats:
+    """(F - 2,) [m a frame^2]."""
+    return norm(np.diff(track, n=2, axis=0))
+
+
+def _far(leg: CapturedLeg, bent: Floats) -> Floats:
+    """(F,) [m] from hip to ankle, a knee being bent so far [rad]."""
+    bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
+    return norm(leg.knee - leg.hip + rotation.rotate(bend, leg.ankle - leg.knee))
+
+
+def _low(leg: CapturedLeg, ankle: Floats, turn: Floats) -> Floats:
+    """(F,) [m] how high the lower end of a foot is."""
+    ends = [leg.in_foot(leg.effector(part)) for part in ("heel", "toe")]
+    return np.asarray(np.min([(ankle + rotation.rotate(turn, end))[:, 1] for end in ends], axis=0))
+
+
+def _lifted(leg: CapturedLeg, led: _Swing, some: slice, lowest: float) -> _Swing:
+    """Lift a swinging foot so that it gets no lower than `lowest` [m], than it ever does by itself.
+
+    Args:
+        leg: as it is mixed.
+        led: as it is led over.
+        some: frames of the swing.
+        lowest: [m].
+    """
+    ankle = leg.hip + _far(leg, led.bent)[:, None] * unit(led.line)
+    lack = (lowest - _low(leg, ankle, led.foot))[some]
+    if not np.any(lack > 0.0):
+        return led
+    u = np.arange(1, len(lack) + 1) / (len(lack) + 1)
+    lift = np.zeros(len(ankle))
+    lift[some] = 0.5 * (lack + np.hypot(lack, _CLEAR)) * ease(u / _ENDS) * ease((1.0 - u) / _ENDS)
+    up = ankle + np.outer(lift, [0.0, 1.0, 0.0])
+    return _Swing(led.bent + flexion_for(leg, up) - flexion_for(leg, ankle), up - leg.hip, led.foot)
+
+
+def _led_flexion(mixed: Floats, asked: Floats, some: slice, rounded: float) -> Floats:
+    """(n,) [rad] a knee's flexion while its foot swings, told by how straight it is, rounded off.
+
+    So a knee may be overstretched by some degrees in one frame and bent in the next, its leg being straight in both.
+
+    Args:
+        mixed: (F,) [rad] as the leg is mixed,
+        asked: (F,) [rad] and as its stances ask.
+        some: frames of the swing.
+        rounded: [rad] by which.
+    """
+    if not rounded:
+        return np.asarray(mixed[some] + _led_over((asked - mixed)[:, None], some)[:, 0])
+    bent = np.hypot(mixed, rounded)
+    led = bent[some] + _led_over((np.hypot(asked, rounded) - bent)[:, None], some)[:, 0]
+    return np.sqrt(np.maximum(led**2 - rounded**2, 0.0))
+
+
+def _led_over(track: Floats, some: slice) -> Floats:
+    """(n, D) a curve over frames of a track (F, D) that leads on at both ends with the slopes there.
+
+    It is the cubic that does. Where its slopes are so steep that they would carry it far out, each of them comes to
+    rest earlier: a leg that is nearly straight at the one end is bent quickly there, and no farther for that.
+    """
+    a, b = max(some.start - 1, 1), min(some.stop, len(track) - 2)
+    count = np.arange(some.start, some.stop, dtype=np.float64)
+    u = ((count - a) / (b - a))[:, None]
+    step = track[b] - track[a]
+    out = track[a] + u**2 * (3.0 - 2.0 * u) * step
+    return np.asarray(
+        out + _led_on(track[a] - track[a - 1], count - a, b - a) - _led_on(track[b + 1] - track[b], b - count, b - a)
+    )
+
+
+def _led_on(slope: Floats, away: Floats, frames: int) -> Floats:
+    """(n, D) how far a slope (D,) [rad a frame] carries (n,) frames away, at rest after so many of them or fewer."""
+    most = _OUT / (4.0 / 27.0 * max(float(np.linalg.norm(slope)), 1e-12))  # u (1 - u)^2 gets to 4 / 27
+    until = min(float(frames), most)
+    u = np.clip(away / until, 0.0, 1.0)[:, None]
+    return np.asarray(until * u * (1.0 - u) ** 2 * slope)
