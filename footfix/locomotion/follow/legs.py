@@ -13,7 +13,6 @@ from footfix.enforce.papers.leg import (
     captured_leg,
     correction_of,
     effector_tracks,
-    flexion_for,
     local_rotations,
     where_moved,
 )
@@ -28,7 +27,6 @@ from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
 _BENT = 0.992  # of a leg's bones, to which it is stretched where it is kept from being straight
-_MORE = 0.15  # [rad] by which a knee is bent more for its leg's plane to be steadied
 _PLANE = 0.8  # [rad] a knee that is bent by more tells the plane of its leg
 _STEADY = 0.3  # [s] over which that plane is smoothed
 _MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
@@ -86,12 +84,12 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         limit = np.maximum(most, norm(captured.ankle - captured.hip))
         share = np.minimum(1.0, limit / np.maximum(norm(line), 1e-9))
         ankle = np.where((share < 1.0)[:, None], captured.hip + share[:, None] * line, goal.ankle)
-        solved, foot = swung(captured, ankle, goal, steadied(captured, way, flexion_for(captured, ankle), wide))
+        solved, foot = swung(captured, ankle, goal, astray(captured, way, wide))
         turns |= where_moved(clip, local_rotations(clip, seen, captured, solved, foot), moves)
     return apply(clip, correction_of(clip, rig, turns)) if turns else clip
 
 
-def steadied(leg: CapturedLeg, way: Floats, bent: Floats, wide: int) -> Floats:
+def astray(leg: CapturedLeg, way: Floats, wide: int) -> Floats:
     """Find (F,) [rad] by which a leg that was nearly straight, and is bent now, turns about its own line.
 
     The plane of a leg that is nearly straight means little, and may swing round within some frames, unseen; when the
@@ -103,7 +101,6 @@ def steadied(leg: CapturedLeg, way: Floats, bent: Floats, wide: int) -> Floats:
     Args:
         leg: as it was.
         way: (F, 4) the frame in which the figure walks along z.
-        bent: (F,) [rad] the flexion of the knee now.
         wide: [frames] over which the plane is smoothed.
     """
     line = unit(leg.hip - leg.ankle)
@@ -113,5 +110,4 @@ def steadied(leg: CapturedLeg, way: Floats, bent: Floats, wide: int) -> Floats:
     angle = np.unwrap(np.arctan2(dot(cross(side, leg.knee_axis), line), dot(side, leg.knee_axis)))
     weight = np.sin(leg.flexion) ** 2 + 1e-6
     steady = smoothed(weight * angle, wide) / smoothed(weight, wide)
-    more = ease((np.abs(bent) - np.abs(leg.flexion)) / _MORE) * (1.0 - ease(np.abs(leg.flexion) / _PLANE))
-    return np.asarray((steady - angle) * more)
+    return np.asarray((steady - angle) * (1.0 - ease(np.abs(leg.flexion) / _PLANE)))

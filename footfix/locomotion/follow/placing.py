@@ -77,11 +77,13 @@ class Goal:
         ankle: (F, 3) [m].
         turn: (F, 4) of the ankle's frame.
         swings: frames in which it goes from stance to stance with its leg, wherever that leads it.
+        usual: (F, 3) [m/s^2] by how much knee, ankle and toe accelerate in the walks.
     """
 
     ankle: Floats
     turn: Floats
-    swings: tuple[slice, ...] = ()
+    swings: tuple[slice, ...]
+    usual: Floats
 
     def held(self) -> Bools:
         """(F,) whether the foot is to be there, not with its leg."""
@@ -103,7 +105,7 @@ def goal_of(foot: Foot, ground: Ground, yaw: Floats, shift: Floats, height: Floa
     """
     toe = ground.lay(np.stack([foot.toe[:, 0], height, foot.toe[:, 2]], axis=1) + shift)
     turn = rotation.multiply(rotation.about_vertical(ground.heading + yaw), foot.turn)
-    return Goal(toe + rotation.rotate(turn, foot.ankle), turn, _free_swings(foot))
+    return Goal(toe + rotation.rotate(turn, foot.ankle), turn, _free_swings(foot), foot.usual)
 
 
 def _free_swings(foot: Foot) -> tuple[slice, ...]:

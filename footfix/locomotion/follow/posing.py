@@ -37,6 +37,7 @@ class Foot:
         ankle: (F, 3) [m] from the toe to the ankle, in the ankle's frame.
         heel: (F, 3) [m] from the toe to the heel, in the same.
         mixed: (F,) whether it is mixed of two walks' feet, or hangs from a body that is mixed of two.
+        usual: (F, 3) [m/s^2] by how much its knee, ankle and toe accelerate in the walks, see `Walk.jolts`.
     """
 
     steps: Steps
@@ -45,6 +46,7 @@ class Foot:
     ankle: Floats
     heel: Floats
     mixed: Bools
+    usual: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,11 +153,14 @@ class _Part:
     feet: list[tuple[Floats, ...]]
     mixed: list[Bools]
     planted: Bools
+    usual: Floats
 
 
 def _joined_foot(steps: Steps, parts: Sequence[_Part], k: int) -> Foot:
     toe, turn, ankle, heel = (np.concatenate([part.feet[k][n] for part in parts]) for n in range(4))
-    return Foot(steps, toe, turn, ankle, heel, np.concatenate([part.mixed[k] for part in parts]))
+    both = np.concatenate([part.mixed[k] for part in parts])
+    usual = np.concatenate([np.broadcast_to(part.usual[k], (len(part.planted), 3)) for part in parts])
+    return Foot(steps, toe, turn, ankle, heel, both, usual)
 
 
 def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequence[Floats]) -> _Part:
@@ -189,7 +194,8 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
         soles = [e for e, sole in enumerate(rig.soles) if sole.leg == k]
         planted[:, soles] = down[:, soles]
     both = [np.asarray((not alone) & ((every > 0.0) & (every < 1.0))[[0, k + 1]].any(axis=0)) for k in range(len(own))]
-    return _Part(mixed_clip(clips, seen, zone.weight[some], below), feet, both, planted)
+    usual = np.maximum(pair[0].jolts, pair[1].jolts)
+    return _Part(mixed_clip(clips, seen, zone.weight[some], below), feet, both, planted, usual)
 
 
 def _in_step(keys: Sequence[Keys], leg: int, zone: Zone, weight: Floats) -> tuple[Floats, Floats]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from footfix.motion.clip import Floats
 from footfix.motion.vectors import norm, unit
 
 _ROUNDED = (0.15, 0.5, 1.0)  # [rad] of a knee's flexion, below which it is taken to be less than it is told by
+_MORE = 0.15  # [rad] by which a knee is bent more for its leg's plane to be steadied
 _CLEAR = 0.01  # [m] over which a foot that gets too low is lifted
 _ENDS = 0.25  # of a swing, in which that comes and goes
 _OUT = 0.3  # [rad] by which slopes at the ends of a swing carry a leg out, at most
@@ -30,57 +32,68 @@ class _Swing:
     foot: Floats
 
 
-def swung(leg: CapturedLeg, ankle: Floats, goal: Goal, swivel: Floats) -> tuple[LegTurns, Floats]:
+def swung(leg: CapturedLeg, ankle: Floats, goal: Goal, astray: Floats) -> tuple[LegTurns, Floats]:
     """Solve a leg for where its foot stands; where it swings, as it is mixed, led over from one stance to the next.
 
     Led over are the knee's flexion, the direction from hip to ankle, and the turn of the foot. Flexion may be led over
     by itself, or the more it is rounded off, the more like the distance from hip to ankle. A knee that is straightened
     with a jolt, as many are before a foot comes down, hardly moves a foot while the leg is nearly straight. Led over by
     itself to a bent one, it would move the foot; where the leg gets nearly straight, by its length, it would be torn.
-    Which of them jolts a leg least is seen for each swing.
+    Directions may also be those that the foot asks for. Which of all that jolts a leg least is seen for each swing.
 
     Args:
         leg: as it is mixed.
         ankle: (F, 3) [m] where it is to be.
         goal: its foot.
-        swivel: (F,) [rad] by which the leg turns about its own line.
+        astray: (F,) [rad] see `legs.astray`.
 
     Returns:
         What turns the leg, and (F, 4) the ankle's frame.
     """
-    if not goal.swings:
-        return two_bones(leg, ankle, swivel), goal.turn
     asked = _Swing(flexion_for(leg, ankle), ankle - leg.hip, goal.turn)
+    if not goal.swings:
+        return two_bones(leg, ankle, steadying(leg, asked.bent, astray)), goal.turn
     bent, line, foot = asked.bent.copy(), asked.line.copy(), asked.foot.copy()
-    usual = [float(np.percentile(_accelerations(track), 99.0)) for track in (leg.knee, leg.ankle, leg.toe)]
+    lowest = float(np.min(_low(leg, ankle, goal.turn)))
     for some in goal.swings:
         around = slice(max(some.start - _BESIDE, 0), min(some.stop + _BESIDE, len(leg)))
         mine, own = _part(leg, around), slice(some.start - around.start, some.stop - around.start)
         there = _Swing(asked.bent[around], asked.line[around], asked.foot[around])
-        lowest = float(np.min(_low(leg, ankle, goal.turn)))
-        led = min(
-            _ways(mine, there, own, lowest),
-            key=lambda way: _jolt(mine, way, swivel[around], usual),
-        )
+        led = _least(mine, there, own, lowest, partial(_jolt, mine, astray[around], goal.usual[around]))
         bent[around], line[around], foot[around] = led.bent, led.line, led.foot
-    return _turns(leg, _Swing(bent, line, foot), swivel), foot
+    return _turns(leg, _Swing(bent, line, foot), astray), foot
 
 
-def _ways(leg: CapturedLeg, asked: _Swing, some: slice, lowest: float) -> Iterator[_Swing]:
-    """The ways in which a swing can be led over, in frames about it."""
-    aside = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, asked.line))
-    turned = rotation.to_rotation_vector(rotation.continuous(rotation.multiply(asked.foot, rotation.inverse(leg.turn))))
-    line, foot = asked.line.copy(), asked.foot.copy()
-    line[some] = rotation.rotate(rotation.from_rotation_vector(_led_over(aside, some)), (leg.ankle - leg.hip)[some])
-    foot[some] = rotation.multiply(rotation.from_rotation_vector(_led_over(turned, some)), leg.turn[some])
+def _least(
+    leg: CapturedLeg, asked: _Swing, some: slice, lowest: float, jolt: Callable[[_Swing], float]
+) -> _Swing:  # fmt: skip
+    """The way to lead a swing over that jolts a leg least, in frames about it."""
+    led = _led(leg, asked, some)
     signs = np.sign(leg.flexion[some])
     one = bool(np.all(signs == signs[0]))
+    ways = []
     for rounded in (0.0, *_ROUNDED) if one else _ROUNDED:
         bent = asked.bent.copy()
         bent[some] = _led_flexion(leg.flexion, asked.bent, some, rounded)
         if rounded and one:
             bent[some] *= signs[0]
-        yield _lifted(leg, _Swing(bent, line, foot), some, lowest)
+        ways.append(replace(led, bent=bent))
+    jolts = [jolt(_lifted(leg, way, some, lowest)) for way in ways]
+    best = ways[int(np.argmin(jolts))]
+    ways = [best, replace(best, foot=asked.foot), replace(best, line=asked.line)]
+    lifted = [_lifted(leg, way, some, lowest) for way in ways]
+    jolts = [min(jolts), *(jolt(each) for each in lifted[1:])]
+    return lifted[int(np.argmin(jolts))]
+
+
+def _led(leg: CapturedLeg, asked: _Swing, some: slice) -> _Swing:
+    """A swing whose directions are led over from how its leg is mixed."""
+    aside = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, asked.line))
+    turned = rotation.to_rotation_vector(rotation.continuous(rotation.multiply(asked.foot, rotation.inverse(leg.turn))))
+    line, foot = asked.line.copy(), asked.foot.copy()
+    line[some] = rotation.rotate(rotation.from_rotation_vector(_led_over(aside, some)), (leg.ankle - leg.hip)[some])
+    foot[some] = rotation.multiply(rotation.from_rotation_vector(_led_over(turned, some)), leg.turn[some])
+    return _Swing(asked.bent, line, foot)
 
 
 def _part(leg: CapturedLeg, some: slice) -> CapturedLeg:
@@ -92,25 +105,26 @@ def _part(leg: CapturedLeg, some: slice) -> CapturedLeg:
 _TRACKS = ("hip", "knee", "ankle", "turn", "heel", "toe", "knee_axis", "flexion")
 
 
-def _turns(leg: CapturedLeg, led: _Swing, swivel: Floats) -> LegTurns:
+def steadying(leg: CapturedLeg, bent: Floats, astray: Floats) -> Floats:
+    """Tell (F,) [rad] by which a leg that is bent (F,) [rad] now turns about its own line, see `legs.astray`."""
+    return np.asarray(astray * ease((np.abs(bent) - np.abs(leg.flexion)) / _MORE))
+
+
+def _turns(leg: CapturedLeg, led: _Swing, astray: Floats) -> LegTurns:
+    swivel = steadying(leg, led.bent, astray)
     bend = rotation.from_axis_angle(leg.knee_axis, led.bent - leg.flexion)
     swing = rotation.between(leg.knee - leg.hip + rotation.rotate(bend, leg.ankle - leg.knee), led.line)
     return LegTurns(rotation.multiply(rotation.from_axis_angle(unit(-led.line), swivel), swing), bend)
 
 
-def _jolt(leg: CapturedLeg, led: _Swing, swivel: Floats, usual: Sequence[float]) -> float:
-    """The most by which knee, ankle or toe accelerate, of what is usual for each."""
-    turns = _turns(leg, led, swivel)
+def _jolt(leg: CapturedLeg, astray: Floats, usual: Floats, led: _Swing) -> float:
+    """The most by which knee, ankle or toe accelerate, of what is usual (n, 3) for each."""
+    turns = _turns(leg, led, astray)
     knee = leg.hip + rotation.rotate(turns.swing, leg.knee - leg.hip)
     ankle = leg.hip + _far(leg, led.bent)[:, None] * unit(led.line)
     toe = ankle + rotation.rotate(led.foot, leg.in_foot(leg.toe))
-    tracks = (knee, ankle, toe)
-    return max(float(_accelerations(track).max() / max(most, 1e-12)) for track, most in zip(tracks, usual, strict=True))
-
-
-def _accelerations(track: Floats) -> Floats:
-    """(F - 2,) [m a frame^2]."""
-    return norm(np.diff(track, n=2, axis=0))
+    speedy = np.stack([norm(np.diff(track, n=2, axis=0)) for track in (knee, ankle, toe)], axis=1)
+    return float((speedy / usual[1:-1]).max())
 
 
 def _far(leg: CapturedLeg, bent: Floats) -> Floats:

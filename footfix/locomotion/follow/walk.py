@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from footfix.enforce.papers.leg import effector_tracks
 from footfix.errors import InputError
 from footfix.locomotion.loop.run import Loop
 from footfix.locomotion.loop.strides import stances
@@ -17,11 +18,13 @@ from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
 from footfix.motion.spline import Cubic, spline
+from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
 _MARGIN = 12  # frames before and after a round, over which what lies between frames is found
 _SAME_BONES = 2e-3  # [leg lengths] by which offsets of one skeleton may differ
 _ON_THE_SPOT = 0.1  # [leg lengths] that a round in place gets on, at most
+_STILL = 1e-3  # [m/s^2] by which anything may be accelerated
 _NEAR = 1e-9  # of a frame
 
 
@@ -85,6 +88,17 @@ class Walk:
     def height(self) -> float:
         """[m] of the pelvis over the floor, in the mean."""
         return float(pelvis_of(self.clip, self.rig)[:-1, 1].mean()) - self.rig.floor
+
+    @cached_property
+    def jolts(self) -> Floats:
+        """(legs, 3) [m/s^2] the 99th percentile of accelerations of knee, ankle and toe of each leg."""
+        round_ = self.clip.frames(np.arange(-1, self.frames + 1) % self.frames)
+        seen = self.rig.pose(round_)
+        ends = zip(self.rig.soles, effector_tracks(self.rig, seen), strict=True)
+        toes = {sole.leg: track for sole, track in ends if sole.part == "toe"}
+        tracks = [[seen.position(leg.knee), seen.position(leg.ankle), toes[k]] for k, leg in enumerate(self.rig.legs)]
+        second = norm(np.diff(np.array(tracks), n=2, axis=2)) / self.clip.frame_time**2
+        return np.asarray(np.maximum(np.percentile(second, 99.0, axis=2), _STILL))
 
     def at(self, frames: Floats, joints: tuple[int, ...] | None = None) -> Clip:
         """The cycle on the spot at moments (F,) between frames, of any round; at whole frames their very numbers.
