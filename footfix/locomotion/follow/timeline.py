@@ -14,6 +14,7 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Bools, Floats, Ints
 
 _FINE = 16  # steps a frame, in which a blend's clock is told
+_ROUNDS = 6  # in which weights and time are told by each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,12 +232,11 @@ def _blend(
         last = keys[a].frame(np.array([first + strides]))[0]
     one = np.linspace(at[0], last, max(int(np.ceil((last - at[0]) * _FINE)), 8) + 1)
     two = one if same else _to(keys[a], keys[b], one)
-    weight = handed((one - at[0]) / (last - at[0]))
-    part = 0.5 * (weight[1:] + weight[:-1])
     steps = [np.diff(each) for each in (one, two)]
     dt = [step * walks[k].clip.frame_time * paces[k].time for k, step in zip((a, b), steps, strict=True)]
     ds = [step * walks[k].length * paces[k].stride / walks[k].frames for k, step in zip((a, b), steps, strict=True)]
-    times = change.start + np.append(0.0, np.cumsum((1.0 - part) * dt[0] + part * dt[1]))
+    weight, part, since = _weights(*dt)
+    times = change.start + since
     if not same:
         step = walks[b].clip.frame_time * paces[b].time
         times = _on_whole_frames(times, float(two[-1]), step, walks[0].clip.frame_time)
@@ -244,8 +244,27 @@ def _blend(
     return Blend(piece, Piece(b, float(times[-1]), float(two[-1]), float(far[-1])), times, (one, two), weight, far)
 
 
+def _weights(one: Floats, two: Floats) -> tuple[Floats, Floats, Floats]:
+    """How one walk is handed over to another, evenly in time, which goes as the mean of both by these very weights.
+
+    Handed over evenly in phase, a walk with short strides would go too quickly at first.
+
+    Args:
+        one, two: (n,) [s] that steps take in either walk.
+
+    Returns:
+        (n + 1,) weights of the second, their means (n,) over steps, and (n + 1,) [s] since the start.
+    """
+    weight = handed(np.linspace(0.0, 1.0, len(one) + 1))
+    for _ in range(_ROUNDS):
+        part = 0.5 * (weight[1:] + weight[:-1])
+        since = np.append(0.0, np.cumsum((1.0 - part) * one + part * two))
+        weight = handed(since / since[-1])
+    return weight, part, since
+
+
 def _on_whole_frames(times: Floats, frame: float, step: float, frame_time: float) -> Floats:
-    """Stretch a blend by up to half a frame, (n,) [s], so that the next walk shows its very frames after it.
+    """Stretch a blend by up to half a frame, (n,) [s], smoothly, so that the next walk shows its very frames after it.
 
     Between them a foot that strikes is less sharp, or sharper.
 
@@ -258,5 +277,5 @@ def _on_whole_frames(times: Floats, frame: float, step: float, frame_time: float
     if abs(step - frame_time) > 1e-6 * frame_time:
         return times
     off = times[-1] / frame_time - frame
-    longer = (round(off) - off) * frame_time / (times[-1] - times[0])
-    return np.asarray(times[0] + (1.0 + longer) * (times - times[0]))
+    u = (times - times[0]) / (times[-1] - times[0])
+    return np.asarray(times + (round(off) - off) * frame_time * handed(u))
