@@ -22,7 +22,7 @@ from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.placing import Goal, Lean, goal_of, lay_body
 from footfix.locomotion.follow.posing import Posed, pose
 from footfix.locomotion.follow.standing import firmness, unslid, unturned
-from footfix.locomotion.follow.steps import envelope, ground_at, lower_swing, reach_lack
+from footfix.locomotion.follow.steps import Ground, envelope, ground_at, lower_swing, reach_lack
 from footfix.locomotion.follow.stride import Way, averaged, smoothed
 from footfix.locomotion.follow.timeline import Timeline
 from footfix.locomotion.follow.walk import Walk
@@ -63,20 +63,71 @@ class Laid:
     stride: Floats
 
 
-def lay_walks(
-    path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams, *, paced: bool
-) -> Laid:  # fmt: skip
-    """Lay body and feet along a path, and lean; `paced` says whether walks are gone at another speed."""
-    posed = pose(walks, timeline)
-    arc = way.arc(timeline.gone)
-    dt, first = timeline.frame_time, walks[0]
-    leads = timeline.leads()
-    stride = np.array([walk.stride_seconds for walk in walks])[leads] / dt  # (F,) [frames]
+@dataclass(frozen=True, eq=False)
+class Course:
+    """How a figure gets on along a path, frame by frame, and leans.
+
+    Args:
+        path: the path.
+        arc: (F,) [m] arc length on it.
+        speed: (F,) [m/s] along it.
+        scale: (F,) how long strides are, of captured ones.
+        angle: (F,) [rad] of the lean, to the left.
+        height: (F,) [m] of the pelvis; times the lean's sine, feet step outwards by it,
+        outwards: if they do.
+        firm: (F,) how much of what a foot slides and turns while it stands is taken out.
+        neck: the joint that takes the lean back, None for none,
+        head: and how much of it.
+    """
+
+    path: Path
+    arc: Floats
+    speed: Floats
+    scale: Floats
+    angle: Floats
+    height: Floats
+    outwards: bool
+    firm: Floats
+    neck: int | None
+    head: float
+
+    @property
+    def aside(self) -> Floats:
+        """(F,) [m] how far feet step beside the path, to the left."""
+        return np.asarray(-self.height * np.sin(self.angle) * self.outwards)
+
+    @property
+    def lean(self) -> Lean:
+        """Of the body."""
+        return Lean(self.angle, self.neck, self.head)
+
+    @property
+    def ground(self) -> Ground:
+        """The path under the body."""
+        return ground_at(self.path, self.arc, self.aside)
+
+
+def course_on(
+    path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams, *, paced: bool,
+    since: float = 0.0,
+) -> Course:  # fmt: skip
+    """Tell how walks get on along a path.
+
+    Args:
+        path: the path,
+        way: and how they get on along it.
+        walks: one after the other,
+        timeline: and when.
+        params: how.
+        paced: whether they are gone at another speed.
+        since: [m] that were gone before the timeline starts.
+    """
+    arc = way.arc(timeline.gone + since)
+    first, leads, stride = walks[0], timeline.leads(), _strides(walks, timeline)
     usual = float(np.median(stride))
-    straight = np.gradient(timeline.gone)
-    speed = np.gradient(arc) / dt
-    scale = np.where(straight > 0.0, np.gradient(arc) / np.maximum(straight, 1e-12), 1.0)
-    scale = np.ones_like(scale) if path.straight else scale
+    straight, on = np.gradient(timeline.gone), np.gradient(arc)
+    speed = on / timeline.frame_time
+    scale = np.where((straight > 0.0) & (not path.straight), on / np.maximum(straight, 1e-12), 1.0)
     curvature = path.curvature(arc)
     firm = np.maximum(firmness(curvature), paced | timeline.blended())
     height = smoothed(np.array([walk.height for walk in walks])[leads], round(usual)) if len(walks) > 1 else np.full(
@@ -84,36 +135,36 @@ def lay_walks(
     )  # fmt: skip
     angle = lean_for(speed, curvature, usual) if params.lean else np.zeros(len(arc))
     neck = neck_of(first.clip.skeleton, first.rig) if params.head else None
+    return Course(path, arc, speed, scale, angle, height, params.on_path == "root", firm, neck, params.head)
 
-    def lay(angle: Floats) -> tuple[Clip, Clip, Floats, Floats]:
-        aside = -height * np.sin(angle) * (params.on_path == "root")
-        return (*_figure(posed, path, arc, aside, Lean(angle, neck, params.head), scale, firm), aside)
 
-    laid, clip, lowered, aside = lay(angle)
+def _strides(walks: Sequence[Walk], timeline: Timeline) -> Floats:
+    """(F,) [frames] that a stride of the walk that leads takes."""
+    return np.array([walk.stride_seconds for walk in walks])[timeline.leads()] / timeline.frame_time
+
+
+def lay_walks(
+    path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams, *, paced: bool
+) -> Laid:  # fmt: skip
+    """Lay body and feet along a path, and lean; `paced` says whether walks are gone at another speed."""
+    posed, first = pose(walks, timeline), walks[0]
+    course = course_on(path, way, walks, timeline, params, paced=paced)
+    stride, arc = _strides(walks, timeline), course.arc
+    usual = float(np.median(stride))
+    laid, clip, lowered = lay_figure(posed, course)
     off = np.zeros(len(arc))
-    if np.any(angle):
+    if np.any(course.angle):
         body = segments(first.clip.skeleton, first.rig)
-        on = go_straight(posed, timeline.gone)
-        upright = _balance(on, first.rig, body, _LINE, timeline.gone, 0.0 * aside, usual)
-        off = _balance(clip, first.rig, body, path, arc, aside, usual) - upright
+        still = np.zeros(len(arc))
+        on = lay_body(posed, ground_at(_LINE, timeline.gone, still), Lean(still))
+        upright = _balance(on, first.rig, body, _LINE, timeline.gone, still, usual)
+        off = _balance(clip, first.rig, body, path, arc, course.aside, usual) - upright
         high = float((centres(first.clip, body)[..., 1] - first.rig.floor).mean(axis=1) @ [each.mass for each in body])
-        angle = corrected_lean(angle, off, high, usual)
-        laid, clip, lowered, aside = lay(angle)
-        off = _balance(clip, first.rig, body, path, arc, aside, usual) - upright
-    return Laid(posed, laid, clip, arc, speed, scale, Lean(angle, neck, params.head, lowered), aside, off, stride)
-
-
-def lay_straight(posed: Posed, timeline: Timeline) -> Clip:
-    """Lay body and feet straight on along z, upright, as captured where nothing is blended."""
-    still = np.zeros(len(timeline))
-    firm = np.asarray(timeline.blended(), dtype=np.float64)
-    return _figure(posed, _LINE, timeline.gone, still, Lean(still), still + 1.0, firm)[1]
-
-
-def go_straight(posed: Posed, gone: Floats) -> Clip:
-    """The walks straight on along z."""
-    still = np.zeros(len(gone))
-    return lay_body(posed, ground_at(_LINE, gone, still), Lean(still))
+        course = replace(course, angle=corrected_lean(course.angle, off, high, usual))
+        laid, clip, lowered = lay_figure(posed, course)
+        off = _balance(clip, first.rig, body, path, arc, course.aside, usual) - upright
+    lean = replace(course.lean, lower=lowered)
+    return Laid(posed, laid, clip, arc, course.speed, course.scale, lean, course.aside, off, stride)
 
 
 def _balance(
@@ -133,36 +184,27 @@ def _balance(
     return averaged(press * side, stride) / averaged(press, stride)
 
 
-def _figure(
-    posed: Posed, path: Path, arc: Floats, aside: Floats, lean: Lean, scale: Floats, firm: Floats
-) -> tuple[Clip, Clip, Floats]:  # fmt: skip
-    """The body on a path, the same with its feet where they step, and by how much it is lowered for that."""
-    rig, dt = posed.rig, posed.clip.frame_time
-    ground = ground_at(path, arc, aside)
-    laid = lay_body(posed, ground, lean)
-    count = np.arange(len(arc))
+def lay_figure(posed: Posed, course: Course) -> tuple[Clip, Clip, Floats]:
+    """The body on its course, the same with its feet where they step, and by how much it is lowered for that."""
+    rig, dt, path, firm = posed.rig, posed.clip.frame_time, course.path, course.firm
+    ground, aside = course.ground, course.aside
+    laid = lay_body(posed, ground, course.lean)
+    count = np.arange(len(aside))
     goals: list[Goal] = []
     for number, foot in enumerate(posed.feet):
         moment = foot.steps.moment
         toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
         ankle, heel = (rotation.rotate(foot.turn, each) for each in (foot.ankle, foot.heel))
-        there = ground_at(path, np.interp(moment, count, arc), np.interp(moment, count, aside))
+        there = ground_at(path, np.interp(moment, count, course.arc), np.interp(moment, count, aside))
         share, down = np.interp(moment, count, firm), posed.planted[:, toes]
         yaw, shift = unturned(foot.turn, ankle, heel, down, foot.steps, share, dt)
         shift += unslid(foot.toe, down, share, dt)
-        height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(scale, 1.0))
+        height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(course.scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
-    far = reaches(laid, rig, np.maximum(posed.mixed, _CURVES * firm))
+    far = reaches(laid, rig, posed.reach, np.maximum(posed.mixed, _CURVES * firm))
     near = [np.where(goal.held(), each, np.inf) for goal, each in zip(goals, far, strict=True)]
     lack = reach_lack(hips_of(laid, rig), [goal.ankle for goal in goals], near)
-    lowered = envelope(lack, _window(posed))
+    lowered = envelope(lack, posed.stride)
     if np.any(lowered):
-        laid = lay_body(posed, ground, replace(lean, lower=lowered))
+        laid = lay_body(posed, ground, replace(course.lean, lower=lowered))
     return laid, bend_legs(laid, rig, goals, [float(each.max()) for each in far], ground.turn), lowered
-
-
-def _window(posed: Posed) -> int:
-    """[frames] from a stance of a foot to its next, about."""
-    steps = [b[0] - a[0] for foot in posed.feet
-             for a, b in zip(foot.steps.stances[:-1], foot.steps.stances[1:], strict=True)]  # fmt: skip
-    return int(np.median(steps)) if steps else round(1.0 / posed.clip.frame_time)

@@ -38,7 +38,7 @@ def hips_of(clip: Clip, rig: Rig) -> list[Floats]:
     return [seen.position(leg.hip) for leg in rig.legs]
 
 
-def reaches(clip: Clip, rig: Rig, bent: Floats) -> list[Floats]:
+def reaches(clip: Clip, rig: Rig, reach: Sequence[float], bent: Floats) -> list[Floats]:
     """Tell for each leg (F,) [m] how far from hip to ankle it may be stretched.
 
     That is as far as it ever was captured. Where its foot steps elsewhere it is kept from being that straight: near
@@ -47,13 +47,14 @@ def reaches(clip: Clip, rig: Rig, bent: Floats) -> list[Floats]:
     Args:
         clip: F frames.
         rig: its legs.
+        reach: [m] of each, as far as it ever was captured.
         bent: (F,) how much of that is wanted, 0 to 1.
     """
     seen = forward(clip, [joint for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])
     most = list[Floats]()
-    for leg in rig.legs:
+    for leg, own in zip(rig.legs, reach, strict=True):
         hip, knee, ankle = (seen.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
-        far, bones = float(norm(ankle - hip).max()), norm(knee - hip) + norm(ankle - knee)
+        far, bones = max(own, float(norm(ankle - hip).max())), norm(knee - hip) + norm(ankle - knee)
         most.append(far - bent * np.maximum(far - _BENT * bones, 0.0))
     return most
 

@@ -12,9 +12,12 @@ from footfix.enforce.params import EnforceParams
 from footfix.locomotion.follow.blend import Transition
 from footfix.locomotion.follow.holding import held_on
 from footfix.locomotion.follow.keys import Keys
-from footfix.locomotion.follow.laying import go_straight, lay_straight
+from footfix.locomotion.follow.laying import course_on, lay_figure
 from footfix.locomotion.follow.params import FollowParams
+from footfix.locomotion.follow.path import Path
+from footfix.locomotion.follow.placing import lay_body
 from footfix.locomotion.follow.posing import contacts_of, pose
+from footfix.locomotion.follow.stride import Way
 from footfix.locomotion.follow.timeline import Pace, Piece, make_timeline
 from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.loop.seam import accelerations_of
@@ -60,6 +63,9 @@ class Handover:
         start: [s] on the clock of the frames written.
         frame: of the first walk then.
         holding: how footplants are enforced.
+        path, way: that is followed, and how walks get on along it.
+        gone: [m] that is gone at the start.
+        params: how it is followed.
     """
 
     walks: tuple[Walk, Walk]
@@ -68,6 +74,10 @@ class Handover:
     start: float
     frame: float
     holding: EnforceParams
+    path: Path
+    way: Way
+    gone: float
+    params: FollowParams
 
     @property
     def stride(self) -> float:
@@ -81,11 +91,13 @@ class Handover:
 
     def later(self, seconds: float) -> Handover:
         """The same, begun later."""
-        frames = seconds / (self.walks[0].clip.frame_time * self.paces[0].time)
-        return replace(self, start=self.start + seconds, frame=self.frame + frames)
+        walk, pace = self.walks[0], self.paces[0]
+        frames = seconds / (walk.clip.frame_time * pace.time)
+        gone = self.gone + frames * walk.length * pace.stride / walk.frames
+        return replace(self, start=self.start + seconds, frame=self.frame + frames, gone=gone)
 
 
-def choose_length(over: Handover, asked: float, params: FollowParams, room: float = 0.0) -> Length:
+def choose_length(over: Handover, asked: float, room: float = 0.0) -> Length:
     """Choose how long a blend takes.
 
     That is what K 6.2 asks for, where no joint accelerates by more than in the walks; or else the one of a few other
@@ -96,11 +108,10 @@ def choose_length(over: Handover, asked: float, params: FollowParams, room: floa
     Args:
         over: the walks, and where they are handed over.
         asked: [s] its length by K 6.2.
-        params: how short and how long it may be.
         room: [s] after its start in which it may wait and be over.
     """
-    low = params.shortest_blend
-    high = max(low, params.longest_blend * over.stride)
+    low = over.params.shortest_blend
+    high = max(low, over.params.longest_blend * over.stride)
     first = float(np.clip(asked, low, high))
     if not over.changes:
         return Length(first, first)
@@ -156,10 +167,12 @@ def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) ->
         tracks = places(clip) if len(joints) == len(skeleton) else forward(clip, joints).positions
         return float((accelerations_of(tracks, dt)[lead - 1 : 1 - lead].max(axis=0) / usual[joints]).max())
 
-    peak = steepest(go_straight(posed, timeline.gone), body)
+    paced = any(pace != Pace() for pace in over.paces)
+    course = course_on(over.path, over.way, over.walks, timeline, over.params, paced=paced, since=over.gone)
+    peak = steepest(lay_body(posed, course.ground, course.lean), body)
     if peak > max(best, _SMOOTH):
         return peak
-    every, laid = range(len(skeleton)), lay_straight(posed, timeline)
+    every, laid = range(len(skeleton)), lay_figure(posed, course)[1]
     peak = steepest(laid, every)
     if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
         return peak

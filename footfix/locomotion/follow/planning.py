@@ -38,7 +38,7 @@ class At:
 
 
 def transitions_of(
-    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], way: Way, length: float,
+    walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], path: Path, way: Way,
     params: FollowParams, holding: EnforceParams,
 ) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
     """Tell when each walk is handed over to the next, and for how long (K 6.2).
@@ -46,8 +46,8 @@ def transitions_of(
     Args:
         walks: in their order,
         keys, paces, ats: and of each its key-times, how it is gone, and where it begins.
-        way: how they get on along the path,
-        length: [m] and how long that is.
+        path: the path,
+        way: and how they get on along it.
         params: how long a blend may be.
         holding: how footplants are enforced.
 
@@ -76,12 +76,13 @@ def transitions_of(
             notes.append(Note("blend-cut", text))
         frame, gone = frame_at(start, walks, keys, paces, found)
         over = Handover(
-            (walks[k - 1], walks[k]), (keys[k - 1], keys[k]), (paces[k - 1], paces[k]), start, frame, holding
+            (walks[k - 1], walks[k]), (keys[k - 1], keys[k]), (paces[k - 1], paces[k]), start, frame, holding, path,
+            way, gone, params,
         )  # fmt: skip
         moment = float(keys[k - 1].time(np.array([frame]))[0])
         joint, asked = blend_length(*over.walks, over.keys, moment, ends)
-        end = begins(ats[k + 1]) if k + 1 < len(walks) else params.seconds or begins(At(metres=length))
-        took = choose_length(over, asked, params, end - start)
+        end = begins(ats[k + 1]) if k + 1 < len(walks) else params.seconds or begins(At(metres=path.length))
+        took = choose_length(over, asked, end - start)
         if took.wait:
             notes.append(_waits(walks[k - 1], walks[k], took))
             start += took.wait

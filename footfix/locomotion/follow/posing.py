@@ -62,6 +62,8 @@ class Posed:
         planted: (F, E) which sole points are planted.
         sure: (F, E) confidence of that.
         mixed: (F,) 0 where one walk is shown, 1 where two count.
+        reach: [m] from hip to ankle of each leg, as far as it ever is stretched in the walks.
+        stride: [frames] that the longest stride takes.
     """
 
     clip: Clip
@@ -72,6 +74,8 @@ class Posed:
     planted: Bools
     sure: Floats
     mixed: Floats
+    reach: tuple[float, ...]
+    stride: int
 
 
 def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
@@ -91,7 +95,18 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> Posed:
     planted = _closed(np.concatenate([part.planted for part in parts]), (weight > 0.0) & (weight < 1.0), timeline)
     sure = np.concatenate([_sure(walks, zone) for zone in timeline.zones])
     clip, both = joined([part.clip for part in parts]), ease(30.0 * weight * (1.0 - weight))
-    return Posed(clip, walks[0].root, walks[0].body, rig, feet, planted, sure, both)
+    shown = sorted({k for zone in timeline.zones for k in zone.walks})
+    reach = tuple(float(each) for each in np.max([walks[k].reach for k in shown], axis=0))
+    return Posed(clip, walks[0].root, walks[0].body, rig, feet, planted, sure, both, reach, _stride(walks, timeline))
+
+
+def _stride(walks: Sequence[Walk], timeline: Timeline) -> int:
+    """[frames] that the longest stride takes: before each blend the one walk goes by itself, after it the other."""
+    found = list[float]()
+    for zone in timeline.zones:
+        alone = zone.at[0][1] - zone.at[0][0], zone.at[1][-1] - zone.at[1][-2]
+        found += [walks[k].frames / walks[k].strides / float(step) for k, step in zip(zone.walks, alone, strict=True)]
+    return round(max(found))
 
 
 def _closed(planted: Bools, mixed: Bools, timeline: Timeline) -> Bools:

@@ -121,7 +121,7 @@ def follow_path(
     keys = align(walks) if len(walks) > 1 else (_one_key(first),)
     stride = float(np.mean([w.length * p.stride / w.strides for w, p in zip(walks, paces, strict=True)]))
     way = way_on(path, stride, first.rig.leg_length, _until(path, params, walks, paces), params)
-    wanted, notes = transitions_of(walks, keys, paces, ats, way, path.length, params, holding)
+    wanted, notes = transitions_of(walks, keys, paces, ats, path, way, params, holding)
     timeline, more = timeline_of(path, way, walks, keys, paces, wanted, params)
     made = lay_walks(path, way, walks, timeline, params, paced=any(pace != Pace() for pace in paces))
     return _finished(made, path, walks, timeline, holding, (*path.notes, *notes, *more))

@@ -90,6 +90,12 @@ class Walk:
         return float(pelvis_of(self.clip, self.rig)[:-1, 1].mean()) - self.rig.floor
 
     @cached_property
+    def reach(self) -> Floats:
+        """(legs,) [m] from hip to ankle, as far as each leg ever is stretched."""
+        seen = forward(self.clip, [joint for leg in self.rig.legs for joint in (leg.hip, leg.ankle)])
+        return np.array([norm(seen.position(leg.ankle) - seen.position(leg.hip)).max() for leg in self.rig.legs])
+
+    @cached_property
     def jolts(self) -> Floats:
         """(legs, 3) [m/s^2] the 99th percentile of accelerations of knee, ankle and toe of each leg."""
         round_ = self.clip.frames(np.arange(-1, self.frames + 1) % self.frames)
