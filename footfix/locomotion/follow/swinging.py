@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -25,7 +23,13 @@ _BESIDE = 3  # frames before a swing, and after it
 
 @dataclass(frozen=True, eq=False)
 class _Swing:
-    """A leg, or what becomes of it: (n,) [rad] its knee's flexion, (n, 3) [m] from hip to ankle, (n, 4) its foot."""
+    """What becomes of a leg, or several ways (W, ...) of that.
+
+    Args:
+        bent: (..., n) [rad] its knee's flexion.
+        line: (..., n, 3) [m] from hip to ankle; only its direction counts.
+        foot: (..., n, 4) the ankle's frame.
+    """
 
     bent: Floats
     line: Floats
@@ -59,31 +63,26 @@ def swung(leg: CapturedLeg, ankle: Floats, goal: Goal, astray: Floats) -> tuple[
         around = slice(max(some.start - _BESIDE, 0), min(some.stop + _BESIDE, len(leg)))
         mine, own = _part(leg, around), slice(some.start - around.start, some.stop - around.start)
         there = _Swing(asked.bent[around], asked.line[around], asked.foot[around])
-        led = _least(mine, there, own, lowest, partial(_jolt, mine, astray[around], goal.usual[around]))
+        led = _least(mine, there, own, lowest, astray[around], goal.usual[around])
         bent[around], line[around], foot[around] = led.bent, led.line, led.foot
     return _turns(leg, _Swing(bent, line, foot), astray), foot
 
 
 def _least(
-    leg: CapturedLeg, asked: _Swing, some: slice, lowest: float, jolt: Callable[[_Swing], float]
+    leg: CapturedLeg, asked: _Swing, some: slice, lowest: float, astray: Floats, usual: Floats
 ) -> _Swing:  # fmt: skip
     """The way to lead a swing over that jolts a leg least, in frames about it."""
     led = _led(leg, asked, some)
-    signs = np.sign(leg.flexion[some])
-    one = bool(np.all(signs == signs[0]))
-    ways = []
-    for rounded in (0.0, *_ROUNDED) if one else _ROUNDED:
-        bent = asked.bent.copy()
-        bent[some] = _led_flexion(leg.flexion, asked.bent, some, rounded)
-        if rounded and one:
-            bent[some] *= signs[0]
-        ways.append(replace(led, bent=bent))
-    jolts = [jolt(_lifted(leg, way, some, lowest)) for way in ways]
-    best = ways[int(np.argmin(jolts))]
-    ways = [best, replace(best, foot=asked.foot), replace(best, line=asked.line)]
-    lifted = [_lifted(leg, way, some, lowest) for way in ways]
-    jolts = [min(jolts), *(jolt(each) for each in lifted[1:])]
-    return lifted[int(np.argmin(jolts))]
+
+    def best_of(ways: _Swing) -> tuple[int, _Swing]:
+        lifted = _lifted(leg, ways, some, lowest)
+        best = int(np.argmin(_jolts(leg, lifted, astray, usual)))
+        return best, _Swing(lifted.bent[best], lifted.line[best], lifted.foot[best])
+
+    bent = _led_flexions(leg.flexion, asked.bent, some)
+    best, _ = best_of(_Swing(bent, np.stack([led.line] * len(bent)), np.stack([led.foot] * len(bent))))
+    line, foot = np.stack([led.line, led.line, asked.line]), np.stack([led.foot, asked.foot, led.foot])
+    return best_of(_Swing(np.stack([bent[best]] * 3), line, foot))[1]
 
 
 def _led(leg: CapturedLeg, asked: _Swing, some: slice) -> _Swing:
@@ -117,26 +116,25 @@ def _turns(leg: CapturedLeg, led: _Swing, astray: Floats) -> LegTurns:
     return LegTurns(rotation.multiply(rotation.from_axis_angle(unit(-led.line), swivel), swing), bend)
 
 
-def _jolt(leg: CapturedLeg, astray: Floats, usual: Floats, led: _Swing) -> float:
-    """The most by which knee, ankle or toe accelerate, of what is usual (n, 3) for each."""
-    turns = _turns(leg, led, astray)
-    knee = leg.hip + rotation.rotate(turns.swing, leg.knee - leg.hip)
-    ankle = leg.hip + _far(leg, led.bent)[:, None] * unit(led.line)
+def _jolts(leg: CapturedLeg, led: _Swing, astray: Floats, usual: Floats) -> Floats:
+    """(W,) the most by which knee, ankle or toe accelerate, of what is usual (n, 3) for each."""
+    knee = leg.hip + rotation.rotate(_turns(leg, led, astray).swing, leg.knee - leg.hip)
+    ankle = leg.hip + _far(leg, led.bent)[..., None] * unit(led.line)
     toe = ankle + rotation.rotate(led.foot, leg.in_foot(leg.toe))
-    speedy = np.stack([norm(np.diff(track, n=2, axis=0)) for track in (knee, ankle, toe)], axis=1)
-    return float((speedy / usual[1:-1]).max())
+    speedy = [norm(np.diff(track, n=2, axis=-2)) for track in (knee, ankle, toe)]
+    return np.asarray(np.max([each / usual[1:-1, k] for k, each in enumerate(speedy)], axis=(0, -1)))
 
 
 def _far(leg: CapturedLeg, bent: Floats) -> Floats:
-    """(F,) [m] from hip to ankle, a knee being bent so far [rad]."""
+    """(..., n) [m] from hip to ankle, a knee being bent so far (..., n) [rad]."""
     bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
     return norm(leg.knee - leg.hip + rotation.rotate(bend, leg.ankle - leg.knee))
 
 
-def _low(leg: CapturedLeg, ankle: Floats, turn: Floats) -> Floats:
-    """(F,) [m] how high the lower end of a foot is."""
-    ends = [leg.in_foot(leg.effector(part)) for part in ("heel", "toe")]
-    return np.asarray(np.min([(ankle + rotation.rotate(turn, end))[:, 1] for end in ends], axis=0))
+def _low(leg: CapturedLeg, ankle: Floats, foot: Floats) -> Floats:
+    """(..., n) [m] how high the lower end of a foot is."""
+    heel, toe = (rotation.rotate(foot, leg.in_foot(end))[..., 1] for end in (leg.heel, leg.toe))
+    return np.asarray(ankle[..., 1] + np.minimum(heel, toe))
 
 
 def _lifted(leg: CapturedLeg, led: _Swing, some: slice, lowest: float) -> _Swing:
@@ -144,37 +142,43 @@ def _lifted(leg: CapturedLeg, led: _Swing, some: slice, lowest: float) -> _Swing
 
     Args:
         leg: as it is mixed.
-        led: as it is led over.
+        led: ways to lead it over.
         some: frames of the swing.
         lowest: [m].
     """
-    ankle = leg.hip + _far(leg, led.bent)[:, None] * unit(led.line)
-    lack = (lowest - _low(leg, ankle, led.foot))[some]
+    ankle = leg.hip + _far(leg, led.bent)[..., None] * unit(led.line)
+    lack = (lowest - _low(leg, ankle, led.foot))[:, some]
     if not np.any(lack > 0.0):
         return led
-    u = np.arange(1, len(lack) + 1) / (len(lack) + 1)
-    lift = np.zeros(len(ankle))
-    lift[some] = 0.5 * (lack + np.hypot(lack, _CLEAR)) * ease(u / _ENDS) * ease((1.0 - u) / _ENDS)
-    up = ankle + np.outer(lift, [0.0, 1.0, 0.0])
+    u = np.arange(1, lack.shape[1] + 1) / (lack.shape[1] + 1)
+    soft = 0.5 * (lack + np.hypot(lack, _CLEAR)) * ease(u / _ENDS) * ease((1.0 - u) / _ENDS)
+    up = ankle.copy()
+    up[:, some, 1] += soft * np.any(lack > 0.0, axis=1)[:, None]
     return _Swing(led.bent + flexion_for(leg, up) - flexion_for(leg, ankle), up - leg.hip, led.foot)
 
 
-def _led_flexion(mixed: Floats, asked: Floats, some: slice, rounded: float) -> Floats:
-    """(n,) [rad] a knee's flexion while its foot swings, told by how straight it is, rounded off.
+def _led_flexions(mixed: Floats, asked: Floats, some: slice) -> Floats:
+    """(W, F) [rad] ways to lead a knee's flexion over while its foot swings.
 
-    So a knee may be overstretched by some degrees in one frame and bent in the next, its leg being straight in both.
+    It is told by itself, or by how straight it is, the more rounded off the more like its leg's length. A knee that is
+    overstretched by some degrees in one frame and bent in the next, its leg being straight in both, is told by the
+    latter.
 
     Args:
         mixed: (F,) [rad] as the leg is mixed,
         asked: (F,) [rad] and as its stances ask.
         some: frames of the swing.
-        rounded: [rad] by which.
     """
-    if not rounded:
-        return np.asarray(mixed[some] + _led_over((asked - mixed)[:, None], some)[:, 0])
-    bent = np.hypot(mixed, rounded)
-    led = bent[some] + _led_over((np.hypot(asked, rounded) - bent)[:, None], some)[:, 0]
-    return np.sqrt(np.maximum(led**2 - rounded**2, 0.0))
+    signs = np.sign(mixed[some])
+    one = bool(np.all(signs == signs[0]))
+    out = np.stack([asked] * (len(_ROUNDED) + one))
+    for way, rounded in zip(out, _ROUNDED, strict=False):
+        bent = np.hypot(mixed, rounded)
+        led = bent[some] + _led_over((np.hypot(asked, rounded) - bent)[:, None], some)[:, 0]
+        way[some] = np.sqrt(np.maximum(led**2 - rounded**2, 0.0)) * (signs[0] if one else 1.0)
+    if one:
+        out[-1, some] = mixed[some] + _led_over((asked - mixed)[:, None], some)[:, 0]
+    return out
 
 
 def _led_over(track: Floats, some: slice) -> Floats:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.papers.leg import CapturedLeg
-from footfix.locomotion.follow.legs import _led_over, steadied
+from footfix.locomotion.follow.legs import astray
+from footfix.locomotion.follow.swinging import _led_over, steadying
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.rig.rig import Leg
@@ -26,7 +27,7 @@ def leg(flexion: Floats, spin: Floats) -> CapturedLeg:
 
 def planes(captured: CapturedLeg, spin: Floats, bent: float) -> Floats:
     """(F,) [rad] about the vertical, to which the leg's plane is turned when its knee is bent."""
-    return spin + steadied(captured, rotation.identity((F,)), np.full(F, bent), 20)
+    return spin + steadying(captured, np.full(F, bent), astray(captured, rotation.identity((F,)), 20))
 
 
 def test_the_plane_of_a_nearly_straight_leg_that_is_bent_now_does_not_spin() -> None:
