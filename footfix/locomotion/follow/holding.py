@@ -78,11 +78,11 @@ def _strays(track: Floats) -> float:
     return float(np.hypot(*(own - np.median(own, axis=0)).T).max()) if len(own) > 2 else 0.0
 
 
-def stands(clip: Clip, rig: Rig, contacts: Contacts) -> bool:
-    """Whether whatever is planted stands as it is."""
+def stands(clip: Clip, rig: Rig, contacts: Contacts, slack: float = 1.0) -> bool:
+    """Whether whatever is planted stands as it is, or slides no farther than `slack` times what nobody sees."""
     edge = max(1, round(_EDGE / clip.frame_time))
     for sole, track, effector in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), contacts.effectors, strict=True):
-        most = (_HEEL if sole.part == "heel" else _KEEP) * rig.leg_length
+        most = slack * (_HEEL if sole.part == "heel" else _KEEP) * rig.leg_length
         for contact in effector.contacts:
             if _strays(track[contact.start + edge : max(contact.end - edge, 0)]) > most:
                 return False

@@ -10,7 +10,7 @@ import numpy as np
 from footfix.enforce.correction import apply
 from footfix.enforce.params import EnforceParams
 from footfix.locomotion.follow.blend import Transition
-from footfix.locomotion.follow.holding import held_on
+from footfix.locomotion.follow.holding import held_on, stands
 from footfix.locomotion.follow.keys import Keys
 from footfix.locomotion.follow.laying import course_on, lay_figure
 from footfix.locomotion.follow.params import FollowParams
@@ -24,13 +24,14 @@ from footfix.locomotion.loop.seam import accelerations_of
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward, places
 
-_SMOOTH = 1.07  # times what joints accelerate by in the walks: enough, since curves add some
+_SMOOTH = 1.08  # times what joints accelerate by in the walks: enough, since plants held on the whole way add some
 _ENOUGH = 1.1  # times that: no blend that begins later is looked for
-_LENGTHS = (1.0, 0.75, 0.5, 0.4, 1.4, 2.0, 1.2)  # [strides] that are tried where the asked length is too steep
+_LENGTHS = (1.2, 0.5, 1.4, 0.4, 2.0, 0.75, 1.0)  # [strides] that are tried where the asked length is too steep
 _LATER = ((0.2, 0.85), (0.3, 0.75), (0.4, 0.6))  # [strides] by which it begins later then, and how long it takes
 _WORTH = 0.05  # times that, by which joints accelerate less for it
 _ALIKE = 0.1  # of a length, by which another one differs that is tried
 _BESIDE = 0.7  # [strides] before a blend and after it that are laid, too: feet step into it and out of it
+_SLACK = 5.0  # times what nobody sees: plants that slide no farther are held without a jolt
 _FAINT = 0.05  # of what the joint accelerates that does most; less is no matter
 
 
@@ -174,9 +175,11 @@ def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) ->
         return peak
     every, laid = range(len(skeleton)), lay_figure(posed, course)[1]
     peak = steepest(laid, every)
-    if peak > _SMOOTH:  # holding plants takes time, and makes it no smoother
+    contacts = contacts_of(posed, slice(0, len(laid)))
+    # holding plants takes time, and makes it no smoother; where they hardly slide, it makes no difference
+    if peak > _SMOOTH or stands(laid, posed.rig, contacts, _SLACK):
         return peak
-    held = held_on(laid, posed.rig, contacts_of(posed, slice(0, len(laid))), over.holding)
+    held = held_on(laid, posed.rig, contacts, over.holding)
     return max(peak, steepest(apply(laid, held.correction), every))
 
 
