@@ -21,7 +21,7 @@ from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.placing import Goal, Lean, goal_of, lay_body
 from footfix.locomotion.follow.posing import Posed, pose
-from footfix.locomotion.follow.standing import firmness, unslid, unturned
+from footfix.locomotion.follow.standing import firmness, rolled, unslid, unturned
 from footfix.locomotion.follow.steps import Ground, envelope, ground_at, lower_swing, reach_lack
 from footfix.locomotion.follow.stride import Way, averaged, smoothed
 from footfix.locomotion.follow.timeline import Timeline
@@ -193,12 +193,14 @@ def lay_figure(posed: Posed, course: Course) -> tuple[Clip, Clip, Floats]:
     goals: list[Goal] = []
     for number, foot in enumerate(posed.feet):
         moment = foot.steps.moment
-        toes = next(e for e, sole in enumerate(rig.soles) if sole.leg == number and sole.part == "toe")
+        soles = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == number}
         ankle, heel = (rotation.rotate(foot.turn, each) for each in (foot.ankle, foot.heel))
         there = ground_at(path, np.interp(moment, count, course.arc), np.interp(moment, count, aside))
-        share, down = np.interp(moment, count, firm), posed.planted[:, toes]
+        share, (down, heels) = np.interp(moment, count, firm), (posed.planted[:, soles[k]] for k in ("toe", "heel"))
         yaw, shift = unturned(foot.turn, ankle, heel, down, foot.steps, share, dt)
         shift += unslid(foot.toe, down, share, dt)
+        rolls = foot.toe + shift + rotation.rotate(rotation.about_vertical(yaw), heel)
+        shift += rolled(rolls, heels, down, foot.mixed, dt)
         height = lower_swing(foot.toe[:, 1], foot.steps, np.minimum(course.scale, 1.0))
         goals.append(goal_of(foot, there, yaw, shift, height))
     far = reaches(laid, rig, posed.reach, np.maximum(posed.mixed, _CURVES * firm))

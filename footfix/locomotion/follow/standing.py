@@ -14,6 +14,7 @@ from footfix.motion.vectors import cross, norm, unit
 
 _TURNS = 0.05  # [rad/m] from this curvature on feet do not turn while they stand
 _STRAYS = 0.012  # [m] a toe that strays farther while it stands is left to inverse kinematics over the whole clip
+_ROLLS = 0.025  # [m] and a heel that does until its toe comes down
 _EDGE = 0.015  # [s] at both ends of a contact in which the toe may still land or leave
 _EASE = 0.16  # [s] in which a foot gets back to how it was captured
 _SMOOTH = 0.1  # [s] over which the turn that is taken out of a stance is smoothed
@@ -132,6 +133,33 @@ def unslid(toe: Floats, toes: Bools, share: Floats, frame_time: float) -> Floats
         fore, aft = min(fade, a), min(fade, len(toe) - b)
         shift[a:b] += off
         shift[b : b + aft] += np.stack([_decay(each[::-1], aft) for each in off.T], axis=1)
+        shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in off.T], axis=1)
+    return shift
+
+
+def rolled(heel: Floats, heels: Bools, toes: Bools, mixed: Bools, frame_time: float) -> Floats:
+    """Find (F, 3) [m] by which a foot is moved over the floor so that it rolls over its heel until its toe comes down.
+
+    Mixed of two walks, one that comes down on its heel and one that does on its toe, a heel slides on by some
+    millimetres.
+
+    Args:
+        heel: (F, 3) [m] in the frame that carries the foot.
+        heels, toes: (F,) whether they stand.
+        mixed: (F,) whether the foot is mixed.
+        frame_time: [s].
+    """
+    shift = np.zeros_like(heel)
+    edge, fade = max(1, round(_EDGE / frame_time)), max(3, round(_EASE / frame_time))
+    for start, b in runs(heels & ~toes):
+        a = start + edge
+        if b - a < 2 or b == len(toes) or not toes[b] or not mixed[(a + b) // 2]:
+            continue
+        off = (heel[b] - heel[a:b]) * [1.0, 0.0, 1.0]
+        if np.hypot(off[:, 0], off[:, 2]).max() > _ROLLS:
+            continue
+        fore = min(fade, a)
+        shift[a:b] += off
         shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in off.T], axis=1)
     return shift
 
