@@ -177,7 +177,7 @@ def test_strikes_come_together_and_feet_stand_while_one_walk_takes_over(path: st
     ("line:9", ("tiptoe", "walk")),
 ])  # fmt: skip
 def test_no_joint_is_jolted_while_one_walk_takes_over(path: str, names: tuple[str, str]) -> None:
-    usual = np.max([np.percentile(accelerations(stride(name).clip), 99, axis=0) for name in names], axis=0)
+    usual = np.max([np.percentile(accelerations(along(path, name).clip), 99, axis=0) for name in names], axis=0)
     found = along(path, *names)
     change, dt = found.transitions[0], found.clip.frame_time
     most = accelerations(found.clip)[round(change.start / dt) : round(change.end / dt)].max(axis=0)
