@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.enforce.papers.leg import CapturedLeg
+from footfix.enforce.papers.leg import CapturedLeg, flexion_for
+from footfix.locomotion.follow.blend import ease
 from footfix.locomotion.follow.legs import astray
-from footfix.locomotion.follow.swinging import _led_over, steadying
+from footfix.locomotion.follow.placing import Goal
+from footfix.locomotion.follow.swinging import _led_over, steadying, swung
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.rig.rig import Leg
@@ -42,6 +44,40 @@ def test_a_leg_keeps_its_plane_where_it_is_bent_already_or_not_bent_now() -> Non
     assert np.array_equal(planes(bent, spin, 1.4), spin)
     straight = leg(np.full(F, 0.03), spin)
     assert np.array_equal(planes(straight, spin, 0.03), spin)
+
+
+def stretched(flexion: Floats) -> CapturedLeg:
+    """A leg that swings forwards below a hip at rest, its knee bent by `flexion` (F,) [rad]."""
+    axis = np.broadcast_to(-ACROSS, (F, 3))
+    ahead = np.linspace(-0.3, 0.3, F)
+    thigh, shank = (
+        rotation.rotate(rotation.from_axis_angle(axis, ahead + side * flexion), np.broadcast_to(0.4 * DOWN, (F, 3)))
+        for side in (0.5, -0.5)
+    )
+    joints, ankle = Leg("left", "left", 0, 1, 2, None, (0, 1, 2)), thigh + shank
+    return CapturedLeg(joints, np.zeros((F, 3)), thigh, ankle, rotation.identity((F,)), ankle, ankle, -axis, flexion)
+
+
+def test_a_knee_that_is_straightened_with_a_jolt_does_not_jolt_its_foot_where_it_is_bent_more() -> None:
+    count = np.arange(float(F))
+    captured = stretched(np.maximum(0.04 * (50.0 - count), 0.01))  # straight from frame 50 on, at once
+    shorter = 1.0 - 0.03 * ease(count / 60.0)  # it comes down with its knee bent by a quarter of a radian
+    asked = captured.ankle * shorter[:, None]
+    some = slice(20, 70)
+    goal = Goal(asked, captured.turn, (some,), np.broadcast_to([0.02, 0.002, 0.002], (F, 3)))
+    turns, _ = swung(captured, asked, goal, np.zeros(F))
+    bent = rotation.rotate(turns.bend, captured.ankle - captured.knee)
+    ankle = rotation.rotate(turns.swing, captured.knee + bent)
+    np.testing.assert_allclose(np.delete(ankle, np.r_[some], axis=0), np.delete(asked, np.r_[some], axis=0), atol=1e-9)
+
+    def jolt(track: Floats) -> float:
+        return float(np.linalg.norm(np.diff(track, n=2, axis=0), axis=1).max())
+
+    asked_flexion = np.asarray(flexion_for(captured, asked))
+    alone = captured.flexion + np.interp(count, [20.0, 69.0], (asked_flexion - captured.flexion)[[20, 69]])
+    far = 0.8 * np.cos(0.5 * alone[some])
+    by_flexion = far[:, None] * captured.ankle[some] / np.linalg.norm(captured.ankle[some], axis=1)[:, None]
+    assert jolt(ankle) < 0.7 * jolt(by_flexion)
 
 
 def test_a_swing_leads_on_where_its_ends_are_gentle_and_never_far_out() -> None:

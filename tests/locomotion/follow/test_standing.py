@@ -17,7 +17,7 @@ from footfix.locomotion.follow.holding import stands
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.planning import At
 from footfix.locomotion.follow.run import Follow, follow_path
-from footfix.locomotion.follow.standing import fair, unturned, yaws
+from footfix.locomotion.follow.standing import fair, rolled, unturned, yaws
 from footfix.locomotion.follow.steps import find_steps
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation
@@ -32,6 +32,19 @@ def foot(yaw: Floats, pitch: Floats) -> tuple[Floats, Floats]:
     """A foot that is turned about the vertical after it was pitched about the axis across it."""
     turn = rotation.multiply(rotation.about_vertical(yaw), rotation.from_axis_angle(np.array([1.0, 0.0, 0.0]), pitch))
     return turn, rotation.rotate(turn, AHEAD)
+
+
+def test_a_mixed_foot_rolls_over_its_heel_until_its_toe_comes_down() -> None:
+    count = np.arange(60)
+    heels, toes = (count >= 20) & (count < 40), (count >= 30) & (count < 50)
+    heel = np.outer(0.01 * np.clip((count - 20.0) / 10.0, 0.0, 1.0), [0.0, 0.0, 1.0])  # it slides on by 10 mm
+    mixed = np.ones(60, dtype=np.bool_)
+    shift = rolled(heel, heels, toes, mixed, 1.0 / 60.0)
+    held = (heel + shift)[21:40]
+    assert np.abs(held - held[-1]).max() < 1e-12
+    assert not np.any(shift[30:])
+    assert np.abs(np.diff(shift[:31, 2])).max() < 0.002
+    assert not np.any(rolled(heel, heels, toes, ~mixed, 1.0 / 60.0))
 
 
 def test_all_readings_of_a_flat_foot_are_its_yaw() -> None:
