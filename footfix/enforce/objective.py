@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
-from footfix.enforce.assembly import System, add_points, product
+from footfix.enforce.assembly import Pulled, System, linearised, product
 from footfix.enforce.leg import ANKLE, LEG, ROOT
 from footfix.enforce.posed import places_of, posed
 from footfix.enforce.problem import Problem
@@ -26,21 +29,8 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
     Returns:
         One system of all unknowns; or one a leg.
     """
-    legs = [_leg(problem, k, x, eps, static, root) for k in range(len(problem.legs))]
-    if not root:
-        return tuple(legs)
-    U, F = x.shape
-    out = System(np.arange(U), *_empty(U, F), *near(problem, x, np.arange(U)))
-    cost = out.cost + root_term(problem, x[:ROOT], out)
-    for k, each in enumerate(legs):
-        parts = (slice(0, ROOT), slice(0, ROOT)), (problem.columns(k), slice(ROOT, ROOT + LEG))
-        for rows, own in parts:
-            out.gradient[rows] += each.gradient[own]
-            for columns, theirs in parts:
-                out.main[rows, columns] += each.main[own, theirs]
-                out.next[rows, columns] += each.next[own, theirs]
-        cost += each.cost
-    return (System(out.rows, out.gradient + product(out.near, x), out.main, out.next, out.near, cost),)
+    legs = range(len(problem.legs))
+    return tuple(_system(problem, own, x, eps, static, root) for own in ([legs] if root else [[k] for k in legs]))
 
 
 def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> float:
@@ -69,25 +59,24 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
     return cost
 
 
-def _empty(n: int, frames: int) -> tuple[Floats, Floats, Floats]:
-    return np.zeros((n, frames)), np.zeros((n, n, frames)), np.zeros((n, n, frames - 1))
-
-
-def _leg(problem: Problem, k: int, x: Floats, eps: float, static: float, root: bool) -> System:
-    """What one leg adds: with the root's unknowns, but without their NEAR; or by itself, with its own."""
-    leg, own = problem.legs[k], problem.columns(k)
-    at = posed(leg, x[:ROOT], x[own])
-    first = 0 if root else ROOT
-    rows = np.concatenate([np.arange(first, ROOT), np.arange(own.start, own.stop)])
-    out = System(rows, *_empty(len(rows), problem.frames), np.zeros((3, 0, 0)), 0.0)
-    cost = joint_terms(problem, k, x[own], ROOT - first, out)
-    pulls = [point_terms(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True)]
-    cost += sum(pull.cost for pull in pulls)
-    add_points(at, pulls, out.gradient, out.main, out.next, root=root)
-    if k in problem.skins:
-        weight = floor_weight(problem.frame_time, problem.leg_length)
-        cost += add_floor(problem.skins[k], leg, at, x[own], weight, out.gradient, out.main)
+def _system(problem: Problem, legs: Sequence[int], x: Floats, eps: float, static: float, root: bool) -> System:
+    """Some legs, with the root or by themselves."""
+    rows = np.concatenate([np.arange(ROOT if root else 0), *(np.arange(len(x))[problem.columns(k)] for k in legs)])
+    places = [slice(base, base + LEG) for base in range(len(rows) - LEG * len(legs), len(rows), LEG)]
+    pulled = []
+    for k, columns in zip(legs, places, strict=True):
+        at = posed(problem.legs[k], x[:ROOT], x[problem.columns(k)])
+        pulls = [point_terms(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True)]
+        pulled.append(Pulled(at, pulls, columns))
+    gradient, blocks = linearised(pulled, len(rows))
+    bands, cost = near(problem, x, rows)
+    out = System(rows, gradient + product(bands, x[rows]), blocks, bands, 0.0)
     if root:
-        return System(rows, out.gradient, out.main, out.next, out.near, cost)
-    bands, stays = near(problem, x, rows)
-    return System(rows, out.gradient + product(bands, x[rows]), out.main, out.next, bands, cost + stays)
+        cost += root_term(problem, x[:ROOT], out)
+    for k, (at, pulls, columns) in zip(legs, ((p.at, p.pulls, p.columns) for p in pulled), strict=True):
+        own = x[problem.columns(k)]
+        cost += joint_terms(problem, k, own, columns.start, out) + sum(pull.cost for pull in pulls)
+        if k in problem.skins:
+            weight = floor_weight(problem.frame_time, problem.leg_length)
+            cost += add_floor(problem.skins[k], problem.legs[k], at, own, weight, out, columns.start)
+    return replace(out, cost=cost)

@@ -26,7 +26,6 @@ _FINE_FIRST = 40.0  # times `EPS` in the first of the finer rounds
 STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
 _STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
 _HALVINGS = 3  # of a step that would raise the objective
-_BLOCK = 256  # frames
 DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
@@ -156,22 +155,25 @@ def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> F
 
 
 def _bands(system: System, own: Ints, damping: Floats) -> Floats:
-    """(F, n, 2 n + 1) the lower triangle of the matrix of a system's free unknowns, column by column."""
+    """(F, n, 2 n + 1) the lower triangle of the matrix of a system's free unknowns, column by column.
+
+    A column has 2 n + 1 numbers from its diagonal down. So those of a frame, one after the other, are its blocks with
+    itself and its successor as they are, row by row, but for what is left of the diagonal: there is NEAR's last band.
+    """
     U, F = len(own), system.gradient.shape[1]
-    square = np.ix_(own, own)
-    whole = len(system.rows) == U
-    main, next_ = (system.main, system.next) if whole else (system.main[square], system.next[square])
-    near = system.near[:, own]
-    bands = np.zeros((F, U, 2 * U + 1))
-    for start in range(0, F, _BLOCK):  # some frames at a time, so that what is transposed stays in the cache
-        some, before = slice(start, start + _BLOCK), slice(start, min(start + _BLOCK, F - 1))
-        for b in range(U):
-            bands[some, b, : U - b] = main[b:, b, some].T
-            bands[before, b, U - b : 2 * U - b] = next_[:, b, before].T
-    bands[..., 0] += near[0].T + damping
-    bands[..., U] += near[1].T
-    bands[..., 2 * U] += near[2].T
-    return bands
+    blocks, near = system.blocks, system.near
+    if len(system.rows) > U:
+        blocks, near = blocks[:, own][:, :, np.concatenate([own, len(system.rows) + own])], near[:, own]
+    bands = np.zeros((F, U * (2 * U + 1)))
+    square = bands[:, : 2 * U * U].reshape(F, U, 2 * U)  # the same memory
+    square[:] = blocks
+    for row in range(1, U):
+        square[:, row, :row] = 0.0
+    columns = bands.reshape(F, U, 2 * U + 1)
+    columns[..., 0] += near[0].T + damping
+    columns[..., U] += near[1].T
+    columns[..., 2 * U] = near[2].T
+    return columns
 
 
 def _hold(bands: Floats, right: Floats, fixed: Bools) -> None:

@@ -198,7 +198,7 @@ def _knee(problem: Problem, lacking: Floats, row: int, out: System | None) -> fl
     lacks = np.maximum(lacking, 0.0)
     if out is not None:
         out.gradient[row] -= weight * lacks
-        out.main[row, row] += weight * (lacks > 0.0)
+        out.main[:, row, row] += weight * (lacks > 0.0)
     return float(0.5 * weight * np.sum(lacks**2))
 
 
@@ -219,10 +219,10 @@ def _speed(
         )
         out.gradient[own, over] -= beyond * before
         out.gradient[own, over + 1] += beyond * after
-        main, next_ = out.main[own, own], out.next[own, own]
-        main[..., over] += np.einsum("if,jf->ijf", before, before)
-        main[..., over + 1] += np.einsum("if,jf->ijf", after, after)
-        next_[..., over] -= np.einsum("if,jf->ijf", after, before)
+        main, next_ = out.main[:, own, own], out.next[:, own, own]
+        main[over] += np.einsum("if,jf->fij", before, before)
+        main[over + 1] += np.einsum("if,jf->fij", after, after)
+        next_[over] -= np.einsum("if,jf->fij", before, after)
     return 0.5 * float(np.sum(beyond**2))
 
 
@@ -253,7 +253,7 @@ def _far(
         out.gradient[own, over] += weight * beyond * row
         # across the turn, too: its length is curved, and a step aside would lead out of bounds again
         aside = beyond / size[over]
-        main = out.main[own, own]
+        main = out.main[:, own, own]
         block = (1.0 - aside) * np.einsum("if,jf->ijf", row, row) + aside * (turn.T @ turn)[..., None]
-        main[..., over] += weight * block
+        main[over] += weight * block.transpose(2, 0, 1)
     return 0.5 * weight * float(np.sum(beyond**2))
