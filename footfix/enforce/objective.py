@@ -9,14 +9,22 @@ import numpy as np
 
 from footfix.enforce.assembly import Pulled, System, linearised, product
 from footfix.enforce.leg import ANKLE, LEG, ROOT
-from footfix.enforce.posed import places_of, posed
+from footfix.enforce.posed import Posed, places_of, posed
 from footfix.enforce.problem import Problem
-from footfix.enforce.terms import joint_terms, near, point_terms, root_term
+from footfix.enforce.terms import joint_terms, near, point_cost, point_terms, root_term
 from footfix.enforce.vertices import add_floor, floor_cost, floor_weight
 from footfix.motion.clip import Floats
 
 
-def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> tuple[System, ...]:
+def posture(problem: Problem, x: Floats) -> tuple[Posed, ...]:
+    """Put all legs where a state (U, F) has them."""
+    return tuple(posed(leg, x[:ROOT], x[problem.columns(k)]) for k, leg in enumerate(problem.legs))
+
+
+def systems(
+    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
+    at: Sequence[Posed] | None = None,
+) -> tuple[System, ...]:  # fmt: skip
     """Linearise the objective.
 
     Args:
@@ -25,15 +33,19 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
         root: whether the root is an unknown. Where it is not, the legs have nothing to do with each other.
+        at: the legs in that state, from `posture`, where they are known.
 
     Returns:
         One system of all unknowns; or one a leg.
     """
-    legs = range(len(problem.legs))
-    return tuple(_system(problem, own, x, eps, static, root) for own in ([legs] if root else [[k] for k in legs]))
+    legs, at = range(len(problem.legs)), at or posture(problem, x)
+    return tuple(_system(problem, own, x, at, eps, static, root) for own in ([legs] if root else [[k] for k in legs]))
 
 
-def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> float:
+def objective(
+    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
+    at: Sequence[Posed] | None = None,
+) -> float:  # fmt: skip
     """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
 
     Args:
@@ -42,6 +54,7 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
         root: whether what the root costs by itself counts.
+        at: the legs in that state, from `posture`, where they are known.
     """
     rows = np.arange(0 if root else ROOT, len(x))
     cost = near(problem, x, rows)[1]
@@ -49,9 +62,8 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
         cost += root_term(problem, x[:ROOT], None)
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
-        places = places_of(leg, x[:ROOT], own)
-        pulls = (point_terms(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
-        cost += sum(pull.cost for pull in pulls)
+        places = places_of(leg, x[:ROOT], own) if at is None else at[k].places
+        cost += sum(point_cost(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
         cost += joint_terms(problem, k, own, 0, None)
         if k in problem.skins:
             weight = floor_weight(problem.frame_time, problem.leg_length)
@@ -59,24 +71,25 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
     return cost
 
 
-def _system(problem: Problem, legs: Sequence[int], x: Floats, eps: float, static: float, root: bool) -> System:
+def _system(
+    problem: Problem, legs: Sequence[int], x: Floats, at: Sequence[Posed], eps: float, static: float, root: bool
+) -> System:
     """Some legs, with the root or by themselves."""
     rows = np.concatenate([np.arange(ROOT if root else 0), *(np.arange(len(x))[problem.columns(k)] for k in legs)])
-    places = [slice(base, base + LEG) for base in range(len(rows) - LEG * len(legs), len(rows), LEG)]
-    pulled = []
-    for k, columns in zip(legs, places, strict=True):
-        at = posed(problem.legs[k], x[:ROOT], x[problem.columns(k)])
-        pulls = [point_terms(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True)]
-        pulled.append(Pulled(at, pulls, columns))
+    first, pulled = len(rows) - LEG * len(legs), []
+    for n, k in enumerate(legs):
+        points = zip(at[k].places, problem.pins[k], strict=True)
+        pulls = [point_terms(problem, pin, place, eps, static) for place, pin in points]
+        pulled.append(Pulled(at[k], pulls, slice(first + LEG * n, first + LEG * (n + 1))))
     gradient, blocks = linearised(pulled, len(rows))
     bands, cost = near(problem, x, rows)
     out = System(rows, gradient + product(bands, x[rows]), blocks, bands, 0.0)
     if root:
         cost += root_term(problem, x[:ROOT], out)
-    for k, (at, pulls, columns) in zip(legs, ((p.at, p.pulls, p.columns) for p in pulled), strict=True):
-        own = x[problem.columns(k)]
-        cost += joint_terms(problem, k, own, columns.start, out) + sum(pull.cost for pull in pulls)
+    for k, each in zip(legs, pulled, strict=True):
+        own, base = x[problem.columns(k)], each.columns.start
+        cost += joint_terms(problem, k, own, base, out) + sum(pull.cost for pull in each.pulls)
         if k in problem.skins:
             weight = floor_weight(problem.frame_time, problem.leg_length)
-            cost += add_floor(problem.skins[k], problem.legs[k], at, own, weight, out, columns.start)
+            cost += add_floor(problem.skins[k], problem.legs[k], each.at, own, weight, out, base)
     return replace(out, cost=cost)

@@ -9,9 +9,9 @@ import numpy as np
 
 from footfix.enforce.assembly import System
 from footfix.enforce.leg import ROOT
-from footfix.enforce.objective import objective, systems
+from footfix.enforce.objective import objective, posture, systems
 from footfix.enforce.pins import Pins
-from footfix.enforce.posed import places_of
+from footfix.enforce.posed import Posed, places_of
 from footfix.enforce.problem import Problem
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
@@ -94,21 +94,22 @@ def descend(
         root: whether the root is an unknown.
         fixed: (F,) frames that keep their state, as a stream's past does.
     """
-    eps = first
-    free = problem.free()
+    eps, free = first, problem.free()
+    at: Sequence[Posed] = ()
     for n in range(rounds):
         here = max(eps, EPS) * problem.frame_time
         static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
             problem = settled(problem, x)
-        found = systems(problem, x, here, static=static, root=root)
+        found = systems(problem, x, here, static=static, root=root, at=at)
         step = _step(problem, found, free, fixed)
         cost = sum(each.cost for each in found)
         for _ in range(_HALVINGS):  # one-sided terms may come in along the way
-            if objective(problem, x + step, here, static=static, root=root) <= cost:
+            then = posture(problem, x + step)
+            if objective(problem, x + step, here, static=static, root=root, at=then) <= cost:
                 break
-            step = 0.5 * step
-        x = x + step
+            step, then = 0.5 * step, ()
+        x, at = x + step, then
         eps *= _SHRINK
     return x
 

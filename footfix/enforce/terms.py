@@ -93,25 +93,39 @@ def point_terms(problem: Problem, pin: Pins, place: Floats, eps: float, static: 
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
     """
-    slipped, force, stiff, step = _slip(problem, pin, place, eps, static)
+    slipped, slip, step = _slip(problem, pin, place, eps, static)
     raised, push, stiffer = _level_and_floor(problem, pin, place[1])
+    force, stiff = np.zeros_like(place), np.zeros_like(place)
+    drawn = step * slip
+    force[:, 1:] += drawn
+    force[:, :-1] -= drawn
+    stiff[:, 1:] += step
+    stiff[:, :-1] += step
     force[1] += push
     stiff[1] += stiffer
-    asked = RATE * problem.frame_time * pin.placed / (PLACE * problem.leg_length) ** 2
+    cost, away, asked = _asked(problem, pin, place)
+    return Pull(slipped + raised + cost, force + asked * away, stiff + asked, step)
+
+
+def point_cost(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> float:
+    """Evaluate SLIP, LEVEL, FLOOR and PLACE of a point alone; arguments as of `point_terms`."""
+    slipped, raised = _slip(problem, pin, place, eps, static)[0], _level_and_floor(problem, pin, place[1])[0]
+    return slipped + raised + _asked(problem, pin, place)[0]
+
+
+def _asked(problem: Problem, pin: Pins, place: Floats) -> tuple[float, Floats, Floats]:
+    """PLACE, |p - place|^2: its cost, how far the point is away, and its stiffness."""
+    stiff = RATE * problem.frame_time * pin.placed / (PLACE * problem.leg_length) ** 2
     away = place - pin.place
-    cost = slipped + raised + 0.5 * float(np.sum(asked * away**2))
-    return Pull(cost, force + asked * away, stiff + asked, step)
+    return 0.5 * float(np.sum(stiff * away**2)), away, stiff
 
 
-def _slip(
-    problem: Problem, pin: Pins, place: Floats, eps: float, static: float
-) -> tuple[float, Floats, Floats, Floats]:
-    """SLIP, c h |s| with s = p(t + 1) - p(t) - slip, less of it up and down: its cost, force, stiffness and step.
+def _slip(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> tuple[float, Floats, Floats]:
+    """SLIP, c h |s| with s = p(t + 1) - p(t) - slip, less of it up and down: its cost, s, and its stiffness by s.
 
     Reweighted, its derivative by p(t + 1) is c h s / (|s| + eps), by p(t) the same with the sign turned round.
     """
     size = problem.leg_length
-    force, stiff = np.zeros_like(place), np.zeros_like(place)
     slip = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
     long = np.sqrt(slip[0] ** 2 + (UPRIGHT * slip[1]) ** 2 + slip[2] ** 2)
     c = problem.costs.slide / size * pin.hold
@@ -121,12 +135,8 @@ def _slip(
         flat, still = np.hypot(slip[0], slip[2]), STATIC * size * problem.frame_time
         more, total = friction(smooth(flat, eps) / still)
         cost += float(np.sum(c * (static - 1.0) * still * total))
-        step += c * (static - 1.0) * more / (flat + eps) * np.array([[1.0], [0.0], [1.0]])
-    force[:, 1:] += step * slip
-    force[:, :-1] -= step * slip
-    stiff[:, 1:] += step
-    stiff[:, :-1] += step
-    return cost, force, stiff, step
+        step[::2] += c * (static - 1.0) * more / (flat + eps)
+    return cost, slip, step
 
 
 def _level_and_floor(problem: Problem, pin: Pins, height: Floats) -> tuple[float, Floats, Floats]:
