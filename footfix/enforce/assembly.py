@@ -101,35 +101,34 @@ def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
     step = -np.pad(step, ((0, 0), (0, 1)))
     F, some = force.shape[1], max(1, _CACHE // n)
     gradient, blocks = np.empty((n, F)), np.empty((F, n, 2 * n))
-    for start in range(0, F, some):  # some frames at a time, so that their arrays stay in the cache
+    J, right = _constant(legs, n, some + 1), np.zeros((some, len(force), 2, n))
+    by_leg = [np.zeros((LEG, len(leg.pulls), 3, some + 1)) for leg in legs]
+    for start in range(0, F, some):  # some frames at a time, in the same memory, so that it stays in the cache
         frames, after = slice(start, min(start + some, F)), slice(start, min(start + some + 1, F))
-        count = frames.stop - start
-        J = jacobian(legs, after, n)  # (f, 3 P, n)
-        gradient[:, frames] = (force[:, frames].T[:, None] @ J[:count])[:, 0].T
-        right = np.zeros((count, len(force), 2, n))
-        np.multiply(stiff[:, frames].T[..., None], J[:count], out=right[:, :, 0])
-        np.multiply(step[:, frames].T[: len(J) - 1, :, None], J[1:], out=right[: len(J) - 1, :, 1])
-        np.matmul(J[:count].swapaxes(1, 2), right.reshape(count, -1, 2 * n), out=blocks[frames])
+        count, row = frames.stop - start, 0
+        for leg, own in zip(legs, by_leg, strict=True):
+            moved = _of_leg(leg.at, after, own[..., : after.stop - start])  # (8, 3 P, f)
+            J[: after.stop - start, row : row + len(moved[0]), leg.columns] = moved.transpose(2, 1, 0)
+            row += len(moved[0])
+        now, then = J[:count], J[1 : count + 1]  # after the clip's last frame there is none: its step counts nothing
+        gradient[:, frames] = (force[:, frames].T[:, None] @ now)[:, 0].T
+        np.multiply(stiff[:, frames].T[..., None], now, out=right[:count, :, 0])
+        np.multiply(step[:, frames].T[..., None], then, out=right[:count, :, 1])
+        np.matmul(now.swapaxes(1, 2), right[:count].reshape(count, -1, 2 * n), out=blocks[frames])
     return gradient, blocks
 
 
-def jacobian(legs: Sequence[Pulled], frames: slice, n: int) -> Floats:
-    """Tell how the places of the points of legs move with n unknowns in some frames, (f, 3 P, n)."""
-    points = sum(len(leg.pulls) for leg in legs)
-    out = np.zeros((frames.stop - frames.start, 3 * points, n))
-    first, row = legs[0].columns.start, 0
-    out.reshape(-1, points, 3, n)[..., :first] = np.eye(3)[:, :first]
-    for leg in legs:
-        rows = slice(row, row + 3 * len(leg.pulls))
-        out[:, rows, leg.columns] = _of_leg(leg.at, frames).transpose(2, 1, 0)
-        row = rows.stop
-    return out
+def _constant(legs: Sequence[Pulled], n: int, frames: int) -> Floats:
+    """(f, 3 P, n) how places move with n unknowns, as far as it is the same everywhere: by the root's shift."""
+    points, first = sum(len(leg.pulls) for leg in legs), legs[0].columns.start
+    out = np.zeros((frames, points, 3, n))
+    out[..., :first] = np.eye(3)[:, :first]
+    return out.reshape(frames, 3 * points, n)
 
 
-def _of_leg(at: Posed, frames: slice) -> Floats:
-    """(8, 3 P, f) how the places of a leg's points move with its unknowns."""
+def _of_leg(at: Posed, frames: slice, out: Floats) -> Floats:
+    """(8, 3 P, f) how the places of a leg's points move with its unknowns; `out` (8, P, 3, f) is where to put it."""
     ankle = at.ankle[..., frames]
-    out = np.zeros((LEG, len(at.arms), *ankle[:, 0].shape))
     out[Q], out[K] = ankle[:, :3].swapaxes(0, 1)[:, None], ankle[:, 3]
     (a0, a1, a2), by_turn = at.turn[..., frames], out[W]
     for point, arm in enumerate(at.arms):
