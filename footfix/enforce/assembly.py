@@ -85,7 +85,7 @@ class Pulled:
 
 
 def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
-    """Carry what pulls at the points of some legs over to n unknowns: J' f, the gradient (n, F), and J' W J, the blocks.
+    """Carry what pulls at the points of some legs over to n unknowns: J' f and J' W J.
 
     Args:
         legs: each in a state; of one system.

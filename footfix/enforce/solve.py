@@ -26,6 +26,7 @@ _FINE_FIRST = 40.0  # times `EPS` in the first of the finer rounds
 STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
 _STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
 _HALVINGS = 3  # of a step that would raise the objective
+_BLOCK = 256  # frames
 DAMPING = 1.0  # of NEAR's own weight, on each step
 
 
@@ -165,15 +166,17 @@ def _bands(system: System, own: Ints, damping: Floats) -> Floats:
     blocks, near = system.blocks, system.near
     if len(system.rows) > U:
         blocks, near = blocks[:, own][:, :, np.concatenate([own, len(system.rows) + own])], near[:, own]
-    bands = np.zeros((F, U * (2 * U + 1)))
+    bands = np.empty((F, U * (2 * U + 1)))
     square = bands[:, : 2 * U * U].reshape(F, U, 2 * U)  # the same memory
-    square[:] = blocks
-    for row in range(1, U):
-        square[:, row, :row] = 0.0
     columns = bands.reshape(F, U, 2 * U + 1)
-    columns[..., 0] += near[0].T + damping
-    columns[..., U] += near[1].T
-    columns[..., 2 * U] = near[2].T
+    for start in range(0, F, _BLOCK):  # some frames at a time, so that they stay in the cache
+        some = slice(start, start + _BLOCK)
+        square[some], bands[some, 2 * U * U :] = blocks[some], 0.0
+        for row in range(1, U):
+            square[some, row, :row] = 0.0
+        columns[some, :, 0] += near[0, :, some].T + damping
+        columns[some, :, U] += near[1, :, some].T
+        columns[some, :, 2 * U] = near[2, :, some].T
     return columns
 
 

@@ -22,8 +22,6 @@ import numpy as np
 
 from footfix.enforce.assembly import Pull, System, product
 from footfix.enforce.costs import (
-    CUT,
-    CUT_ROOT,
     FAR_ROOT,
     FAR_TURN,
     FLOOR,
@@ -48,39 +46,11 @@ def near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
     Args:
         problem: the clip's.
         x: (U, F) a state.
-        rows: (n,) which unknowns.
+        rows: (n,) which unknowns, one after the other.
     """
-    s0, s2 = (each[rows] for each in problem.near())
-    dt, F = problem.frame_time, problem.frames
-    stay = RATE * dt / s0**2  # (n,)
-    calm = RATE * dt / s2**2 / dt**4
-    bands = np.zeros((3, len(rows), F))
-    bands[0] += stay[:, None]
-    if F > 2:  # D2' D2
-        for offset, weight in ((0, 1.0), (1, 4.0), (2, 1.0)):
-            bands[0, :, offset : F - 2 + offset] += weight * calm[:, None]
-        for offset in (0, 1):
-            bands[1, :, offset : F - 2 + offset] -= 2.0 * calm[:, None]
-        bands[2, :, : F - 2] += calm[:, None]
-    sigma = np.where(rows < ROOT, CUT_ROOT * problem.leg_length, np.radians(CUT)) * 120.0 * dt
-    for end, frame in zip(problem.cut, (0, F - 1), strict=True):
-        if end:
-            bands[0, :, frame] += 1.0 / sigma**2
-    if problem.onward and F > 2:
-        _onward(bands, s0, s2, dt)
-    return bands, 0.5 * float(np.sum(x[rows] * product(bands, x[rows])))
-
-
-def _onward(bands: Floats, s0: Floats, s2: Floats, dt: float) -> None:
-    """Add what the way back from the last frame's state x and speed v costs, where nothing is planted any more.
-
-    The least integral of r ((x / s0)^2 + (x'' / s2)^2) from then on is r (s2/s0 p x^2 + 2 x v / (s0 s2) + p v^2),
-    p = sqrt(2 / (s0 s2)) / s2. Source: the linear-quadratic regulator of a double integrator (Riccati's equation).
-    """
-    both, fast = 1.0 / (s0 * s2) / dt, np.sqrt(2.0 / (s0 * s2)) / s2 / dt**2
-    bands[0, :, -1] += RATE * (s2 / s0 * fast * dt**2 + 2.0 * both + fast)
-    bands[0, :, -2] += RATE * fast
-    bands[1, :, -2] -= RATE * (both + fast)
+    own = slice(int(rows[0]), int(rows[-1]) + 1)
+    bands = problem.near_bands[:, own]
+    return bands, 0.5 * float(np.sum(x[own] * product(bands, x[own])))
 
 
 def point_terms(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> Pull:

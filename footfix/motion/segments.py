@@ -48,7 +48,7 @@ class Segments:
         return np.asarray(0.5 * (ordered[low] + ordered[high]))
 
     def quantile(self, values: Floats, share: float) -> Floats:
-        """Compute (S,) a quantile of values (N,) in each stretch, between two of them linearly as `np.quantile` does."""
+        """Compute (S,) a quantile of values (N,) in each stretch, to the bit that of `np.quantile`."""
         if not len(self):
             return np.zeros(0)
         ordered = values[np.lexsort((values, self.owner))]
