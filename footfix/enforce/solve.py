@@ -13,6 +13,7 @@ from footfix.enforce.objective import objective, posture, systems
 from footfix.enforce.pins import Pins
 from footfix.enforce.posed import Posed, places_of
 from footfix.enforce.problem import Problem
+from footfix.motion.banded import solve_banded
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
 
@@ -144,15 +145,12 @@ def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools |
 
 def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
     """(n, F) the step of those unknowns of a system that are free."""
-    from scipy.linalg import solveh_banded
-
     U, F = len(own), system.gradient.shape[1]
     bands = _bands(system, own, damping)
     right = -system.gradient[own].T
     if fixed is not None:
         _hold(bands, right, fixed)
-    ab = bands.reshape(F * U, 2 * U + 1).T
-    step = solveh_banded(ab, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
+    step = solve_banded(bands.reshape(F * U, 2 * U + 1).T, right.ravel())
     return np.asarray(step.reshape(F, U).T)
 
 
