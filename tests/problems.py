@@ -206,16 +206,15 @@ def system(of: Problem, x: Floats, eps: float, static: float = 1.0) -> System:
 
 
 def dense(of: System) -> Floats:
-    """(n F, n F) the matrix of a system, frames slowest; of its main blocks only the lower triangles mean anything."""
+    """(n F, n F) the matrix of a system, frames slowest."""
     n, F = of.gradient.shape
     out = np.zeros((F, n, F, n))
     for f in range(F):
-        lower = np.tril(of.main[:, :, f])
-        out[f, :, f] += lower + np.tril(lower, -1).T + np.diag(of.near[0, :, f])
+        out[f, :, f] += of.main[f] + np.diag(of.near[0, :, f])
         if f + 1 < F:
-            block = of.next[:, :, f] + np.diag(of.near[1, :, f])
-            out[f + 1, :, f] += block
-            out[f, :, f + 1] += block.T
+            block = of.next[f] + np.diag(of.near[1, :, f])
+            out[f, :, f + 1] += block
+            out[f + 1, :, f] += block.T
         if f + 2 < F:
             out[f + 2, :, f] += np.diag(of.near[2, :, f])
             out[f, :, f + 2] += np.diag(of.near[2, :, f])

@@ -13,9 +13,10 @@ from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.overtaking import OvertakingParams, overtaking
 from footfix.detect.path import landed, masks, resting, stretches
+from footfix.detect.settling import SettlingParams, settled
 from footfix.detect.stepping import SteppingParams, stepping, velocities_of
 from footfix.detect.timing import Timing, timed
-from footfix.detect.tracks import Finding, Tracks
+from footfix.detect.tracks import Finding, Foot, Tracks
 from footfix.motion.clip import Bools, Floats
 
 
@@ -32,6 +33,7 @@ class AutoParams:
         steep: [leg lengths] of height beyond it for each nat that standing costs.
         stepping: when a foot that looks planted steps.
         overtaking: when it goes ahead of the pelvis.
+        settling: how much of a step's ends is held.
         kneeling: when feet are dragged.
         doubts: when to tell what is doubtful.
     """
@@ -44,6 +46,7 @@ class AutoParams:
     steep: float = 0.005
     stepping: SteppingParams = field(default_factory=SteppingParams)
     overtaking: OvertakingParams = field(default_factory=OvertakingParams)
+    settling: SettlingParams = field(default_factory=SettlingParams)
     kneeling: KneelingParams = field(default_factory=KneelingParams)
     doubts: DoubtParams = field(default_factory=DoubtParams)
 
@@ -62,19 +65,21 @@ def auto(
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
     """
     sampled = resample(tracks)
-    answers = logits(sampled, params, fitted.network() if network is None else network)
+    alone, answers = weighed(sampled, params, fitted.network() if network is None else network)
     when = fitted.timing() if timing is None else timing
     per_frame = tracks.frame_time / STEP
     columns: list[Bools] = []
     sure: list[Floats] = []
+
+    def parts(answer: Floats, k: int) -> tuple[Bools, Bools]:
+        found = timed(stretches(answer, params.switch, params.roll), sampled, k, when)
+        return masks(found, len(tracks), per_frame)
+
     for k, (foot, answer) in enumerate(zip(tracks.feet, answers, strict=True)):
-        plants = timed(stretches(answer, params.switch, params.roll), sampled, k, when)
-        heel, toe = masks(plants, len(tracks), per_frame)
-        for part, point in ((heel, foot.heel), (toe, foot.toe)):
-            down = resting(part, heel | toe, point[:, 1], params.rise * tracks.leg_length)
-            step = np.hypot(*np.diff(point[:, ::2], axis=0).T)
-            down = landed(down, step, params.landing * tracks.leg_length)
-            columns.append(carrying(down, tracks, foot, point, params.kneeling))
+        down = _finished(parts(answer, k), parts(alone[k], k), foot, tracks, params)
+        columns += [
+            carrying(part, tracks, foot, point, params.kneeling) for part, point in zip(down, foot.soles, strict=True)
+        ]
         sure += _parts(answer, len(tracks), per_frame)
     notes = frame_rate(tracks, params.doubts)
     for foot, answer in zip(tracks.feet, answers, strict=True):
@@ -83,14 +88,43 @@ def auto(
     return Finding(np.stack(columns, axis=1), np.stack(sure, axis=1), notes)
 
 
+def _finished(
+    parts: tuple[Bools, Bools], looks: tuple[Bools, Bools], foot: Foot, tracks: Tracks, params: AutoParams
+) -> tuple[Bools, Bools]:  # fmt: skip
+    """The contacts (F,) of heel and toe: without gaps in which they do not rise, and without the ends of swings.
+
+    Args:
+        parts: (F,) each in contact by all evidence.
+        looks: (F,) each by that of its own foot.
+        foot: its tracks.
+        tracks: those of the clip.
+        params: what no foot does.
+    """
+    size = tracks.leg_length
+    down = []
+    for part, look, point in zip(parts, looks, foot.soles, strict=True):
+        rests = resting(part, parts[0] | parts[1], point[:, 1], params.rise * size)
+        place = point[:, ::2] / size
+        step = np.linalg.norm(np.diff(place, axis=0), axis=1)
+        down.append(settled(landed(rests, step, params.landing), look, place, tracks.frame_time, params.settling))
+    return down[0], down[1]
+
+
 def _planted(answer: Floats) -> Floats:
     return np.asarray(-np.expm1(answer[:, SWING]))
 
 
 def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK) -> tuple[Floats, ...]:
     """Compute for each foot the log probabilities (n, 4) of its states on the grid."""
+    return weighed(sampled, params, network, chunk)[1]
+
+
+def weighed(
+    sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK
+) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """Compute the log probabilities (n, 4) of each foot by itself, and beside the other foot and the pelvis."""
     steps = len(sampled.tracks)
-    answers: list[list[Floats]] = [[] for _ in sampled.tracks.feet]
+    answers: list[list[Floats]] = [[] for _ in 2 * sampled.tracks.feet]
     for first in range(0, steps, chunk):
         low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
         part = slice(low, high)
@@ -98,9 +132,10 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
         pelvis, feet = velocities_of(sampled.tracks, part)
         answered = stepping(alone, sampled.mates, pelvis, feet, params.stepping)
         answered = overtaking(answered, sampled.tracks.pelvis[part, ::2], pelvis, feet, params.overtaking)
-        for k, answer in enumerate(answered):
+        for k, answer in enumerate((*alone, *answered)):
             answers[k].append(answer[first - low : first - low + chunk])
-    return tuple(np.concatenate(answer) for answer in answers)
+    whole = tuple(np.concatenate(answer) for answer in answers)
+    return whole[: len(whole) // 2], whole[len(whole) // 2 :]
 
 
 def grounded(answer: Floats, curves: Floats, params: AutoParams) -> Floats:

@@ -20,7 +20,7 @@ _OFF = 0.1  # [leg lengths] over the floor: a foot that is higher is off it
 _FEWEST = 6  # frames of a leap
 _HOP = 0.03  # [m] by which the pelvis rises and falls in one, and
 _PARABOLA = 0.08  # of that is how near to a parabola it stays
-_PACE = 0.25  # [s] over which velocities are taken where their rhythm counts
+_PACE = 0.5  # [s] over which velocities are taken where their rhythm counts: much longer than noise lasts
 _RATES = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 150.0, 200.0, 240.0, 250.0, 300.0)
 
 
@@ -50,7 +50,7 @@ class DoubtParams:
     floating: float = 0.13
     slow_fall: float = 2.0
     slow_few: float = 2.6
-    dull: float = 0.4
+    dull: float = 0.46
     travelling: float = 0.15
     long: float = 4.0
     stride: float = 0.4

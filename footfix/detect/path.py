@@ -10,6 +10,7 @@ import numpy as np
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
+from footfix.motion.segments import segments as laid_out
 
 _SLOW, _BRAKED = 0.25, 0.4  # of the steps of a contact, the slowest; of the farthest step, one that is short again
 EARLY = 0.4  # grid steps: plates, the more so filtered ones, tell of a landing a little before the joints do
@@ -164,8 +165,11 @@ def landed(part: Bools, step: Floats, farthest: float) -> Bools:
         farthest: in the same unit; what goes so much farther than the contact does at its slowest has not landed.
     """
     out = part.copy()
-    for a, b in runs(part):
-        inside = step[a : b - 1] - np.quantile(step[a : b - 1], _SLOW) if b - a > 1 else np.zeros(0)
+    found = [(a, b) for a, b in runs(part) if b - a > 1]
+    steps = laid_out([(a, b - 1) for a, b in found])
+    slowest = steps.quantile(step[steps.frames], _SLOW).tolist()
+    for (a, b), slow in zip(found, slowest, strict=True):
+        inside = step[a : b - 1] - slow
         rests = np.flatnonzero(inside <= _BRAKED * farthest)
         if not len(rests):
             continue

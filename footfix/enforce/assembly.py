@@ -1,8 +1,4 @@
-"""The linear system at a state, and what pulls at a leg's points, carried over to the unknowns.
-
-All points hang from one ankle on one foot: so their pulls are added up there first, by places and by turns of the
-foot in the world, and carried to the unknowns once.
-"""
+"""The linear system at a state, and what pulls at a leg's points, carried over to the unknowns: J' W J and J' f."""
 
 from __future__ import annotations
 
@@ -11,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.leg import ROOT, TIP, B
-from footfix.enforce.posed import Posed, cross
+from footfix.enforce.leg import LEG, TIP, B, K, Q, W
+from footfix.enforce.posed import Posed
 from footfix.motion.clip import Floats, Ints
 
-_QK, _W = slice(0, 4), slice(4, 7)  # of a leg's unknowns: what moves the ankle, and what turns the foot
+_CACHE = 2048  # frames times unknowns whose arrays stay in the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,18 +21,26 @@ class System:
     Args:
         rows: (n,) which unknowns.
         gradient: (n, F).
-        main: (n, n, F) blocks of each frame with itself; what is above their diagonal is left out.
-        next: (n, n, F - 1) blocks of each frame's successor (rows) with it (columns).
+        blocks: (F, n, 2 n) second derivatives by each frame's unknowns (rows), and by its own and its successor's.
         near: (3, n, F) the main diagonal, and the first and second one below it, in frames, of NEAR.
         cost: the objective there.
     """
 
     rows: Ints
     gradient: Floats
-    main: Floats
-    next: Floats
+    blocks: Floats
     near: Floats
     cost: float
+
+    @property
+    def main(self) -> Floats:
+        """Get the blocks (F, n, n) of each frame with itself."""
+        return self.blocks[:, :, : len(self.rows)]
+
+    @property
+    def next(self) -> Floats:
+        """Get the blocks (F - 1, n, n) of each frame (rows) with its successor (columns)."""
+        return self.blocks[:-1, :, len(self.rows) :]
 
 
 def product(bands: Floats, x: Floats) -> Floats:
@@ -66,126 +70,72 @@ class Pull:
 
 
 @dataclass(frozen=True, eq=False)
-class _Block:
-    """A symmetric or one-sided second derivative by the ankle's place a, the foot's turn t, and the toes' bend b.
+class Pulled:
+    """A leg in a state, and what pulls at its points.
 
     Args:
-        aa: (3, n) its diagonal; places along different axes have nothing to do with each other.
-        at, ta, tt: (3, 3, n).
-        ab, ba, tb, bt: (3, n).
-        bb: (n,).
+        at: the leg.
+        pulls: of its P points.
+        columns: the leg's eight unknowns in the system.
     """
 
-    aa: Floats
-    at: Floats
-    ta: Floats
-    tt: Floats
-    ab: Floats
-    ba: Floats
-    tb: Floats
-    bt: Floats
-    bb: Floats
+    at: Posed
+    pulls: Sequence[Pull]
+    columns: slice
 
 
-def add_points(at: Posed, pulls: Sequence[Pull], gradient: Floats, main: Floats, next_: Floats, *, root: bool) -> None:
-    """Add what pulls at a leg's points to its gradient (n, F), and its blocks (n, n, F) and (n, n, F - 1).
+def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
+    """Carry what pulls at the points of some legs over to n unknowns: J' f and J' W J.
 
     Args:
-        at: the leg in a state.
-        pulls: of its points.
-        gradient: by the root's three unknowns, if it has them, and the leg's eight.
-        main: each frame with itself; the lower triangles.
-        next_: each frame's successor (rows) with it (columns).
-        root: whether the root's unknowns are there.
+        legs: each in a state; of one system.
+        n: how many unknowns it has: those of the root, if they are there, come first.
+
+    Returns:
+        Gradient (n, F) and blocks (F, n, 2 n), as of `System`.
     """
-    first = ROOT if root else 0
-    _add_forces(at, pulls, gradient, first)
-    now = slice(None)
-    block = _block(at, [pull.stiff for pull in pulls], now, now)
-    _carry(main, block, at, now, now, first, 1.0)
-    later, before = slice(1, None), slice(None, -1)
-    block = _block(at, [pull.step for pull in pulls], later, before)
-    _carry(next_, block, at, later, before, first, -1.0)
+    force, stiff, step = (
+        np.concatenate([getattr(pull, name) for leg in legs for pull in leg.pulls])
+        for name in ("force", "stiff", "step")
+    )  # (3 P, F), the last one frame shorter
+    step = -np.pad(step, ((0, 0), (0, 1)))
+    F, some = force.shape[1], max(1, _CACHE // n)
+    gradient, blocks = np.empty((n, F)), np.empty((F, n, 2 * n))
+    J, right = _constant(legs, n, some + 1), np.zeros((some, len(force), 2, n))
+    by_leg = [np.zeros((LEG, len(leg.pulls), 3, some + 1)) for leg in legs]
+    for start in range(0, F, some):  # some frames at a time, in the same memory, so that it stays in the cache
+        frames, after = slice(start, min(start + some, F)), slice(start, min(start + some + 1, F))
+        count, row = frames.stop - start, 0
+        for leg, own in zip(legs, by_leg, strict=True):
+            moved = _of_leg(leg.at, after, own[..., : after.stop - start])  # (8, 3 P, f)
+            J[: after.stop - start, row : row + len(moved[0]), leg.columns] = moved.transpose(2, 1, 0)
+            row += len(moved[0])
+        now, then = J[:count], J[1 : count + 1]  # after the clip's last frame there is none: its step counts nothing
+        gradient[:, frames] = (force[:, frames].T[:, None] @ now)[:, 0].T
+        np.multiply(stiff[:, frames].T[..., None], now, out=right[:count, :, 0])
+        np.multiply(step[:, frames].T[..., None], then, out=right[:count, :, 1])
+        np.matmul(now.swapaxes(1, 2), right[:count].reshape(count, -1, 2 * n), out=blocks[frames])
+    return gradient, blocks
 
 
-def _add_forces(at: Posed, pulls: Sequence[Pull], gradient: Floats, first: int) -> None:
-    force, torque = np.zeros_like(at.places[0]), np.zeros_like(at.places[0])
-    for arm, pull in zip(at.arms, pulls, strict=True):
-        force += pull.force
-        if arm is not None:
-            torque += cross(arm, pull.force)
-    leg = gradient[first:]
-    if first:
-        gradient[:first] += force
-    leg[_QK] += np.einsum("cif,cf->if", at.ankle, force)
-    leg[_W] += np.einsum("cif,cf->if", at.turn, torque)
+def _constant(legs: Sequence[Pulled], n: int, frames: int) -> Floats:
+    """(f, 3 P, n) how places move with n unknowns, as far as it is the same everywhere: by the root's shift."""
+    points, first = sum(len(leg.pulls) for leg in legs), legs[0].columns.start
+    out = np.zeros((frames, points, 3, n))
+    out[..., :first] = np.eye(3)[:, :first]
+    return out.reshape(frames, 3 * points, n)
+
+
+def _of_leg(at: Posed, frames: slice, out: Floats) -> Floats:
+    """(8, 3 P, f) how the places of a leg's points move with its unknowns; `out` (8, P, 3, f) is where to put it."""
+    ankle = at.ankle[..., frames]
+    out[Q], out[K] = ankle[:, :3].swapaxes(0, 1)[:, None], ankle[:, 3]
+    (a0, a1, a2), by_turn = at.turn[..., frames], out[W]
+    for point, arm in enumerate(at.arms):
+        if arm is not None:  # (turn dw) x arm
+            b0, b1, b2 = arm[:, frames]
+            for c, (u, v, s, t) in enumerate(((a1, b2, a2, b1), (a2, b0, a0, b2), (a0, b1, a1, b0))):
+                np.subtract(u * v, s * t, out=by_turn[:, point, c])
     if at.hinge is not None:
-        leg[B] += np.einsum("cf,cf->f", at.hinge, pulls[TIP].force)
-
-
-def _lever(arm: Floats) -> Floats:
-    """(3, 3, F) how a point moves while the foot turns about the ankle: turn x arm."""
-    out = np.zeros((3, 3, arm.shape[1]))
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        out[i, j], out[j, i] = arm[k], -arm[k]
-    return out
-
-
-def _block(at: Posed, weights: Sequence[Floats], rows: slice, columns: slice) -> _Block:
-    """Add up the points' second derivatives (3, n), between some frames (rows) and others (columns)."""
-    n = weights[0].shape[1]
-    aa = np.sum(weights, axis=0)
-    a_t, ta, tt = (np.zeros((3, 3, n)) for _ in range(3))
-    ab, ba, tb, bt = (np.zeros((3, n)) for _ in range(4))
-    bb = np.zeros(n)
-    same = rows == columns
-    for point, (arm, weight) in enumerate(zip(at.arms, weights, strict=True)):
-        if arm is None or not np.any(weight):
-            continue
-        right = _lever(arm[:, columns])
-        left = right if same else _lever(arm[:, rows])
-        weighted = weight[:, None] * right
-        a_t += weighted
-        ta += weighted.swapaxes(0, 1) if same else (weight[:, None] * left).swapaxes(0, 1)
-        tt += np.einsum("cif,cjf->ijf", left, weighted)
-        if point == TIP and at.hinge is not None:
-            before, behind = weight * at.hinge[:, columns], weight * at.hinge[:, rows]
-            ab += before
-            ba += behind
-            tb += np.einsum("cif,cf->if", left, before)
-            bt += np.einsum("cif,cf->if", right, behind)
-            bb += np.einsum("cf,cf->f", at.hinge[:, rows], before)
-    return _Block(aa, a_t, ta, tt, ab, ba, tb, bt, bb)
-
-
-def _carry(out: Floats, block: _Block, at: Posed, rows: slice, columns: slice, first: int, sign: float) -> None:
-    """Add a block, times a sign, to one by the unknowns (n, n, F): derivatives on both of its sides."""
-    A, J = sign * at.ankle[..., rows], sign * at.turn[..., rows]  # of the rows
-    a, j = at.ankle[..., columns], at.turn[..., columns]  # of the columns
-    leg = out[first:, first:]
-    square = rows == columns  # then only what is below the diagonal counts
-    leg[_QK, _QK] += np.einsum("cif,cjf->ijf", A, block.aa[:, None] * a)
-    leg[_W, _QK] += np.einsum("tif,tjf->ijf", J, np.einsum("tcf,cjf->tjf", block.ta, a))
-    leg[_W, _W] += np.einsum("tif,tjf->ijf", J, np.einsum("tuf,ujf->tjf", block.tt, j))
-    if at.hinge is not None:
-        leg[B, _QK] += sign * np.einsum("cf,cjf->jf", block.ba, a)
-        leg[B, _W] += sign * np.einsum("tf,tjf->jf", block.bt, j)
-        leg[B, B] += sign * block.bb
-    if not square:
-        leg[_QK, _W] += np.einsum("cif,cjf->ijf", A, np.einsum("ctf,tjf->cjf", block.at, j))
-        if at.hinge is not None:
-            leg[_QK, B] += np.einsum("cif,cf->if", A, block.ab)
-            leg[_W, B] += np.einsum("tif,tf->if", J, block.tb)
-    if first:
-        d = np.arange(ROOT)
-        out[d, d] += sign * block.aa
-        below = out[first:, :first]
-        below[_QK] += (A * block.aa[:, None]).swapaxes(0, 1)
-        below[_W] += np.einsum("tif,tcf->icf", J, block.ta)
-        below[B] += sign * block.ba
-        if not square:
-            beside = out[:first, first:]
-            beside[:, _QK] += sign * block.aa[:, None] * a
-            beside[:, _W] += sign * np.einsum("ctf,tjf->cjf", block.at, j)
-            beside[:, B] += sign * block.ab
+        out[B, TIP] = at.hinge[:, frames]
+    return out.reshape(LEG, -1, out.shape[-1])

@@ -11,6 +11,7 @@ from footfix.enforce.footplant import Footplant, stands
 from footfix.enforce.leg import TIP, LegTracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
+from footfix.motion.segments import segments
 from footfix.rig.rig import Rig
 
 
@@ -39,7 +40,7 @@ def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, nea
         near: [m] a plant nearer than this to the floor stands on it, else on a step of its own.
     """
     rest = np.array([nominal(rig, e) for e in range(len(rig.soles))])
-    own = [float(np.median(legs[p.leg].place(p.point)[1, p.frames])) for p in plants]
+    own = _heights(plants, legs).tolist()
     for e in range(len(rest)):
         mine = [p for p in plants if p.effector == e and abs(own[p.id] - rest[e]) < near]
         if mine:
@@ -74,9 +75,17 @@ def nominal(rig: Rig, effector: int) -> float:
 
 def lacks(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig) -> Floats:
     """Measure what each plant's joint lacks to the height at which its sole is on the rig's floor, (N,) [m]."""
-    return np.array([
-        nominal(rig, p.effector) - np.median(legs[p.leg].place(p.point)[1, p.frames]) for p in plants
-    ])  # fmt: skip
+    return np.array([nominal(rig, p.effector) for p in plants]) - _heights(plants, legs)
+
+
+def _heights(plants: Sequence[Footplant], legs: Sequence[LegTracks]) -> Floats:
+    """(N,) [m] the median height of each plant's joint."""
+    found = np.zeros(len(plants))
+    for e in {plant.effector for plant in plants}:
+        own = [k for k, plant in enumerate(plants) if plant.effector == e]
+        parts, first = segments([(plants[k].start, plants[k].end) for k in own]), plants[own[0]]
+        found[own] = parts.median(legs[first.leg].place(first.point)[1, parts.frames])
+    return found
 
 
 def floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
-from footfix.enforce.assembly import System, add_points, product
+from footfix.enforce.assembly import Pulled, System, linearised, product
 from footfix.enforce.leg import ANKLE, LEG, ROOT
-from footfix.enforce.posed import places_of, posed
+from footfix.enforce.posed import Posed, places_of, posed
 from footfix.enforce.problem import Problem
-from footfix.enforce.terms import joint_terms, near, point_terms, root_term
+from footfix.enforce.terms import joint_terms, near, point_cost, point_terms, root_term
 from footfix.enforce.vertices import add_floor, floor_cost, floor_weight
 from footfix.motion.clip import Floats
 
 
-def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> tuple[System, ...]:
+def posture(problem: Problem, x: Floats) -> tuple[Posed, ...]:
+    """Put all legs where a state (U, F) has them."""
+    return tuple(posed(leg, x[:ROOT], x[problem.columns(k)]) for k, leg in enumerate(problem.legs))
+
+
+def systems(
+    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
+    at: Sequence[Posed] | None = None,
+) -> tuple[System, ...]:  # fmt: skip
     """Linearise the objective.
 
     Args:
@@ -22,28 +33,19 @@ def systems(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, roo
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
         root: whether the root is an unknown. Where it is not, the legs have nothing to do with each other.
+        at: the legs in that state, from `posture`, where they are known.
 
     Returns:
         One system of all unknowns; or one a leg.
     """
-    legs = [_leg(problem, k, x, eps, static, root) for k in range(len(problem.legs))]
-    if not root:
-        return tuple(legs)
-    U, F = x.shape
-    out = System(np.arange(U), *_empty(U, F), *near(problem, x, np.arange(U)))
-    cost = out.cost + root_term(problem, x[:ROOT], out)
-    for k, each in enumerate(legs):
-        parts = (slice(0, ROOT), slice(0, ROOT)), (problem.columns(k), slice(ROOT, ROOT + LEG))
-        for rows, own in parts:
-            out.gradient[rows] += each.gradient[own]
-            for columns, theirs in parts:
-                out.main[rows, columns] += each.main[own, theirs]
-                out.next[rows, columns] += each.next[own, theirs]
-        cost += each.cost
-    return (System(out.rows, out.gradient + product(out.near, x), out.main, out.next, out.near, cost),)
+    legs, at = range(len(problem.legs)), at or posture(problem, x)
+    return tuple(_system(problem, own, x, at, eps, static, root) for own in ([legs] if root else [[k] for k in legs]))
 
 
-def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True) -> float:
+def objective(
+    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
+    at: Sequence[Posed] | None = None,
+) -> float:  # fmt: skip
     """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
 
     Args:
@@ -52,6 +54,7 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
         root: whether what the root costs by itself counts.
+        at: the legs in that state, from `posture`, where they are known.
     """
     rows = np.arange(0 if root else ROOT, len(x))
     cost = near(problem, x, rows)[1]
@@ -59,9 +62,8 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
         cost += root_term(problem, x[:ROOT], None)
     for k, leg in enumerate(problem.legs):
         own = x[problem.columns(k)]
-        places = places_of(leg, x[:ROOT], own)
-        pulls = (point_terms(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
-        cost += sum(pull.cost for pull in pulls)
+        places = places_of(leg, x[:ROOT], own) if at is None else at[k].places
+        cost += sum(point_cost(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
         cost += joint_terms(problem, k, own, 0, None)
         if k in problem.skins:
             weight = floor_weight(problem.frame_time, problem.leg_length)
@@ -69,25 +71,25 @@ def objective(problem: Problem, x: Floats, eps: float, *, static: float = 1.0, r
     return cost
 
 
-def _empty(n: int, frames: int) -> tuple[Floats, Floats, Floats]:
-    return np.zeros((n, frames)), np.zeros((n, n, frames)), np.zeros((n, n, frames - 1))
-
-
-def _leg(problem: Problem, k: int, x: Floats, eps: float, static: float, root: bool) -> System:
-    """What one leg adds: with the root's unknowns, but without their NEAR; or by itself, with its own."""
-    leg, own = problem.legs[k], problem.columns(k)
-    at = posed(leg, x[:ROOT], x[own])
-    first = 0 if root else ROOT
-    rows = np.concatenate([np.arange(first, ROOT), np.arange(own.start, own.stop)])
-    out = System(rows, *_empty(len(rows), problem.frames), np.zeros((3, 0, 0)), 0.0)
-    cost = joint_terms(problem, k, x[own], ROOT - first, out)
-    pulls = [point_terms(problem, pin, p, eps, static) for p, pin in zip(at.places, problem.pins[k], strict=True)]
-    cost += sum(pull.cost for pull in pulls)
-    add_points(at, pulls, out.gradient, out.main, out.next, root=root)
-    if k in problem.skins:
-        weight = floor_weight(problem.frame_time, problem.leg_length)
-        cost += add_floor(problem.skins[k], leg, at, x[own], weight, out.gradient, out.main)
+def _system(
+    problem: Problem, legs: Sequence[int], x: Floats, at: Sequence[Posed], eps: float, static: float, root: bool
+) -> System:
+    """Some legs, with the root or by themselves."""
+    rows = np.concatenate([np.arange(ROOT if root else 0), *(np.arange(len(x))[problem.columns(k)] for k in legs)])
+    first, pulled = len(rows) - LEG * len(legs), []
+    for n, k in enumerate(legs):
+        points = zip(at[k].places, problem.pins[k], strict=True)
+        pulls = [point_terms(problem, pin, place, eps, static) for place, pin in points]
+        pulled.append(Pulled(at[k], pulls, slice(first + LEG * n, first + LEG * (n + 1))))
+    gradient, blocks = linearised(pulled, len(rows))
+    bands, cost = near(problem, x, rows)
+    out = System(rows, gradient + product(bands, x[rows]), blocks, bands, 0.0)
     if root:
-        return System(rows, out.gradient, out.main, out.next, out.near, cost)
-    bands, stays = near(problem, x, rows)
-    return System(rows, out.gradient + product(bands, x[rows]), out.main, out.next, bands, cost + stays)
+        cost += root_term(problem, x[:ROOT], out)
+    for k, each in zip(legs, pulled, strict=True):
+        own, base = x[problem.columns(k)], each.columns.start
+        cost += joint_terms(problem, k, own, base, out) + sum(pull.cost for pull in each.pulls)
+        if k in problem.skins:
+            weight = floor_weight(problem.frame_time, problem.leg_length)
+            cost += add_floor(problem.skins[k], problem.legs[k], each.at, own, weight, out, base)
+    return replace(out, cost=cost)

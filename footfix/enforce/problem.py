@@ -11,11 +11,11 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.enforce.costs import GROWN, NOISY, TOES, TOES_FREE, CostParams
+from footfix.enforce.costs import CUT, CUT_ROOT, GROWN, NOISY, RATE, TOES, TOES_FREE, CostParams
 from footfix.enforce.leg import LEG, ROOT, B, LegTracks
 from footfix.enforce.pins import Pins
 from footfix.enforce.vertices import Vertices
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,3 +104,38 @@ class Problem:
         # what the capture's own noise accelerates is not held to: second differences have 1 + 4 + 1 times its variance
         noise = np.sqrt(6.0) * self.noise / self.frame_time**2
         return s0, np.hypot(s2, np.where(self.white, noise, np.minimum(noise, NOISY * s2)))
+
+    @cached_property
+    def near_bands(self) -> Floats:
+        """The matrix of NEAR and CUT, (3, U, F): its main diagonal, and the first and second one below, in frames."""
+        s0, s2 = self.near()
+        dt, F = self.frame_time, self.frames
+        calm = RATE * dt / s2**2 / dt**4
+        bands = np.zeros((3, len(s0), F))
+        bands[0] += (RATE * dt / s0**2)[:, None]
+        if F > 2:  # D2' D2
+            for offset, weight in ((0, 1.0), (1, 4.0), (2, 1.0)):
+                bands[0, :, offset : F - 2 + offset] += weight * calm[:, None]
+            for offset in (0, 1):
+                bands[1, :, offset : F - 2 + offset] -= 2.0 * calm[:, None]
+            bands[2, :, : F - 2] += calm[:, None]
+        sigma = np.full(len(s0), np.radians(CUT)) * 120.0 * dt
+        sigma[:ROOT] = CUT_ROOT * self.leg_length * 120.0 * dt
+        for end, frame in zip(self.cut, (0, F - 1), strict=True):
+            if end:
+                bands[0, :, frame] += 1.0 / sigma**2
+        if self.onward and F > 2:
+            _onward(bands, s0, s2, dt)
+        return frozen(bands)
+
+
+def _onward(bands: Floats, s0: Floats, s2: Floats, dt: float) -> None:
+    """Add what the way back from the last frame's state x and speed v costs, where nothing is planted any more.
+
+    The least integral of r ((x / s0)^2 + (x'' / s2)^2) from then on is r (s2/s0 p x^2 + 2 x v / (s0 s2) + p v^2),
+    p = sqrt(2 / (s0 s2)) / s2. Source: the linear-quadratic regulator of a double integrator (Riccati's equation).
+    """
+    both, fast = 1.0 / (s0 * s2) / dt, np.sqrt(2.0 / (s0 * s2)) / s2 / dt**2
+    bands[0, :, -1] += RATE * (s2 / s0 * fast * dt**2 + 2.0 * both + fast)
+    bands[0, :, -2] += RATE * fast
+    bands[1, :, -2] -= RATE * (both + fast)

@@ -9,10 +9,11 @@ import numpy as np
 
 from footfix.enforce.assembly import System
 from footfix.enforce.leg import ROOT
-from footfix.enforce.objective import objective, systems
+from footfix.enforce.objective import objective, posture, systems
 from footfix.enforce.pins import Pins
-from footfix.enforce.posed import places_of
+from footfix.enforce.posed import Posed, places_of
 from footfix.enforce.problem import Problem
+from footfix.motion.banded import solve_banded
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
 
@@ -95,21 +96,22 @@ def descend(
         root: whether the root is an unknown.
         fixed: (F,) frames that keep their state, as a stream's past does.
     """
-    eps = first
-    free = problem.free()
+    eps, free = first, problem.free()
+    at: Sequence[Posed] = ()
     for n in range(rounds):
         here = max(eps, EPS) * problem.frame_time
         static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
             problem = settled(problem, x)
-        found = systems(problem, x, here, static=static, root=root)
+        found = systems(problem, x, here, static=static, root=root, at=at)
         step = _step(problem, found, free, fixed)
         cost = sum(each.cost for each in found)
         for _ in range(_HALVINGS):  # one-sided terms may come in along the way
-            if objective(problem, x + step, here, static=static, root=root) <= cost:
+            then = posture(problem, x + step)
+            if objective(problem, x + step, here, static=static, root=root, at=then) <= cost:
                 break
-            step = 0.5 * step
-        x = x + step
+            step, then = 0.5 * step, ()
+        x, at = x + step, then
         eps *= _SHRINK
     return x
 
@@ -143,35 +145,37 @@ def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools |
 
 def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
     """(n, F) the step of those unknowns of a system that are free."""
-    from scipy.linalg import solveh_banded
-
     U, F = len(own), system.gradient.shape[1]
     bands = _bands(system, own, damping)
     right = -system.gradient[own].T
     if fixed is not None:
         _hold(bands, right, fixed)
-    ab = bands.reshape(F * U, 2 * U + 1).T
-    step = solveh_banded(ab, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
+    step = solve_banded(bands.reshape(F * U, 2 * U + 1).T, right.ravel())
     return np.asarray(step.reshape(F, U).T)
 
 
 def _bands(system: System, own: Ints, damping: Floats) -> Floats:
-    """(F, n, 2 n + 1) the lower triangle of the matrix of a system's free unknowns, column by column."""
+    """(F, n, 2 n + 1) the lower triangle of the matrix of a system's free unknowns, column by column.
+
+    A column has 2 n + 1 numbers from its diagonal down. So those of a frame, one after the other, are its blocks with
+    itself and its successor as they are, row by row, but for what is left of the diagonal: there is NEAR's last band.
+    """
     U, F = len(own), system.gradient.shape[1]
-    square = np.ix_(own, own)
-    whole = len(system.rows) == U
-    main, next_ = (system.main, system.next) if whole else (system.main[square], system.next[square])
-    near = system.near[:, own]
-    bands = np.zeros((F, U, 2 * U + 1))
-    for start in range(0, F, _BLOCK):  # some frames at a time, so that what is transposed stays in the cache
-        some, before = slice(start, start + _BLOCK), slice(start, min(start + _BLOCK, F - 1))
-        for b in range(U):
-            bands[some, b, : U - b] = main[b:, b, some].T
-            bands[before, b, U - b : 2 * U - b] = next_[:, b, before].T
-    bands[..., 0] += near[0].T + damping
-    bands[..., U] += near[1].T
-    bands[..., 2 * U] += near[2].T
-    return bands
+    blocks, near = system.blocks, system.near
+    if len(system.rows) > U:
+        blocks, near = blocks[:, own][:, :, np.concatenate([own, len(system.rows) + own])], near[:, own]
+    bands = np.empty((F, U * (2 * U + 1)))
+    square = bands[:, : 2 * U * U].reshape(F, U, 2 * U)  # the same memory
+    columns = bands.reshape(F, U, 2 * U + 1)
+    for start in range(0, F, _BLOCK):  # some frames at a time, so that they stay in the cache
+        some = slice(start, start + _BLOCK)
+        square[some], bands[some, 2 * U * U :] = blocks[some], 0.0
+        for row in range(1, U):
+            square[some, row, :row] = 0.0
+        columns[some, :, 0] += near[0, :, some].T + damping
+        columns[some, :, U] += near[1, :, some].T
+        columns[some, :, 2 * U] = near[2, :, some].T
+    return columns
 
 
 def _hold(bands: Floats, right: Floats, fixed: Bools) -> None:

@@ -22,8 +22,6 @@ import numpy as np
 
 from footfix.enforce.assembly import Pull, System, product
 from footfix.enforce.costs import (
-    CUT,
-    CUT_ROOT,
     FAR_ROOT,
     FAR_TURN,
     FLOOR,
@@ -48,39 +46,11 @@ def near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
     Args:
         problem: the clip's.
         x: (U, F) a state.
-        rows: (n,) which unknowns.
+        rows: (n,) which unknowns, one after the other.
     """
-    s0, s2 = (each[rows] for each in problem.near())
-    dt, F = problem.frame_time, problem.frames
-    stay = RATE * dt / s0**2  # (n,)
-    calm = RATE * dt / s2**2 / dt**4
-    bands = np.zeros((3, len(rows), F))
-    bands[0] += stay[:, None]
-    if F > 2:  # D2' D2
-        for offset, weight in ((0, 1.0), (1, 4.0), (2, 1.0)):
-            bands[0, :, offset : F - 2 + offset] += weight * calm[:, None]
-        for offset in (0, 1):
-            bands[1, :, offset : F - 2 + offset] -= 2.0 * calm[:, None]
-        bands[2, :, : F - 2] += calm[:, None]
-    sigma = np.where(rows < ROOT, CUT_ROOT * problem.leg_length, np.radians(CUT)) * 120.0 * dt
-    for end, frame in zip(problem.cut, (0, F - 1), strict=True):
-        if end:
-            bands[0, :, frame] += 1.0 / sigma**2
-    if problem.onward and F > 2:
-        _onward(bands, s0, s2, dt)
-    return bands, 0.5 * float(np.sum(x[rows] * product(bands, x[rows])))
-
-
-def _onward(bands: Floats, s0: Floats, s2: Floats, dt: float) -> None:
-    """Add what the way back from the last frame's state x and speed v costs, where nothing is planted any more.
-
-    The least integral of r ((x / s0)^2 + (x'' / s2)^2) from then on is r (s2/s0 p x^2 + 2 x v / (s0 s2) + p v^2),
-    p = sqrt(2 / (s0 s2)) / s2. Source: the linear-quadratic regulator of a double integrator (Riccati's equation).
-    """
-    both, fast = 1.0 / (s0 * s2) / dt, np.sqrt(2.0 / (s0 * s2)) / s2 / dt**2
-    bands[0, :, -1] += RATE * (s2 / s0 * fast * dt**2 + 2.0 * both + fast)
-    bands[0, :, -2] += RATE * fast
-    bands[1, :, -2] -= RATE * (both + fast)
+    own = slice(int(rows[0]), int(rows[-1]) + 1)
+    bands = problem.near_bands[:, own]
+    return bands, 0.5 * float(np.sum(x[own] * product(bands, x[own])))
 
 
 def point_terms(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> Pull:
@@ -93,25 +63,39 @@ def point_terms(problem: Problem, pin: Pins, place: Floats, eps: float, static: 
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
     """
-    slipped, force, stiff, step = _slip(problem, pin, place, eps, static)
+    slipped, slip, step = _slip(problem, pin, place, eps, static)
     raised, push, stiffer = _level_and_floor(problem, pin, place[1])
+    force, stiff = np.zeros_like(place), np.zeros_like(place)
+    drawn = step * slip
+    force[:, 1:] += drawn
+    force[:, :-1] -= drawn
+    stiff[:, 1:] += step
+    stiff[:, :-1] += step
     force[1] += push
     stiff[1] += stiffer
-    asked = RATE * problem.frame_time * pin.placed / (PLACE * problem.leg_length) ** 2
+    cost, away, asked = _asked(problem, pin, place)
+    return Pull(slipped + raised + cost, force + asked * away, stiff + asked, step)
+
+
+def point_cost(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> float:
+    """Evaluate SLIP, LEVEL, FLOOR and PLACE of a point alone; arguments as of `point_terms`."""
+    slipped, raised = _slip(problem, pin, place, eps, static)[0], _level_and_floor(problem, pin, place[1])[0]
+    return slipped + raised + _asked(problem, pin, place)[0]
+
+
+def _asked(problem: Problem, pin: Pins, place: Floats) -> tuple[float, Floats, Floats]:
+    """PLACE, |p - place|^2: its cost, how far the point is away, and its stiffness."""
+    stiff = RATE * problem.frame_time * pin.placed / (PLACE * problem.leg_length) ** 2
     away = place - pin.place
-    cost = slipped + raised + 0.5 * float(np.sum(asked * away**2))
-    return Pull(cost, force + asked * away, stiff + asked, step)
+    return 0.5 * float(np.sum(stiff * away**2)), away, stiff
 
 
-def _slip(
-    problem: Problem, pin: Pins, place: Floats, eps: float, static: float
-) -> tuple[float, Floats, Floats, Floats]:
-    """SLIP, c h |s| with s = p(t + 1) - p(t) - slip, less of it up and down: its cost, force, stiffness and step.
+def _slip(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> tuple[float, Floats, Floats]:
+    """SLIP, c h |s| with s = p(t + 1) - p(t) - slip, less of it up and down: its cost, s, and its stiffness by s.
 
     Reweighted, its derivative by p(t + 1) is c h s / (|s| + eps), by p(t) the same with the sign turned round.
     """
     size = problem.leg_length
-    force, stiff = np.zeros_like(place), np.zeros_like(place)
     slip = np.diff(place, axis=1) - pin.slip  # (3, F - 1) [m]
     long = np.sqrt(slip[0] ** 2 + (UPRIGHT * slip[1]) ** 2 + slip[2] ** 2)
     c = problem.costs.slide / size * pin.hold
@@ -121,12 +105,8 @@ def _slip(
         flat, still = np.hypot(slip[0], slip[2]), STATIC * size * problem.frame_time
         more, total = friction(smooth(flat, eps) / still)
         cost += float(np.sum(c * (static - 1.0) * still * total))
-        step += c * (static - 1.0) * more / (flat + eps) * np.array([[1.0], [0.0], [1.0]])
-    force[:, 1:] += step * slip
-    force[:, :-1] -= step * slip
-    stiff[:, 1:] += step
-    stiff[:, :-1] += step
-    return cost, force, stiff, step
+        step[::2] += c * (static - 1.0) * more / (flat + eps)
+    return cost, slip, step
 
 
 def _level_and_floor(problem: Problem, pin: Pins, height: Floats) -> tuple[float, Floats, Floats]:
@@ -198,7 +178,7 @@ def _knee(problem: Problem, lacking: Floats, row: int, out: System | None) -> fl
     lacks = np.maximum(lacking, 0.0)
     if out is not None:
         out.gradient[row] -= weight * lacks
-        out.main[row, row] += weight * (lacks > 0.0)
+        out.main[:, row, row] += weight * (lacks > 0.0)
     return float(0.5 * weight * np.sum(lacks**2))
 
 
@@ -219,10 +199,10 @@ def _speed(
         )
         out.gradient[own, over] -= beyond * before
         out.gradient[own, over + 1] += beyond * after
-        main, next_ = out.main[own, own], out.next[own, own]
-        main[..., over] += np.einsum("if,jf->ijf", before, before)
-        main[..., over + 1] += np.einsum("if,jf->ijf", after, after)
-        next_[..., over] -= np.einsum("if,jf->ijf", after, before)
+        main, next_ = out.main[:, own, own], out.next[:, own, own]
+        main[over] += np.einsum("if,jf->fij", before, before)
+        main[over + 1] += np.einsum("if,jf->fij", after, after)
+        next_[over] -= np.einsum("if,jf->fij", before, after)
     return 0.5 * float(np.sum(beyond**2))
 
 
@@ -253,7 +233,7 @@ def _far(
         out.gradient[own, over] += weight * beyond * row
         # across the turn, too: its length is curved, and a step aside would lead out of bounds again
         aside = beyond / size[over]
-        main = out.main[own, own]
+        main = out.main[:, own, own]
         block = (1.0 - aside) * np.einsum("if,jf->ijf", row, row) + aside * (turn.T @ turn)[..., None]
-        main[..., over] += weight * block
+        main[over] += weight * block.transpose(2, 0, 1)
     return 0.5 * weight * float(np.sum(beyond**2))

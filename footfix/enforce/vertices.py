@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.assembly import System
 from footfix.enforce.costs import RATE
 from footfix.enforce.leg import ANKLE, LEG, B, K, LegTracks, Q, W
 from footfix.enforce.posed import Posed, cross, exponential, rotated
@@ -133,9 +134,9 @@ def floor_weight(frame_time: float, leg_length: float) -> float:
 
 
 def add_floor(
-    vertices: Vertices, leg: LegTracks, at: Posed, x: Floats, weight: float, gradient: Floats, main: Floats
+    vertices: Vertices, leg: LegTracks, at: Posed, x: Floats, weight: float, out: System, base: int
 ) -> float:
-    """Add FLOOR of a leg's vertices to its gradient (n, F) and its blocks (n, n, F); return what they cost.
+    """Add the derivatives of FLOOR of a leg's vertices to a system; return what they cost.
 
     Args:
         vertices: of the leg.
@@ -143,25 +144,25 @@ def add_floor(
         at: the leg in the state.
         x: (8, F) [rad] its unknowns.
         weight: [1/m^2] from `floor_weight`.
-        gradient: by the root's three unknowns, if it has them, and the leg's eight.
-        main: each frame with itself.
+        out: the system; the root's unknowns, if they are there, are its first.
+        base: the row at which the leg's begin in it.
     """
     arms, toes = _arms(vertices, leg, x)
     low = np.maximum(vertices.lowest - arms[1] - at.places[ANKLE][1], 0.0)  # (N, F)
-    first, foot = len(gradient) - LEG, exponential(x[W])
+    foot = exponential(x[W])
     for v in np.flatnonzero(low.any(axis=1)).tolist():
         frames = np.flatnonzero(low[v])
-        rise = np.zeros((len(gradient), len(frames)))  # dy by each unknown
-        if first:
+        rise = np.zeros((len(out.rows), len(frames)))  # dy by each unknown
+        if base:
             rise[1] = 1.0
-        arm, own = arms[:, v, frames], rise[first:]
+        arm, own = arms[:, v, frames], rise[base : base + LEG]
         own[Q], own[K] = at.ankle[1, :3, frames].T, at.ankle[1, 3, frames]
         turn = at.turn[..., frames]
         own[W] = turn[2] * arm[0] - turn[0] * arm[2]  # (turn dw) x arm, along y
         if toes is not None:
             own[B] = cross(rotated(foot[..., frames], leg.toe_hinge[:, frames]), toes[:, v, frames])[1]
-        gradient[:, frames] -= weight * low[v, frames] * rise
-        main[..., frames] += weight * np.einsum("if,jf->ijf", rise, rise)
+        out.gradient[:, frames] -= weight * low[v, frames] * rise
+        out.main[frames] += weight * np.einsum("if,jf->fij", rise, rise)
     return 0.5 * weight * float(np.sum(low**2))
 
 

@@ -47,6 +47,18 @@ class Segments:
         low, high = self.starts + (self.lengths - 1) // 2, self.starts + self.lengths // 2
         return np.asarray(0.5 * (ordered[low] + ordered[high]))
 
+    def quantile(self, values: Floats, share: float) -> Floats:
+        """Compute (S,) a quantile of values (N,) in each stretch, to the bit that of `np.quantile`."""
+        if not len(self):
+            return np.zeros(0)
+        ordered = values[np.lexsort((values, self.owner))]
+        at = share * (self.lengths - 1)  # among the ordered values of each stretch
+        low = np.floor(at).astype(np.intp)
+        part = at - low
+        before, after = ordered[self.starts + low], ordered[self.starts + np.minimum(low + 1, self.lengths - 1)]
+        step = after - before
+        return np.asarray(np.where(part < 0.5, before + step * part, after - step * (1.0 - part)))
+
     def kept(self, keep: Bools) -> Segments:
         """Keep only some of the frames of the stretches.
 

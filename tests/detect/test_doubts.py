@@ -76,3 +76,17 @@ def test_feet_that_speed_up_and_slow_down_as_nobodys_do_move_in_slow_motion(hert
     )
     notes = frame_rate(Tracks(still + [0.0, 1.0, 0.0], feet, 0.88, 1.0 / 24.0), DoubtParams())
     assert bool(notes) == told
+
+
+@pytest.mark.parametrize(("rhythm", "slow"), [(0.25, True), (0.8, False)])  # [Hz]
+@pytest.mark.parametrize("noise", [0.0, 0.004])  # [m]
+def test_feet_that_never_hurry_are_in_slow_motion_however_noisy(rhythm: float, slow: bool, noise: float) -> None:
+    random = np.random.default_rng(4)
+    t = np.arange(300) / 30.0
+    swing = np.stack([0.0 * t, 0.0 * t, 0.25 * np.sin(2.0 * np.pi * rhythm * t)], axis=1)
+    feet = tuple(
+        Foot(side, *(swing + [x, y, 0.0] + random.normal(0.0, noise, swing.shape) for y in (0.88, 0.1, 0.0, 0.0)))
+        for side, x in (("left", 0.1), ("right", -0.1))
+    )
+    notes = frame_rate(Tracks(0.0 * swing + [0.0, 0.9, 0.0], feet, 0.88, 1.0 / 30.0), DoubtParams())
+    assert ["slow motion" in note.text for note in notes] == [True] * slow

@@ -257,7 +257,7 @@ def test_static_friction_is_more_than_kinetic() -> None:
         x = np.zeros((of.unknowns, 7))
         x[0, 6] = slip
         usual, static = (system(still, x, 1e-12, friction).main for friction in (1.0, 8.0))
-        assert static[0, 0, 6] / usual[0, 0, 6] == pytest.approx(times, rel=1e-3)
+        assert static[6, 0, 0] / usual[6, 0, 0] == pytest.approx(times, rel=1e-3)
     # what it costs: so many times as much for a small slip, and no more than its all for a long one
     for slip, times in ((1e-3 * speed, 7.0), (300.0 * speed, 7.0 * np.pi / (2.0 * np.sqrt(2.0)) / 300.0)):
         x[0, 6] = slip
@@ -381,7 +381,7 @@ def test_nears_matrix_is_its_product() -> None:
     of = replace(near(), cut=(True, False))
     x = state(of)
     found = system(of, x, EPS)
-    whole = dense(replace(found, main=0.0 * found.main, next=0.0 * found.next))
+    whole = dense(replace(found, blocks=0.0 * found.blocks))
     assert np.allclose(whole @ x.T.ravel(), product(found.near, x).T.ravel(), rtol=1e-12)
 
 

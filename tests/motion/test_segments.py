@@ -23,6 +23,8 @@ def test_reductions_of_some_frames_are_those_of_each_stretch(spans: list[tuple[i
         laid = values[parts.frames]
         own = [values[a:b][used[at : at + b - a]] for (a, b), at in zip(spans, whole.starts, strict=True)]
         assert np.allclose(parts.median(laid), [np.median(each) for each in own])
+        for share in (0.0, 0.05, 0.5, 0.73, 1.0):
+            assert np.array_equal(parts.quantile(laid, share), [np.quantile(each, share) for each in own])
         assert np.allclose(parts.mean(laid), [np.mean(each) for each in own])
         assert np.allclose(parts.largest(laid), [np.max(each) for each in own])
     assert [int(whole.frames[m]) for m in whole.middle()] == [a + (b - a) // 2 for a, b in spans]
