@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.enforce.assembly import System
+from footfix.enforce.costs import RATE
 from footfix.enforce.leg import ROOT
 from footfix.enforce.objective import objective, posture, systems
 from footfix.enforce.pins import Pins
 from footfix.enforce.posed import Posed, places_of
 from footfix.enforce.problem import Problem
-from footfix.motion.banded import solve_banded
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
 
@@ -138,19 +138,22 @@ def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools |
     for each in found:
         own = np.flatnonzero(free[each.rows])
         if len(own):
-            damping = DAMPING * 60.0 * problem.frame_time / s0[each.rows[own]] ** 2
+            damping = DAMPING * RATE * problem.frame_time / s0[each.rows[own]] ** 2
             step[each.rows[own]] = solved(each, own, damping, fixed)
     return step
 
 
 def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
     """(n, F) the step of those unknowns of a system that are free."""
+    from scipy.linalg import solveh_banded  # slow to load, and not every command solves anything
+
     U, F = len(own), system.gradient.shape[1]
     bands = _bands(system, own, damping)
     right = -system.gradient[own].T
     if fixed is not None:
         _hold(bands, right, fixed)
-    step = solve_banded(bands.reshape(F * U, 2 * U + 1).T, right.ravel())
+    lower = bands.reshape(F * U, 2 * U + 1).T
+    step = solveh_banded(lower, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
     return np.asarray(step.reshape(F, U).T)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 from scipy.linalg.lapack import dpbsv
 
+from footfix.enforce.costs import RATE
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import DAMPING, EPS, STATIC
 from footfix.enforce.terms import near
@@ -41,7 +42,7 @@ class Fixed:
         bands, _ = near(problem, np.zeros((U, F)), np.arange(U))
         free = np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
         s0, _ = problem.near()
-        return cls(frozen(bands), free, frozen(DAMPING * 60.0 * problem.frame_time / s0[free] ** 2))
+        return cls(frozen(bands), free, frozen(DAMPING * RATE * problem.frame_time / s0[free] ** 2))
 
 
 def descend(
