@@ -16,16 +16,16 @@ from footfix.detect.auto import AutoParams, grounded
 from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
 from footfix.detect.network import FLAT, HEEL, TOE, Network
-from footfix.detect.overtaking import OvertakingParams, ahead
 from footfix.detect.path import EARLY, Stretch, resting, stretches
-from footfix.detect.stepping import WINDOW, stands
+from footfix.detect.stepping import stands
 from footfix.detect.timing import timed_by
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
-from footfix.stream.filters import filtered, slopes
+from footfix.stream.filters import filtered
 from footfix.stream.grid import FOOT, PAST, Grid
+from footfix.stream.over_ground import OverGround
 from footfix.stream.ring import Ring
-from footfix.stream.stepping import stepping
+from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.weigh import weigh
 
 _REACH = 31  # steps that the network looks ahead and behind
@@ -52,41 +52,25 @@ class Seen:
     leaves: tuple[tuple[float, ...], ...]
 
 
-def logits(network: Network, curves: Sequence[Floats], count: int) -> Floats:
+def logits(network: Network, curves: Floats, count: int) -> Floats:
     """Answer for all feet together: what `Network.logits` says of the last `count` of some curves (n, E).
 
     Args:
         network: the network.
-        curves: for each foot (n, E).
+        curves: (feet, n, E).
         count: how many answers are wanted.
 
     Returns:
         (feet, count, 4) log probabilities.
     """
-    seen = (np.stack(curves) - network.mean) / network.spread  # (feet, n, E)
+    seen = (curves - network.mean) / network.spread  # (feet, n, E)
     n = seen.shape[1]
-    at = np.clip(np.arange(n - count, n)[:, None] + np.array(network.taps), 0, n - 1)  # (count, T)
+    at = np.arange(n - count, n)[:, None] + np.array(network.taps)  # (count, T)
     hidden = network.hidden.reshape(-1, network.hidden.shape[-1])  # (T E, H)
-    total = seen[:, at].reshape(len(seen), count, -1) @ hidden + network.hidden_bias
+    total = seen.take(at, axis=1, mode="clip").reshape(len(seen), count, -1) @ hidden + network.hidden_bias
     z = np.tanh(np.tanh(total) @ network.mixing + network.mixing_bias) @ network.answer + network.answer_bias
     z -= z.max(axis=-1, keepdims=True)
     return np.asarray(z - np.log(np.exp(z).sum(axis=-1, keepdims=True)))
-
-
-def overtaken(answers: Floats, pelvis: Floats, velocity: Floats, params: OvertakingParams) -> Floats:
-    """Find the log probabilities of each foot, given where it goes ahead of the pelvis; see `detect.overtaking`.
-
-    Whether the pelvis travels is told by the time about a moment, and where too little of it has come, by the newest.
-
-    Args:
-        answers: (feet, n, 4) log probabilities.
-        pelvis: (m, 2) [leg lengths] places over the ground; m is n or more, and the answers are of the last n.
-        velocity: (n, 1 + 2 feet, 2) [leg lengths/s] over the ground of the pelvis, and of each foot's heel and toe.
-        params: when a foot goes ahead.
-    """
-    lasting = slopes(pelvis, params.lasting, len(velocity))
-    feet = (velocity[:, 1 + 2 * k : 3 + 2 * k] for k in range(len(answers)))
-    return stands(answers, np.stack([ahead(foot, velocity[:, 0], lasting, params) for foot in feet]))
 
 
 class Detector:
@@ -111,7 +95,7 @@ class Detector:
         self._leg_length, self._frame_time, self._params = leg_length, frame_time, params
         self._per_frame = frame_time / STEP
         self._open = round((look_ahead + 1.0 / 30.0 + _SETTLE) / STEP) + round(self._per_frame)
-        self._grid = Grid(len(self._mates), leg_length, frame_time)
+        self._grid, self._over = Grid(len(self._mates), leg_length, frame_time), OverGround(mates)
         long = max(_PATH, 2.0 * look_ahead + 0.5)
         self._answers = Ring((len(self._mates), 4), round(long / STEP) + self._open)
         self._path = round(long / STEP)
@@ -121,24 +105,22 @@ class Detector:
         """Take the next frames (n of them, with knees)."""
         feet = [np.stack([f.heel, f.toe, f.heel if f.knee is None else f.knee], axis=1) for f in tracks.feet]
         self._frames.append(np.stack(feet, axis=1))
-        self._grid.add(tracks)
+        self._over.follow(self._grid.steps, self._grid.add(tracks))
 
     def weigh(self) -> None:
         """Weigh what the newest frames show."""
         places = self._grid.steps.last(round(PAST / STEP))
         count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
-        curves, self._axes = weigh(places, count + _REACH, self._mates, self._jitter)
+        self._facing = self._over.facing()
+        curves = weigh(places, self._facing, count + _REACH, self._mates, self._jitter)
         answered = logits(fitted.network(), curves, count)
-        feet = len(curves)
-        standing = grounded(
-            answered.reshape(-1, answered.shape[-1]), np.concatenate([each[-count:] for each in curves]), self._params
+        answers = grounded(
+            answered.reshape(-1, answered.shape[-1]), curves[:, -count:].reshape(-1, curves.shape[-1]), self._params
         ).reshape(answered.shape)
-        moving = places[:, [0, *(k for f in range(feet) for k in (3 + FOOT * f, 4 + FOOT * f))]]
-        velocity = filtered(moving[..., ::2], seconds=WINDOW, degree=2, derivative=1)  # (n, 1 + 2 feet, 2)
-        over_ground = np.ascontiguousarray((velocity[..., 0] + 1j * velocity[..., 1]).T)
-        soles = over_ground[1:].reshape(feet, 2, -1).swapaxes(0, 1)
-        answers = stepping(standing, self._mates, over_ground[0], soles, self._params.stepping)
-        answers = overtaken(answers, places[:, 0, ::2], velocity[-count:], self._params.overtaking)
+        velocity = self._over.velocity(count)
+        steps = stepping(answers, self._mates, velocity, self._over.speed(len(places)), self._params.stepping)
+        swings = overtaking(places[:, 0, ::2], velocity, self._params.overtaking)
+        answers = stands(answers, 1.0 - (1.0 - steps) * (1.0 - swings))
         self._answers.replace(self._grid.steps.end - count, answers.swapaxes(0, 1))
 
     def see(self, first: int) -> Seen:
@@ -169,9 +151,7 @@ class Detector:
     def _accelerations(self, last: int) -> tuple[Floats, Floats]:
         """(last, feet) each: what `detect.timing` calls braking and tipping, over the last steps."""
         places = self._grid.steps.last(last)
-        along = places[:, 4::FOOT] - places[:, 3::FOOT]
-        ahead = np.sum(along[..., ::2] * self._axes[:, -last:].swapaxes(0, 1), axis=-1)
-        pitch = np.unwrap(np.arctan2(along[..., 1], ahead), axis=0)
+        pitch = np.unwrap(np.arctan2(places[:, 4::FOOT, 1] - places[:, 3::FOOT, 1], self._facing.ahead[-last:]), axis=0)
         both = filtered(np.concatenate([places[:, 2::FOOT, 1], pitch], axis=1), seconds=LIFT, degree=2, derivative=2)
         return both[:, : len(self._mates)], both[:, len(self._mates) :]
 
