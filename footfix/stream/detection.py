@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil, isfinite
 
 import numpy as np
 
@@ -129,56 +130,72 @@ class Detector:
         answers = self._answers.last(self._path)
         last = len(answers)
         offset = self._answers.end - last
+        since = first * self._per_frame - offset
         brakes, tips = self._accelerations(last)
         down = np.zeros((end - first, 2 * len(self._mates)), dtype=np.bool_)
-        sure = np.zeros_like(down, dtype=np.float64)
         lands, leaves = [], []
-        frames = np.arange(first, end)
-        at = np.clip(frames * self._per_frame - offset, 0, last - 1).astype(np.intp)
         for k in range(len(self._mates)):
-            found = stretches(answers[:, k], self._params.switch, self._params.roll)
+            found = stretches(answers[:, k], self._params.switch, self._params.roll, since=since)
             found = timed_by(found, brakes[:, k], tips[:, k], fitted.timing())
-            heel, toe = self._masks(found, offset, first, end)
-            down[:, 2 * k], down[:, 2 * k + 1] = self._finished(heel, toe, k, first)
-            p = np.exp(answers[at, k])
-            sure[:, 2 * k], sure[:, 2 * k + 1] = p[:, HEEL] + p[:, FLAT], p[:, FLAT] + p[:, TOE]
+            self._mark(found, offset - first * self._per_frame, down[:, 2 * k : 2 * k + 2])
             ends = {s.end for s in found}
             begins = {s.start for s in found}
-            lands.append(tuple((t + offset) / self._per_frame for t in sorted(begins - ends) if np.isfinite(t)))
-            leaves.append(tuple((t + offset) / self._per_frame for t in sorted(ends - begins) if np.isfinite(t)))
-        return Seen(first, down, sure, tuple(lands), tuple(leaves))
+            lands.append(tuple((t + offset) / self._per_frame for t in sorted(begins - ends) if isfinite(t)))
+            leaves.append(tuple((t + offset) / self._per_frame for t in sorted(ends - begins) if isfinite(t)))
+        at = np.minimum(np.maximum(np.arange(first, end) * self._per_frame - offset, 0.0), last - 1)
+        p = np.exp(answers[at.astype(np.intp)])
+        sure = (p[..., HEEL:TOE] + p[..., FLAT : TOE + 1]).reshape(down.shape)  # heel or flat, flat or toe
+        return Seen(first, self._finished(down, first), sure, tuple(lands), tuple(leaves))
 
     def _accelerations(self, last: int) -> tuple[Floats, Floats]:
         """(last, feet) each: what `detect.timing` calls braking and tipping, over the last steps."""
         places = self._grid.steps.last(last)
-        pitch = np.unwrap(np.arctan2(places[:, 4::FOOT, 1] - places[:, 3::FOOT, 1], self._facing.ahead[-last:]), axis=0)
+        pitch = np.arctan2(places[:, 4::FOOT, 1] - places[:, 3::FOOT, 1], self._facing.ahead[-last:])
+        if np.any(np.abs(pitch[1:] - pitch[:-1]) > np.pi):
+            pitch = np.unwrap(pitch, axis=0)
         both = filtered(np.concatenate([places[:, 2::FOOT, 1], pitch], axis=1), seconds=LIFT, degree=2, derivative=2)
         return both[:, : len(self._mates)], both[:, len(self._mates) :]
 
-    def _masks(self, found: Sequence[Stretch], offset: int, first: int, end: int) -> tuple[Bools, Bools]:
-        """Heel and toe in contact in frames `[first, end)`; a frame that a landing hardly misses counts as after it."""
-        early = min(EARLY, 0.5 * self._per_frame)
-        heel, toe = np.zeros(end - first, dtype=np.bool_), np.zeros(end - first, dtype=np.bool_)
-        for start, stop, state in found:
-            a = first if start == -np.inf else int(np.ceil((start + offset - early) / self._per_frame - 1e-9))
-            b = end if stop == np.inf else int(np.ceil((stop + offset) / self._per_frame - 1e-9))
-            span = slice(max(a - first, 0), max(b - first, 0))
-            heel[span] |= state in (HEEL, FLAT)
-            toe[span] |= state in (FLAT, TOE)
-        return heel, toe
+    def _mark(self, found: Sequence[Stretch], offset: float, down: Bools) -> None:
+        """Mark (n, 2) when heel and toe are in contact; a frame that a landing hardly misses counts as after it.
 
-    def _finished(self, heel: Bools, toe: Bools, k: int, first: int) -> tuple[Bools, Bools]:
-        """Heel and toe of a foot without gaps in which they don't rise, and without feet that are dragged."""
+        Args:
+            found: the stretches.
+            offset: [grid steps] from the first frame to the moment that stretches are counted from.
+            down: (n, 2) what to mark.
+        """
+        early = min(EARLY, 0.5 * self._per_frame)
+        for start, stop, state in found:
+            a = 0 if start == -np.inf else max(ceil((start + offset - early) / self._per_frame - 1e-9), 0)
+            b = len(down) if stop == np.inf else max(ceil((stop + offset) / self._per_frame - 1e-9), 0)
+            down[a:b, 1 if state == TOE else 0 : 1 if state == HEEL else 2] = True
+
+    def _finished(self, down: Bools, first: int) -> Bools:
+        """Contacts (n, 2 feet) without gaps in which a part does not rise, and without feet that are dragged."""
         places = self._frames.view(first)  # (n, feet, 3, 3)
+        height = places[..., 1]
+        both = down.reshape(len(down), -1, 2).any(axis=2)  # (n, feet)
+        gaps = both.repeat(2, axis=1) & ~down
+        knees = height[:, :, 2] - height[:, :, :2].min(axis=(1, 2))[:, None]
+        kneels = (knees < self._params.kneeling.low * self._leg_length).any(axis=0)
+        out = down.copy()
+        for column in np.flatnonzero(gaps.any(axis=0)).tolist():
+            k, part = divmod(column, 2)
+            out[:, column] = resting(
+                down[:, column], both[:, k], height[:, k, part], self._params.rise * self._leg_length
+            )
+        for k in np.flatnonzero(kneels).tolist():
+            tracks = self._tracks(places)
+            for part in (0, 1):
+                out[:, 2 * k + part] = carrying(
+                    out[:, 2 * k + part], tracks, tracks.feet[k], places[:, k, part], self._params.kneeling
+                )
+        return out
+
+    def _tracks(self, places: Floats) -> Tracks:
+        """Lay out places (n, feet, 3, 3) of heels, toes and knees."""
         feet = tuple(
             Foot(side, p[:, 0], p[:, 0], p[:, 0], p[:, 1], p[:, 2])
             for side, p in zip(self._sides, places.swapaxes(0, 1), strict=True)
         )
-        tracks = Tracks(places[:, 0, 0], feet, self._leg_length, self._frame_time)
-        both, out = heel | toe, []
-        lowest = places[:, :, :2, 1].min(axis=(1, 2))
-        kneels = bool((places[:, k, 2, 1] - lowest < self._params.kneeling.low * self._leg_length).any())
-        for part, point in ((heel, feet[k].heel), (toe, feet[k].toe)):
-            down = resting(part, both, point[:, 1], self._params.rise * self._leg_length)
-            out.append(carrying(down, tracks, feet[k], point, self._params.kneeling) if kneels else down)
-        return out[0], out[1]
+        return Tracks(places[:, 0, 0], feet, self._leg_length, self._frame_time)
