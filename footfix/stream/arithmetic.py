@@ -9,6 +9,7 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 
+_LEAST = 1e-9  # [rad] below which sin(x) / x is 1 to the digit
 _NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 _ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix, laid out as a row, and their mirrors
 
@@ -56,13 +57,11 @@ def exponential_and_jacobian(vector: Floats) -> Floats:
 
 def _sines(vector: Floats) -> tuple[Floats, ...]:
     """(...) each: x^2, x = |v|, sin(x) / x, and (1 - cos x) / x^2."""
-    square = np.add.reduce(vector**2, axis=0)
+    square = np.add.reduce(vector * vector, axis=0)
     angle = np.sqrt(square)
-    of = np.empty((2, *angle.shape))
-    np.divide(angle, np.pi, out=of[0])
-    np.divide(angle, 2.0 * np.pi, out=of[1])
-    sines = np.sinc(of)
-    return square, angle, sines[0], 0.5 * sines[1] ** 2
+    half = np.maximum(0.5 * angle, _LEAST)
+    sine = np.sin(half) / half  # of x / 2
+    return square, angle, sine * np.cos(half), 0.5 * sine * sine
 
 
 def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:

@@ -7,7 +7,6 @@ The work that a hop of frames (1/30 s) makes comes in parts, each of about the s
     contacts
     what is asked of the window that ends with the hop
     a round of its solution
-    another
     the window's oldest frames are settled
     their rows are written
 
@@ -42,10 +41,9 @@ from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
-_PARTS = 8  # of the work that a hop makes
+_PARTS = 7  # of the work that a hop makes
 _SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
 _SPARED = 5  # and a frame for as many of the look-ahead's
-_ROUNDS, _LAST_ROUNDS = 2, 6  # of a window's solution, and of the last one's
 _WORK = 0.020  # [s] that work and the ways in and out may take, of the time that a frame waits
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
 
@@ -143,7 +141,7 @@ class Engine:
             self._hop.append(row)
             self._arrived += 1
             if len(self._hop) == self.hop:
-                self._work.begin(self._parts(self._taken(), _ROUNDS))
+                self._work.begin(self._parts(self._taken()))
             self._work.advance()
             while self._ready and self._ready[0].number < self._arrived - self.delay:
                 out.append(self._ready.popleft())
@@ -152,7 +150,7 @@ class Engine:
     def close(self) -> list[Shown]:
         """Give out all that is left; no frames follow."""
         self._work.finish()
-        self._work.begin(self._parts(self._taken(), _LAST_ROUNDS, last=True))
+        self._work.begin(self._parts(self._taken(), last=True))
         self._work.finish()
         left = list(self._ready)
         self._ready.clear()
@@ -164,7 +162,7 @@ class Engine:
         self._hop.clear()
         return rows
 
-    def _parts(self, rows: Floats, rounds: int, *, last: bool = False) -> Iterator[None]:
+    def _parts(self, rows: Floats, *, last: bool = False) -> Iterator[None]:
         """Do the parts that rows (n, C) make, pausing after each; with `last`, settle all frames."""
         if len(rows):
             self._take(rows)
@@ -181,7 +179,7 @@ class Engine:
         found = seen.down[settled - seen.first :]
         on = np.concatenate([self._told[BEFORE - before :], self._standing(found, count)])
         legs, lift = self._window.lifted(self._past.legs(first), first)
-        done = yield from self._window.solve(legs, self._past.pose(settled, stop), on, first, rounds, last=last)
+        done = yield from self._window.solve(legs, self._past.pose(settled, stop), on, first, last=last)
         shown = slice(before, before + count)
         self._learn(legs.frames(shown), found[:count])
         events = self._events(seen, done.on)

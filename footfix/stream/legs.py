@@ -189,6 +189,11 @@ class Posed:
     jacobian: Floats
 
 
+def own_of(x: Floats) -> Floats:
+    """(8, L, F) the legs' unknowns of a state (U, F)."""
+    return x[ROOT:].reshape(-1, LEG, x.shape[1]).swapaxes(0, 1)
+
+
 def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     """Put the points where a state has them, with derivatives: root (3, F) [m], and the legs' unknowns (8, L, F)."""
     vectors = _vectors(legs, x)
