@@ -17,12 +17,18 @@ _ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix,
 _OWN = np.array([3, 0, 1, 2])
 _OTHER = np.array([[0, 1, 2, 3], [3, 2, 1, 0], [2, 3, 0, 1], [1, 0, 3, 2]])
 _SIGN = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [-1.0, 1.0, 1.0, -1.0]])
+_AT = np.argsort(_OWN)
 _BACK = _SIGN * np.array([[1.0], [-1.0], [-1.0], [-1.0]])
 
 
 def product(a: Floats, b: Floats) -> Floats:
     """Compose rotations (..., 4): `b` followed by `a`; see `rotation.multiply`."""
     return np.asarray(np.add.reduce(a[..., _OWN, None] * (b[..., _OTHER] * _SIGN), axis=-2))
+
+
+def after(b: Floats) -> Floats:
+    """Get (..., 4, 4) matrices that compose rotations a (4,) with rotations b (..., 4): `b` followed by `a`."""
+    return np.asarray((b[..., _OTHER] * _SIGN).swapaxes(-1, -2)[..., _AT])
 
 
 def product_back(a: Floats, b: Floats) -> Floats:

@@ -174,7 +174,7 @@ class Detector:
         """Contacts (n, 2 feet) without gaps in which a part does not rise, and without feet that are dragged."""
         places = self._frames.view(first)  # (n, feet, 3, 3)
         height = places[..., 1]
-        both = down.reshape(len(down), -1, 2).any(axis=2)  # (n, feet)
+        both = down[:, ::2] | down[:, 1::2]  # (n, feet)
         gaps = both.repeat(2, axis=1) & ~down
         knees = height[:, :, 2] - height[:, :, :2].min(axis=(1, 2))[:, None]
         kneels = (knees < self._params.kneeling.low * self._leg_length).any(axis=0)
