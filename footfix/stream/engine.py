@@ -121,7 +121,8 @@ class Engine:
         self._posing, self._measure = Posing(part.skeleton, self._joints), Measure(part, self._joints)
         self._turner = Turner(part, self._joints, self._measure.kinds, frame_time, goes_on=shown > 0)
         self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
-        self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
+        kept = self.delay + 4 * self.hop + BEFORE + 4  # frames
+        self._past = Past(self._measure.kinds, self._joints, part.skeleton, frame_time, columns, kept)
         self._hop: list[Floats] = []
         self._arrived, self._settled = 0, shown
         self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled
@@ -198,14 +199,13 @@ class Engine:
         clip = self._codec.read(rows)
         pose = self._posing(clip)
         legs, tracks = self._measure(pose, self._frame_time)
-        self._past.append(rows, legs, pose)
+        self._past.append(rows, clip, legs, pose)
         self._detector.add(tracks)
 
     def _write(self, first: int, done: Settled, lift: Floats, events: Sequence[Event]) -> None:
         """Make ready the rows of n frames that are settled, from number `first` on, raised by (n,) [m]."""
         stop = first + len(lift)
-        rows = self._past.rows.view(first, stop)
-        clip = self._codec.read(rows)
+        rows, clip = self._past.rows.view(first, stop), self._past.clip(first, stop)
         shift = done.shift + lift[:, None] * np.array([0.0, 1.0, 0.0])
         change = self._turner.correction(clip, done.turned, shift)
         rows = self._codec.write(rows, clip, apply(clip, change)) if change.joints or np.any(shift) else rows.copy()

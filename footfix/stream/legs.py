@@ -13,12 +13,11 @@ import numpy as np
 
 from footfix.detect.tracks import Foot, Tracks
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, LegTracks, Q, W, knee_of, tip_of
-from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import unit
 from footfix.rig.rig import Leg
-from footfix.stream.arithmetic import cross, exponential, exponential_and_jacobian, rotated
+from footfix.stream.arithmetic import cross, exponential, exponential_and_jacobian, rotated, turned
 from footfix.stream.part import Part
 
 POINTS = 4
@@ -160,7 +159,7 @@ class Measure:
         L, n = len(self._rig.legs), len(pose.positions)
         places, turns = pose.positions.transpose(2, 1, 0), pose.rotations.transpose(1, 0, 2)
         hip, knee, ankle, toe = places[:, self._joints].swapaxes(0, 1)  # (3, L, F) each
-        inside = rotation.rotate(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 5 L, F)
+        inside = turned(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 5 L, F)
         usual, hinge, tip = inside[:, :L], inside[:, L : 2 * L], inside[:, 4 * L :]
         soles = (places[:, self._bases] + inside[:, 2 * L : 4 * L]).reshape(3, 2, L, n)
         thigh, shank = knee - hip, ankle - knee

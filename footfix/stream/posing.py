@@ -10,10 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.motion.kinematics import Pose
-from footfix.stream.arithmetic import after
+from footfix.stream.arithmetic import after, turned
 
 
 class Posing:
@@ -37,13 +36,13 @@ class Posing:
 
     def __call__(self, clip: Clip) -> Pose:
         """Put the joints of a clip of F frames."""
-        turned = clip.rotations.transpose(1, 0, 2)[self._needed]  # (N, F, 4)
-        then = after(turned)  # (N, F, 4, 4)
+        world = clip.rotations.transpose(1, 0, 2)[self._needed]  # (N, F, 4)
+        then = after(world)  # (N, F, 4, 4)
         for level, parents in self._levels:
-            turned[level] = (then[level] @ turned[parents][..., None])[..., 0]
+            world[level] = (then[level] @ world[parents][..., None])[..., 0]
         offsets = clip.positions.transpose(1, 0, 2)[self._needed]  # (N, F, 3)
         below = self._below
-        offsets[below] = rotation.rotate(turned[self._above[below]], offsets[below])
+        offsets[below] = turned(world[self._above[below]], offsets[below])
         n = len(clip)
         places = (self._leads @ offsets.reshape(len(offsets), -1)).reshape(-1, n, 3)
-        return Pose(self._joints, places.swapaxes(0, 1), turned[self._wanted].swapaxes(0, 1))
+        return Pose(self._joints, places.swapaxes(0, 1), world[self._wanted].swapaxes(0, 1))
