@@ -108,21 +108,24 @@ class Detector:
         self._frames.append(np.stack(feet, axis=1))
         self._over.follow(self._grid.steps, self._grid.add(tracks))
 
-    def weigh(self) -> None:
-        """Weigh what the newest frames show."""
-        places = self._grid.steps.last(round(PAST / STEP))
-        count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
+    def look(self) -> None:
+        """Lay out what the newest frames show."""
+        self._places = places = self._grid.steps.last(round(PAST / STEP))
+        self._count = count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         self._facing = self._over.facing()
         curves = weigh(places, self._facing, count + _REACH, self._mates, self._jitter)
         answered = logits(fitted.network(), curves, count)
-        answers = grounded(
+        self._answered = grounded(
             answered.reshape(-1, answered.shape[-1]), curves[:, -count:].reshape(-1, curves.shape[-1]), self._params
         ).reshape(answered.shape)
-        velocity = self._over.velocity(count)
-        steps = stepping(answers, self._mates, velocity, self._over.speed(len(places)), self._params.stepping)
-        swings = overtaking(places[:, 0, ::2], velocity, self._params.overtaking)
-        answers = stands(answers, 1.0 - (1.0 - steps) * (1.0 - swings))
-        self._answers.replace(self._grid.steps.end - count, answers.swapaxes(0, 1))
+
+    def weigh(self) -> None:
+        """Weigh what they show against what the figure does on the whole."""
+        velocity, speed = self._over.velocity(self._count), self._over.speed(len(self._places))
+        steps = stepping(self._answered, self._mates, velocity, speed, self._params.stepping)
+        swings = overtaking(self._places[:, 0, ::2], velocity, self._params.overtaking)
+        answers = stands(self._answered, 1.0 - (1.0 - steps) * (1.0 - swings))
+        self._answers.replace(self._grid.steps.end - self._count, answers.swapaxes(0, 1))
 
     def see(self, first: int) -> Seen:
         """Say which soles are planted from frame `first` on, by what was weighed."""

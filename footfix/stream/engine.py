@@ -4,6 +4,7 @@ The work that a hop of frames (1/30 s) makes comes in parts, each of about the s
 
     kinematics of the frames, which places them on detection's grid
     what these places show of contacts
+    how likely each foot stands, given what the figure does
     contacts
     what is asked of the window that ends with the hop
     a round of its solution
@@ -41,7 +42,7 @@ from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
-_PARTS = 7  # of the work that a hop makes
+_PARTS = 8  # of the work that a hop makes
 _SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
 _SPARED = 5  # and a frame for as many of the look-ahead's
 _WORK = 0.020  # [s] that work and the ways in and out may take, of the time that a frame waits
@@ -133,6 +134,7 @@ class Engine:
         if len(rows):
             self._arrived += len(rows)
             self._take(rows)
+            self._detector.look()
             self._detector.weigh()
 
     def push(self, rows: Floats) -> list[Shown]:
@@ -167,6 +169,8 @@ class Engine:
         """Do the parts that rows (n, C) make, pausing after each; with `last`, settle all frames."""
         if len(rows):
             self._take(rows)
+            yield
+            self._detector.look()
             yield
             self._detector.weigh()
             yield

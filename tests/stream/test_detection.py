@@ -102,6 +102,7 @@ def test_contacts_are_those_of_the_whole_clip_but_for_a_few_frames(name: str) ->
     told = np.zeros((len(whole), 4), dtype=np.bool_)
     for frame in range(len(whole)):
         detector.add(cut(whole, frame, frame + 1))
+        detector.look()
         detector.weigh()
         if frame >= ahead:
             told[frame - ahead] = detector.see(frame - ahead).down[0]
