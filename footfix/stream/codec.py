@@ -24,6 +24,7 @@ from footfix.formats.bvh.document import Document
 from footfix.formats.bvh.tree import Channel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, Skeleton
+from footfix.stream.euler import to_euler
 from footfix.stream.part import Part
 
 
@@ -53,7 +54,7 @@ class _Turning:
         if self.turn is not None:
             wanted = rotation.multiply(rotation.inverse(self.turn), wanted)
         if sorted(self.order) == [0, 1, 2]:
-            return rotation.to_euler(wanted, self.letters, near=near)
+            return to_euler(wanted, self.order, near)
         return nearest_angles(wanted.reshape(-1, 4), self.letters, near.reshape(-1, near.shape[-1])).reshape(near.shape)
 
 

@@ -50,9 +50,7 @@ class Past:
         """Get the motion that rows say in frames `[first, stop)`."""
         columns, n = np.ascontiguousarray(self._local.view(first, stop).T), len(self._skeleton)
         places, turns = columns[: 3 * n].reshape(n, 3, -1), columns[3 * n :].reshape(n, 4, -1)
-        return Clip.from_tracks(
-            self._skeleton, places.transpose(2, 0, 1), turns.transpose(2, 0, 1), self._frame_time
-        )
+        return Clip.from_tracks(self._skeleton, places.transpose(2, 0, 1), turns.transpose(2, 0, 1), self._frame_time)
 
     def legs(self, first: int) -> Legs:
         """Get the legs from frame `first` on."""
