@@ -147,7 +147,7 @@ class Channels:
             new = new[:, moved.axes] - self._base[moved.joint, moved.axes]
             out[:, moved.columns] = np.where(differs[:, moved.axes], new, rows[:, moved.columns])
         for each in self._written:
-            old, new = (np.stack([clip.rotation(j) for j in each.joints], axis=1) for clip in (before, after))
+            old, new = before.rotations[:, each.joints], after.rotations[:, each.joints]
             changed = ((old != new) & np.isfinite(new)).any(axis=-1, keepdims=True)  # (n, m, 1)
             if changed.any():
                 own = rows[:, each.columns]

@@ -24,7 +24,6 @@ from typing import Protocol
 
 import numpy as np
 
-from footfix.enforce.correction import apply
 from footfix.enforce.leg import ANKLE
 from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
@@ -211,8 +210,10 @@ class Engine:
         stop = first + len(lift)
         rows, clip = self._past.rows.view(first, stop), self._past.clip(first, stop)
         shift = done.shift + lift[:, None] * np.array([0.0, 1.0, 0.0])
-        change = self._turner.correction(clip, done.turned, shift)
-        rows = self._codec.write(rows, clip, apply(clip, change)) if change.joints or np.any(shift) else rows.copy()
+        changes = np.any(done.turned.changed) or np.any(shift)
+        rows = (
+            self._codec.write(rows, clip, self._turner.corrected(clip, done.turned, shift)) if changes else rows.copy()
+        )
         for k, number in enumerate(range(first, stop)):
             own = tuple(event for event in events if self._due_with(event, number, first, stop))
             self._ready.append(Shown(number, rows[k], done.on[k, self._order], own))

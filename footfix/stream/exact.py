@@ -8,12 +8,13 @@ stands where its foot is by then: what is planned for it may be farther than a f
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from footfix.enforce.leg import LEG, ROOT, TOE, K, W
 from footfix.enforce.papers.ease import ease_frames, gamma
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, frozen
 from footfix.motion.contacts import runs
 from footfix.stream.legs import POINTS, Legs, places_of, posed
 
@@ -87,9 +88,15 @@ def _eased(change: Floats, asked: Bools, frames: int) -> None:
     """Let a change (7, L, n) end some frames after a foot has left."""
     if asked.all():
         return
-    share = gamma(np.arange(1, frames + 1) / (frames + 1))
+    share = _shares(frames)
     for k, own in enumerate(asked):
         for _, end in runs(own):
             after = int(np.argmax(np.append(own[end:], True)[:frames]))
             after = after if own[end:][:frames].any() else min(frames, len(own) - end)
             change[:, k, end : end + after] = change[:, k, end - 1, None] * share[:after]
+
+
+@lru_cache(maxsize=8)
+def _shares(frames: int) -> Floats:
+    """(frames,) what is left of a change in the frames after it."""
+    return frozen(gamma(np.arange(1, frames + 1) / (frames + 1)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.correction import Correction
+from footfix.enforce.correction import Correction, apply
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -76,6 +76,20 @@ class Turner:
         self._last = more[:, :, -1]
         rotations = np.where(late[..., None], product(more, captured), wanted)
         return Turned(rotations, changed | late, late)
+
+    def corrected(self, clip: Clip, turned: Turned, shift: Floats) -> Clip:
+        """Correct n frames of the figure, its root shifted by (n, 3) [m], too."""
+        rig = self._part.known.rig
+        if self._part.known.followers or clip.skeleton.parents[rig.root] >= 0:
+            return apply(clip, self.correction(clip, turned, shift))
+        which = self._written & turned.changed.any(axis=1)
+        joints, places, turns = self._joints[which], np.array(clip.positions), np.array(clip.rotations)
+        wanted = np.where(
+            turned.changed[None, ..., None], turned.rotations, turns[:, self._joints].transpose(1, 2, 0, 3)
+        )
+        turns[:, joints] = wanted[which].swapaxes(0, 1)
+        places[:, rig.root] += shift
+        return Clip.from_tracks(clip.skeleton, places, turns, clip.frame_time)
 
     def correction(self, clip: Clip, turned: Turned, shift: Floats) -> Correction:
         """Lay out as a correction what is to change in n frames of the figure, its root shifted by (n, 3) [m], too."""
