@@ -28,8 +28,8 @@ def kept(
 ) -> tuple[bool, ...]:  # fmt: skip
     """Tell for each plant whether it stands well enough as it is.
 
-    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in most of its
-    frames as only what a program has put to rest does, where `keep_rested` says so.
+    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in three
+    tenths of its frames as only what a program has put to rest does, where `keep_rested` says so.
 
     Args:
         plants: of the clip.

@@ -30,7 +30,7 @@ class PinParams:
         keep_slide: a plant that slides no farther (2 mm of a grown-up) and is as near to its floor as below stays as
             it is [leg lengths].
         keep_height: distance from its floor up to which it may stay as it is [leg lengths].
-        keep_rested: whether a plant that a program has put to rest in most of its frames stays as it is, too.
+        keep_rested: whether a plant that a program has put to rest in three tenths of its frames stays as it is, too.
         edge: time at both ends of a detected contact in which the foot may still land or leave [s].
         edge_weight: weight of a pin at the outermost frame of these, of its own [share].
         ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
