@@ -24,13 +24,14 @@ class Stretch(NamedTuple):
     state: int
 
 
-def stretches(logits: Floats, switch: float, roll: float) -> list[Stretch]:
+def stretches(logits: Floats, switch: float, roll: float, *, since: float = 0.0) -> list[Stretch]:
     """Decide what a foot does, stretch by stretch.
 
     Args:
         logits: (n, 4) log probabilities of the states.
         switch: nats that landing or leaving costs.
         roll: nats that a change between heel, flat and toe costs.
+        since: [grid steps] plants that end before that are not wanted.
 
     Returns:
         The planted stretches in order; those that touch are one plant that rolls.
@@ -40,7 +41,7 @@ def stretches(logits: Floats, switch: float, roll: float) -> list[Stretch]:
     found = []
     two = np.stack([np.zeros_like(planted), planted], axis=1)
     for a, b, state in segments(two, switch):
-        if state:
+        if state and b >= since:
             start = crossing(planted, a) if a > 0 else -np.inf
             end = crossing(-planted, b) if b < len(planted) else np.inf
             found += _rolling(logits[a:b, HEEL:], a, start, end, roll)

@@ -26,7 +26,7 @@ Q, K, W, B = slice(0, 3), 3, slice(4, 7), 7  # within a leg's eight
 POINTS = ("heel", "toe", "ankle", "tip")
 HEEL, TOE, ANKLE, TIP = range(4)
 
-_STRAIGHT = 0.4  # [sine] up to this bend the captured leg is too straight to say about which axis its knee flexes
+STRAIGHT = 0.4  # [sine] up to this bend the captured leg is too straight to say about which axis its knee flexes
 _STRETCHED = 3.6  # [degrees] of flexion: two equal bones at 99.95 % of their length
 _WHITE = -0.7  # correlation of neighbouring fourth differences: -0.8 in white noise, above 0 in motion
 _STRAIGHTEST = 1.0  # [percentile] of a clip's flexion that counts as its straightest knee
@@ -241,7 +241,7 @@ def knee_axis(thigh: Floats, shank: Floats, usual: Floats) -> Floats:
     normal = cross_rows(unit(thigh), unit(shank))  # as long as the sine of the flexion
     c = dot(normal, usual)
     aside = normal - c[:, None] * usual
-    square = c * c + _STRAIGHT**2
+    square = c * c + STRAIGHT**2
     axis = np.sqrt(square)[:, None] * usual + (c * np.abs(c) / square)[:, None] * aside
     along = unit(thigh)
     return unit(axis - dot(axis, along)[:, None] * along)

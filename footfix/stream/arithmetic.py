@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from footfix.motion import rotation
 from footfix.motion.clip import Floats
 
+_LEAST = 1e-9  # [rad] below which sin(x) / x is 1 to the digit
 _NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 _ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix, laid out as a row, and their mirrors
 
@@ -16,6 +18,9 @@ _ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix,
 _OWN = np.array([3, 0, 1, 2])
 _OTHER = np.array([[0, 1, 2, 3], [3, 2, 1, 0], [2, 3, 0, 1], [1, 0, 3, 2]])
 _SIGN = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [-1.0, 1.0, 1.0, -1.0]])
+_INVERSE = np.array([-1.0, -1.0, -1.0, 1.0])
+_OPPOSITE = 1e-9  # 1 + the cosine of directions between which any axis turns
+_AT = np.argsort(_OWN)
 _BACK = _SIGN * np.array([[1.0], [-1.0], [-1.0], [-1.0]])
 
 
@@ -24,9 +29,41 @@ def product(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.add.reduce(a[..., _OWN, None] * (b[..., _OTHER] * _SIGN), axis=-2))
 
 
+def after(b: Floats) -> Floats:
+    """Get (..., 4, 4) matrices that compose rotations a (4,) with rotations b (..., 4): `b` followed by `a`."""
+    return np.asarray((b[..., _OTHER] * _SIGN).swapaxes(-1, -2)[..., _AT])
+
+
 def product_back(a: Floats, b: Floats) -> Floats:
     """Compose rotations (..., 4): `b` followed by the inverse of `a`."""
     return np.asarray(np.add.reduce(a[..., _OWN, None] * (b[..., _OTHER] * _BACK), axis=-2))
+
+
+def turned(q: Floats, v: Floats) -> Floats:
+    """Turn vectors (..., 3) by rotations (..., 4); see `rotation.rotate`."""
+    point = np.zeros((*v.shape[:-1], 4))
+    point[..., :3] = v
+    return product(product(q, point), q * _INVERSE)[..., :3]
+
+
+def from_rotation_vector(vector: Floats) -> Floats:
+    """Convert rotation vectors (3, ...) [rad] to quaternions (..., 4)."""
+    half = np.maximum(0.5 * np.sqrt(np.add.reduce(vector * vector, axis=0)), _LEAST)
+    out = np.empty((*half.shape, 4))
+    out[..., :3] = np.moveaxis(vector * (0.5 * np.sin(half) / half), 0, -1)
+    out[..., 3] = np.cos(half)
+    return out
+
+
+def between(a: Floats, b: Floats) -> Floats:
+    """Find the shortest rotations (..., 4) that take directions (3, ...) to others; see `rotation.between`."""
+    out = np.empty((*a.shape[1:], 4))
+    out[..., :3] = np.moveaxis(cross(a, b), 0, -1)
+    size = np.sqrt(np.add.reduce(a * a, axis=0) * np.add.reduce(b * b, axis=0))
+    out[..., 3] = size + np.add.reduce(a * b, axis=0)
+    if np.any(out[..., 3] <= _OPPOSITE * size):
+        return rotation.between(np.moveaxis(a, 0, -1), np.moveaxis(b, 0, -1))
+    return np.asarray(out / np.sqrt(np.add.reduce(out * out, axis=-1))[..., None])
 
 
 def cross(a: Floats, b: Floats) -> Floats:
@@ -56,13 +93,11 @@ def exponential_and_jacobian(vector: Floats) -> Floats:
 
 def _sines(vector: Floats) -> tuple[Floats, ...]:
     """(...) each: x^2, x = |v|, sin(x) / x, and (1 - cos x) / x^2."""
-    square = np.add.reduce(vector**2, axis=0)
+    square = np.add.reduce(vector * vector, axis=0)
     angle = np.sqrt(square)
-    of = np.empty((2, *angle.shape))
-    np.divide(angle, np.pi, out=of[0])
-    np.divide(angle, 2.0 * np.pi, out=of[1])
-    sines = np.sinc(of)
-    return square, angle, sines[0], 0.5 * sines[1] ** 2
+    half = np.maximum(0.5 * angle, _LEAST)
+    sine = np.sin(half) / half  # of x / 2
+    return square, angle, sine * np.cos(half), 0.5 * sine * sine
 
 
 def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:

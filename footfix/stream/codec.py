@@ -13,7 +13,6 @@ import numpy as np
 
 from footfix.formats.bvh.channels import (
     AXES,
-    changes,
     joint_channels,
     nearest_angles,
     permuted,
@@ -25,6 +24,7 @@ from footfix.formats.bvh.document import Document
 from footfix.formats.bvh.tree import Channel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, Skeleton
+from footfix.stream.euler import to_euler
 from footfix.stream.part import Part
 
 
@@ -54,8 +54,17 @@ class _Turning:
         if self.turn is not None:
             wanted = rotation.multiply(rotation.inverse(self.turn), wanted)
         if sorted(self.order) == [0, 1, 2]:
-            return rotation.to_euler(wanted, self.letters, near=near)
+            return to_euler(wanted, self.order, near)
         return nearest_angles(wanted.reshape(-1, 4), self.letters, near.reshape(-1, near.shape[-1])).reshape(near.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class _Moving:
+    """A joint that has position channels: (m,) columns of a row, and (m,) which axis each is."""
+
+    joint: int
+    columns: Ints
+    axes: Ints
 
 
 class Channels:
@@ -94,9 +103,11 @@ class Channels:
             if joint is not None
         }
         self._written = [each for each in _turnings(channels, which, own, sorted(turned), self._up) if each.order]
-        moving = [k for k, c in enumerate(channels) if c.kind == "P" and c.joint in {part.known.rig.root, *led}]
-        self._moving = tuple(channels[k] for k in moving)
-        self._moved = np.array([which[k] for k in moving], dtype=np.intp)
+        self._moving = [
+            _Moving(joint, *(np.array(each, dtype=np.intp) for each in zip(*own_moves, strict=True)))
+            for joint in sorted({part.known.rig.root, *led})
+            if (own_moves := [(column, axis) for column, moved, axis in moves if moved == joint])
+        ]
 
     def read(self, rows: Floats) -> Clip:
         """The motion of the part's joints of rows (n, C) [m], y up."""
@@ -124,10 +135,19 @@ class Channels:
     def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
         """(n, C) the rows with the motion `after` in place of `before`: of legs, what goes along, and the root."""
         out = rows.copy()
-        for change in changes(self._moving, rows[:, self._moved], self._base, before, after, self._unit, self._up):
-            out[change.frames, self._moved[change.column]] = change.values[change.frames]
+        for moved in self._moving:
+            old, new = before.position(moved.joint), after.position(moved.joint)
+            differs = (old != new) & np.isfinite(new)
+            if not differs.any():
+                continue
+            new = new / self._unit
+            if moved.joint in self._roots:
+                back = AXES[self._up].T
+                new, differs = permuted(new, back), permuted(differs.astype(np.float64), np.abs(back)) > 0.0
+            new = new[:, moved.axes] - self._base[moved.joint, moved.axes]
+            out[:, moved.columns] = np.where(differs[:, moved.axes], new, rows[:, moved.columns])
         for each in self._written:
-            old, new = (np.stack([clip.rotation(j) for j in each.joints], axis=1) for clip in (before, after))
+            old, new = before.rotations[:, each.joints], after.rotations[:, each.joints]
             changed = ((old != new) & np.isfinite(new)).any(axis=-1, keepdims=True)  # (n, m, 1)
             if changed.any():
                 own = rows[:, each.columns]

@@ -13,7 +13,7 @@ from footfix.enforce.problem import Problem
 from footfix.enforce.solve import DAMPING, EPS, STATIC
 from footfix.enforce.terms import near
 from footfix.motion.clip import Floats, Ints, frozen
-from footfix.stream.legs import Legs
+from footfix.stream.legs import Legs, Posed
 from footfix.stream.objective import Normal, normal
 from footfix.stream.pins import Stacked
 
@@ -46,7 +46,8 @@ class Fixed:
 
 
 def descend(
-    problem: Problem, x: Floats, past: int, *, last: bool, legs: Legs, pins: Stacked, fixed: Fixed
+    problem: Problem, x: Floats, past: int, *, legs: Legs, pins: Stacked, fixed: Fixed, at: Posed | None = None,
+    last: bool = True,
 ) -> Floats:  # fmt: skip
     """Take a round from a state.
 
@@ -54,12 +55,13 @@ def descend(
         problem: the window's.
         x: (U, F) where to begin.
         past: frames at the beginning that keep their state.
-        last: whether it is the last round.
         legs, pins: the problem's, stacked.
         fixed: what is the same in all such windows.
+        at: the legs' points in that state, where they are known.
+        last: whether it is the last round.
     """
     eps = (EPS if last else _FIRST * EPS) * problem.frame_time
-    found = normal(problem, legs, pins, x, eps, STATIC, fixed.near)
+    found = normal(problem, legs, pins, x, eps, STATIC, fixed.near, at)
     out = x.copy()
     out[fixed.free, past:] += np.clip(_step(found, fixed, past), -_LONGEST, _LONGEST)
     return out

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil, isfinite
 
 import numpy as np
 
@@ -16,16 +17,16 @@ from footfix.detect.auto import AutoParams, grounded
 from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
 from footfix.detect.network import FLAT, HEEL, TOE, Network
-from footfix.detect.overtaking import OvertakingParams, ahead
 from footfix.detect.path import EARLY, Stretch, resting, stretches
-from footfix.detect.stepping import WINDOW, stands
+from footfix.detect.stepping import stands
 from footfix.detect.timing import timed_by
 from footfix.detect.tracks import Foot, Tracks
 from footfix.motion.clip import Bools, Floats
-from footfix.stream.filters import filtered, slopes
+from footfix.stream.filters import filtered
 from footfix.stream.grid import FOOT, PAST, Grid
+from footfix.stream.over_ground import OverGround
 from footfix.stream.ring import Ring
-from footfix.stream.stepping import stepping
+from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.weigh import weigh
 
 _REACH = 31  # steps that the network looks ahead and behind
@@ -52,41 +53,25 @@ class Seen:
     leaves: tuple[tuple[float, ...], ...]
 
 
-def logits(network: Network, curves: Sequence[Floats], count: int) -> Floats:
+def logits(network: Network, curves: Floats, count: int) -> Floats:
     """Answer for all feet together: what `Network.logits` says of the last `count` of some curves (n, E).
 
     Args:
         network: the network.
-        curves: for each foot (n, E).
+        curves: (feet, n, E).
         count: how many answers are wanted.
 
     Returns:
         (feet, count, 4) log probabilities.
     """
-    seen = (np.stack(curves) - network.mean) / network.spread  # (feet, n, E)
+    seen = (curves - network.mean) / network.spread  # (feet, n, E)
     n = seen.shape[1]
-    at = np.clip(np.arange(n - count, n)[:, None] + np.array(network.taps), 0, n - 1)  # (count, T)
+    at = np.arange(n - count, n)[:, None] + np.array(network.taps)  # (count, T)
     hidden = network.hidden.reshape(-1, network.hidden.shape[-1])  # (T E, H)
-    total = seen[:, at].reshape(len(seen), count, -1) @ hidden + network.hidden_bias
+    total = seen.take(at, axis=1, mode="clip").reshape(len(seen), count, -1) @ hidden + network.hidden_bias
     z = np.tanh(np.tanh(total) @ network.mixing + network.mixing_bias) @ network.answer + network.answer_bias
     z -= z.max(axis=-1, keepdims=True)
     return np.asarray(z - np.log(np.exp(z).sum(axis=-1, keepdims=True)))
-
-
-def overtaken(answers: Floats, pelvis: Floats, velocity: Floats, params: OvertakingParams) -> Floats:
-    """Find the log probabilities of each foot, given where it goes ahead of the pelvis; see `detect.overtaking`.
-
-    Whether the pelvis travels is told by the time about a moment, and where too little of it has come, by the newest.
-
-    Args:
-        answers: (feet, n, 4) log probabilities.
-        pelvis: (m, 2) [leg lengths] places over the ground; m is n or more, and the answers are of the last n.
-        velocity: (n, 1 + 2 feet, 2) [leg lengths/s] over the ground of the pelvis, and of each foot's heel and toe.
-        params: when a foot goes ahead.
-    """
-    lasting = slopes(pelvis, params.lasting, len(velocity))
-    feet = (velocity[:, 1 + 2 * k : 3 + 2 * k] for k in range(len(answers)))
-    return stands(answers, np.stack([ahead(foot, velocity[:, 0], lasting, params) for foot in feet]))
 
 
 class Detector:
@@ -111,7 +96,7 @@ class Detector:
         self._leg_length, self._frame_time, self._params = leg_length, frame_time, params
         self._per_frame = frame_time / STEP
         self._open = round((look_ahead + 1.0 / 30.0 + _SETTLE) / STEP) + round(self._per_frame)
-        self._grid = Grid(len(self._mates), leg_length, frame_time)
+        self._grid, self._over = Grid(len(self._mates), leg_length, frame_time), OverGround(mates)
         long = max(_PATH, 2.0 * look_ahead + 0.5)
         self._answers = Ring((len(self._mates), 4), round(long / STEP) + self._open)
         self._path = round(long / STEP)
@@ -121,25 +106,26 @@ class Detector:
         """Take the next frames (n of them, with knees)."""
         feet = [np.stack([f.heel, f.toe, f.heel if f.knee is None else f.knee], axis=1) for f in tracks.feet]
         self._frames.append(np.stack(feet, axis=1))
-        self._grid.add(tracks)
+        self._over.follow(self._grid.steps, self._grid.add(tracks))
+
+    def look(self) -> None:
+        """Lay out what the newest frames show."""
+        self._places = places = self._grid.steps.last(round(PAST / STEP))
+        self._count = count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
+        self._facing = self._over.facing()
+        curves = weigh(places, self._facing, count + _REACH, self._mates, self._jitter)
+        answered = logits(fitted.network(), curves, count)
+        self._answered = grounded(
+            answered.reshape(-1, answered.shape[-1]), curves[:, -count:].reshape(-1, curves.shape[-1]), self._params
+        ).reshape(answered.shape)
 
     def weigh(self) -> None:
-        """Weigh what the newest frames show."""
-        places = self._grid.steps.last(round(PAST / STEP))
-        count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
-        curves, self._axes = weigh(places, count + _REACH, self._mates, self._jitter)
-        answered = logits(fitted.network(), curves, count)
-        feet = len(curves)
-        standing = grounded(
-            answered.reshape(-1, answered.shape[-1]), np.concatenate([each[-count:] for each in curves]), self._params
-        ).reshape(answered.shape)
-        moving = places[:, [0, *(k for f in range(feet) for k in (3 + FOOT * f, 4 + FOOT * f))]]
-        velocity = filtered(moving[..., ::2], seconds=WINDOW, degree=2, derivative=1)  # (n, 1 + 2 feet, 2)
-        over_ground = np.ascontiguousarray((velocity[..., 0] + 1j * velocity[..., 1]).T)
-        soles = over_ground[1:].reshape(feet, 2, -1).swapaxes(0, 1)
-        answers = stepping(standing, self._mates, over_ground[0], soles, self._params.stepping)
-        answers = overtaken(answers, places[:, 0, ::2], velocity[-count:], self._params.overtaking)
-        self._answers.replace(self._grid.steps.end - count, answers.swapaxes(0, 1))
+        """Weigh what they show against what the figure does on the whole."""
+        velocity, speed = self._over.velocity(self._count), self._over.speed(len(self._places))
+        steps = stepping(self._answered, self._mates, velocity, speed, self._params.stepping)
+        swings = overtaking(self._places[:, 0, ::2], velocity, self._params.overtaking)
+        answers = stands(self._answered, 1.0 - (1.0 - steps) * (1.0 - swings))
+        self._answers.replace(self._grid.steps.end - self._count, answers.swapaxes(0, 1))
 
     def see(self, first: int) -> Seen:
         """Say which soles are planted from frame `first` on, by what was weighed."""
@@ -147,58 +133,72 @@ class Detector:
         answers = self._answers.last(self._path)
         last = len(answers)
         offset = self._answers.end - last
+        since = first * self._per_frame - offset
         brakes, tips = self._accelerations(last)
         down = np.zeros((end - first, 2 * len(self._mates)), dtype=np.bool_)
-        sure = np.zeros_like(down, dtype=np.float64)
         lands, leaves = [], []
-        frames = np.arange(first, end)
-        at = np.clip(frames * self._per_frame - offset, 0, last - 1).astype(np.intp)
         for k in range(len(self._mates)):
-            found = stretches(answers[:, k], self._params.switch, self._params.roll)
+            found = stretches(answers[:, k], self._params.switch, self._params.roll, since=since)
             found = timed_by(found, brakes[:, k], tips[:, k], fitted.timing())
-            heel, toe = self._masks(found, offset, first, end)
-            down[:, 2 * k], down[:, 2 * k + 1] = self._finished(heel, toe, k, first)
-            p = np.exp(answers[at, k])
-            sure[:, 2 * k], sure[:, 2 * k + 1] = p[:, HEEL] + p[:, FLAT], p[:, FLAT] + p[:, TOE]
+            self._mark(found, offset - first * self._per_frame, down[:, 2 * k : 2 * k + 2])
             ends = {s.end for s in found}
             begins = {s.start for s in found}
-            lands.append(tuple((t + offset) / self._per_frame for t in sorted(begins - ends) if np.isfinite(t)))
-            leaves.append(tuple((t + offset) / self._per_frame for t in sorted(ends - begins) if np.isfinite(t)))
-        return Seen(first, down, sure, tuple(lands), tuple(leaves))
+            lands.append(tuple((t + offset) / self._per_frame for t in sorted(begins - ends) if isfinite(t)))
+            leaves.append(tuple((t + offset) / self._per_frame for t in sorted(ends - begins) if isfinite(t)))
+        at = np.minimum(np.maximum(np.arange(first, end) * self._per_frame - offset, 0.0), last - 1)
+        p = np.exp(answers[at.astype(np.intp)])
+        sure = (p[..., HEEL:TOE] + p[..., FLAT : TOE + 1]).reshape(down.shape)  # heel or flat, flat or toe
+        return Seen(first, self._finished(down, first), sure, tuple(lands), tuple(leaves))
 
     def _accelerations(self, last: int) -> tuple[Floats, Floats]:
         """(last, feet) each: what `detect.timing` calls braking and tipping, over the last steps."""
         places = self._grid.steps.last(last)
-        along = places[:, 4::FOOT] - places[:, 3::FOOT]
-        ahead = np.sum(along[..., ::2] * self._axes[:, -last:].swapaxes(0, 1), axis=-1)
-        pitch = np.unwrap(np.arctan2(along[..., 1], ahead), axis=0)
+        pitch = np.arctan2(places[:, 4::FOOT, 1] - places[:, 3::FOOT, 1], self._facing.ahead[-last:])
+        if np.any(np.abs(pitch[1:] - pitch[:-1]) > np.pi):
+            pitch = np.unwrap(pitch, axis=0)
         both = filtered(np.concatenate([places[:, 2::FOOT, 1], pitch], axis=1), seconds=LIFT, degree=2, derivative=2)
         return both[:, : len(self._mates)], both[:, len(self._mates) :]
 
-    def _masks(self, found: Sequence[Stretch], offset: int, first: int, end: int) -> tuple[Bools, Bools]:
-        """Heel and toe in contact in frames `[first, end)`; a frame that a landing hardly misses counts as after it."""
-        early = min(EARLY, 0.5 * self._per_frame)
-        heel, toe = np.zeros(end - first, dtype=np.bool_), np.zeros(end - first, dtype=np.bool_)
-        for start, stop, state in found:
-            a = first if start == -np.inf else int(np.ceil((start + offset - early) / self._per_frame - 1e-9))
-            b = end if stop == np.inf else int(np.ceil((stop + offset) / self._per_frame - 1e-9))
-            span = slice(max(a - first, 0), max(b - first, 0))
-            heel[span] |= state in (HEEL, FLAT)
-            toe[span] |= state in (FLAT, TOE)
-        return heel, toe
+    def _mark(self, found: Sequence[Stretch], offset: float, down: Bools) -> None:
+        """Mark (n, 2) when heel and toe are in contact; a frame that a landing hardly misses counts as after it.
 
-    def _finished(self, heel: Bools, toe: Bools, k: int, first: int) -> tuple[Bools, Bools]:
-        """Heel and toe of a foot without gaps in which they don't rise, and without feet that are dragged."""
+        Args:
+            found: the stretches.
+            offset: [grid steps] from the first frame to the moment that stretches are counted from.
+            down: (n, 2) what to mark.
+        """
+        early = min(EARLY, 0.5 * self._per_frame)
+        for start, stop, state in found:
+            a = 0 if start == -np.inf else max(ceil((start + offset - early) / self._per_frame - 1e-9), 0)
+            b = len(down) if stop == np.inf else max(ceil((stop + offset) / self._per_frame - 1e-9), 0)
+            down[a:b, 1 if state == TOE else 0 : 1 if state == HEEL else 2] = True
+
+    def _finished(self, down: Bools, first: int) -> Bools:
+        """Contacts (n, 2 feet) without gaps in which a part does not rise, and without feet that are dragged."""
         places = self._frames.view(first)  # (n, feet, 3, 3)
+        height = places[..., 1]
+        both = down[:, ::2] | down[:, 1::2]  # (n, feet)
+        gaps = both.repeat(2, axis=1) & ~down
+        knees = height[:, :, 2] - height[:, :, :2].min(axis=(1, 2))[:, None]
+        kneels = (knees < self._params.kneeling.low * self._leg_length).any(axis=0)
+        out = down.copy()
+        for column in np.flatnonzero(gaps.any(axis=0)).tolist():
+            k, part = divmod(column, 2)
+            out[:, column] = resting(
+                down[:, column], both[:, k], height[:, k, part], self._params.rise * self._leg_length
+            )
+        for k in np.flatnonzero(kneels).tolist():
+            tracks = self._tracks(places)
+            for part in (0, 1):
+                out[:, 2 * k + part] = carrying(
+                    out[:, 2 * k + part], tracks, tracks.feet[k], places[:, k, part], self._params.kneeling
+                )
+        return out
+
+    def _tracks(self, places: Floats) -> Tracks:
+        """Lay out places (n, feet, 3, 3) of heels, toes and knees."""
         feet = tuple(
             Foot(side, p[:, 0], p[:, 0], p[:, 0], p[:, 1], p[:, 2])
             for side, p in zip(self._sides, places.swapaxes(0, 1), strict=True)
         )
-        tracks = Tracks(places[:, 0, 0], feet, self._leg_length, self._frame_time)
-        both, out = heel | toe, []
-        lowest = places[:, :, :2, 1].min(axis=(1, 2))
-        kneels = bool((places[:, k, 2, 1] - lowest < self._params.kneeling.low * self._leg_length).any())
-        for part, point in ((heel, feet[k].heel), (toe, feet[k].toe)):
-            down = resting(part, both, point[:, 1], self._params.rise * self._leg_length)
-            out.append(carrying(down, tracks, feet[k], point, self._params.kneeling) if kneels else down)
-        return out[0], out[1]
+        return Tracks(places[:, 0, 0], feet, self._leg_length, self._frame_time)

@@ -4,10 +4,10 @@ The work that a hop of frames (1/30 s) makes comes in parts, each of about the s
 
     kinematics of the frames, which places them on detection's grid
     what these places show of contacts
+    how likely each foot stands, given what the figure does
     contacts
     what is asked of the window that ends with the hop
     a round of its solution
-    another
     the window's oldest frames are settled
     their rows are written
 
@@ -24,7 +24,6 @@ from typing import Protocol
 
 import numpy as np
 
-from footfix.enforce.correction import apply
 from footfix.enforce.leg import ANKLE
 from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
@@ -45,7 +44,6 @@ _LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that 
 _PARTS = 8  # of the work that a hop makes
 _SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
 _SPARED = 5  # and a frame for as many of the look-ahead's
-_ROUNDS, _LAST_ROUNDS = 2, 6  # of a window's solution, and of the last one's
 _WORK = 0.020  # [s] that work and the ways in and out may take, of the time that a frame waits
 _NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
 
@@ -123,7 +121,8 @@ class Engine:
         self._posing, self._measure = Posing(part.skeleton, self._joints), Measure(part, self._joints)
         self._turner = Turner(part, self._joints, self._measure.kinds, frame_time, goes_on=shown > 0)
         self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
-        self._past = Past(self._measure.kinds, self._joints, columns, self.delay + 4 * self.hop + BEFORE + 4)
+        kept = self.delay + 4 * self.hop + BEFORE + 4  # frames
+        self._past = Past(self._measure.kinds, self._joints, part.skeleton, frame_time, columns, kept)
         self._hop: list[Floats] = []
         self._arrived, self._settled = 0, shown
         self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled
@@ -134,6 +133,7 @@ class Engine:
         if len(rows):
             self._arrived += len(rows)
             self._take(rows)
+            self._detector.look()
             self._detector.weigh()
 
     def push(self, rows: Floats) -> list[Shown]:
@@ -143,7 +143,7 @@ class Engine:
             self._hop.append(row)
             self._arrived += 1
             if len(self._hop) == self.hop:
-                self._work.begin(self._parts(self._taken(), _ROUNDS))
+                self._work.begin(self._parts(self._taken()))
             self._work.advance()
             while self._ready and self._ready[0].number < self._arrived - self.delay:
                 out.append(self._ready.popleft())
@@ -152,7 +152,7 @@ class Engine:
     def close(self) -> list[Shown]:
         """Give out all that is left; no frames follow."""
         self._work.finish()
-        self._work.begin(self._parts(self._taken(), _LAST_ROUNDS, last=True))
+        self._work.begin(self._parts(self._taken(), last=True))
         self._work.finish()
         left = list(self._ready)
         self._ready.clear()
@@ -164,10 +164,12 @@ class Engine:
         self._hop.clear()
         return rows
 
-    def _parts(self, rows: Floats, rounds: int, *, last: bool = False) -> Iterator[None]:
+    def _parts(self, rows: Floats, *, last: bool = False) -> Iterator[None]:
         """Do the parts that rows (n, C) make, pausing after each; with `last`, settle all frames."""
         if len(rows):
             self._take(rows)
+            yield
+            self._detector.look()
             yield
             self._detector.weigh()
             yield
@@ -181,7 +183,7 @@ class Engine:
         found = seen.down[settled - seen.first :]
         on = np.concatenate([self._told[BEFORE - before :], self._standing(found, count)])
         legs, lift = self._window.lifted(self._past.legs(first), first)
-        done = yield from self._window.solve(legs, self._past.pose(settled, stop), on, first, rounds, last=last)
+        done = yield from self._window.solve(legs, self._past.pose(settled, stop), on, first, last=last)
         shown = slice(before, before + count)
         self._learn(legs.frames(shown), found[:count])
         events = self._events(seen, done.on)
@@ -200,17 +202,18 @@ class Engine:
         clip = self._codec.read(rows)
         pose = self._posing(clip)
         legs, tracks = self._measure(pose, self._frame_time)
-        self._past.append(rows, legs, pose)
+        self._past.append(rows, clip, legs, pose)
         self._detector.add(tracks)
 
     def _write(self, first: int, done: Settled, lift: Floats, events: Sequence[Event]) -> None:
         """Make ready the rows of n frames that are settled, from number `first` on, raised by (n,) [m]."""
         stop = first + len(lift)
-        rows = self._past.rows.view(first, stop)
-        clip = self._codec.read(rows)
+        rows, clip = self._past.rows.view(first, stop), self._past.clip(first, stop)
         shift = done.shift + lift[:, None] * np.array([0.0, 1.0, 0.0])
-        change = self._turner.correction(clip, done.turned, shift)
-        rows = self._codec.write(rows, clip, apply(clip, change)) if change.joints or np.any(shift) else rows.copy()
+        changes = np.any(done.turned.changed) or np.any(shift)
+        rows = (
+            self._codec.write(rows, clip, self._turner.corrected(clip, done.turned, shift)) if changes else rows.copy()
+        )
         for k, number in enumerate(range(first, stop)):
             own = tuple(event for event in events if self._due_with(event, number, first, stop))
             self._ready.append(Shown(number, rows[k], done.on[k, self._order], own))

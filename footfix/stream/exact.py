@@ -8,18 +8,20 @@ stands where its foot is by then: what is planned for it may be farther than a f
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from footfix.enforce.leg import LEG, ROOT, TOE, K, W
 from footfix.enforce.papers.ease import ease_frames, gamma
-from footfix.motion.clip import Bools, Floats
+from footfix.motion.clip import Bools, Floats, frozen
 from footfix.motion.contacts import runs
 from footfix.stream.legs import POINTS, Legs, places_of, posed
 
 _FARTHEST = 0.02  # [leg lengths] a toe that is farther off than this can't be held
 _FOOT = 0.1  # share in it of the foot's turn
 _ROUNDS = 2
+_SHORT = 0.003  # [leg lengths] one round leaves a hundredth of a millimetre of a way as short as that
 _LEAST = 1e-4  # [leg lengths] added to what can hardly be moved
 _EASE = 0.06  # [s] in which it ends after a foot has left
 _TOE = [TOE + POINTS * c for c in range(3)]  # rows of the toe joint in a Jacobian
@@ -55,14 +57,16 @@ def exact(
     back = weights[:, None] * jacobian.swapaxes(2, 3)
     square = jacobian @ back + (_LEAST * leg_length) ** 2 * np.eye(3)
     back = back @ np.linalg.inv(square)  # (L, n, 7, 3)
-    moved, now = own, at.places
+    off = place - at.places[:, TOE]
     for k in range(_ROUNDS):
-        now = now if k == 0 else places_of(legs, root, moved)
-        off = (place - now[:, TOE]) * near
+        off *= near
         off[1] = 0.0
         change += (back @ off.transpose(1, 2, 0)[..., None])[..., 0].transpose(2, 0, 1)
+        if k == _ROUNDS - 1 or np.abs(off).max() < _SHORT * leg_length:
+            break
         moved = own.copy()
         moved[_MOVED] += change
+        off = place - places_of(legs, root, moved)[:, TOE]
     _eased(change, asked, ease_frames(_EASE, frame_time))
     out = np.array(own)
     out[_MOVED] += change
@@ -82,9 +86,17 @@ def _places(place: Floats, now: Floats, asked: Bools, stands: Sequence[bool], mo
 
 def _eased(change: Floats, asked: Bools, frames: int) -> None:
     """Let a change (7, L, n) end some frames after a foot has left."""
-    share = gamma(np.arange(1, frames + 1) / (frames + 1))
+    if asked.all():
+        return
+    share = _shares(frames)
     for k, own in enumerate(asked):
         for _, end in runs(own):
             after = int(np.argmax(np.append(own[end:], True)[:frames]))
             after = after if own[end:][:frames].any() else min(frames, len(own) - end)
             change[:, k, end : end + after] = change[:, k, end - 1, None] * share[:after]
+
+
+@lru_cache(maxsize=8)
+def _shares(frames: int) -> Floats:
+    """(frames,) what is left of a change in the frames after it."""
+    return frozen(gamma(np.arange(1, frames + 1) / (frames + 1)))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.lib.stride_tricks import as_strided, sliding_window_view
 
 from footfix.detect.evidence import STEP
 from footfix.motion.clip import Floats, frozen
 from footfix.motion.smoothing import savgol, window_frames
+
+_MOST = 128  # values that a product filters
 
 
 def filtered(x: Floats, *, seconds: float, degree: int, derivative: int = 0, step: float = STEP) -> Floats:
@@ -23,27 +24,15 @@ def filtered(x: Floats, *, seconds: float, degree: int, derivative: int = 0, ste
         step: [s] from one to the next; detection's grid unless told otherwise.
     """
     n, window = len(x), window_frames(seconds, step, degree)
-    if n < window:
+    if n < window or n > _MOST:
         return savgol(x, step, seconds=seconds, degree=degree, derivative=derivative)
-    first, inner, last = _weights(window, seconds, degree, derivative, step)
-    flat = np.ascontiguousarray(x.reshape(n, -1))
-    width = flat.shape[1]
-    down, along = flat.strides
-    windows = as_strided(flat, (n - window + 1, width, window), (down, along, down)).reshape(-1, window)
-    out = np.empty((n, width))
-    half = len(first)
-    out[:half] = first @ flat[:window]
-    out[half : n - half] = (windows @ inner).reshape(-1, width)
-    out[n - half :] = last @ flat[n - window :]
-    return out.reshape(x.shape)
+    return np.asarray(_matrix(n, seconds, degree, derivative, step) @ x.reshape(n, -1)).reshape(x.shape)
 
 
 @lru_cache(maxsize=64)
-def _weights(window: int, seconds: float, degree: int, derivative: int, step: float) -> tuple[Floats, Floats, Floats]:
-    """The weights of a window's values in its first half (h, window), in its middle (window,), and in its last half."""
-    all_of_it = savgol(np.eye(window), step, seconds=seconds, degree=degree, derivative=derivative)
-    half = window // 2
-    return frozen(all_of_it[:half]), frozen(all_of_it[half]), frozen(all_of_it[half + 1 :])
+def _matrix(n: int, seconds: float, degree: int, derivative: int, step: float) -> Floats:
+    """(n, n) that filters as many values. Most of it is zero, and yet one product is quicker than to leave that out."""
+    return frozen(savgol(np.eye(n), step, seconds=seconds, degree=degree, derivative=derivative))
 
 
 def slopes(x: Floats, seconds: float, count: int) -> Floats:
@@ -58,34 +47,50 @@ def slopes(x: Floats, seconds: float, count: int) -> Floats:
         (count, m) [unit/s]; zero where no whole window is known yet.
     """
     window = window_frames(seconds, STEP, 1)
-    half = window // 2
-    x = x[-max(count + half, window) :]
+    x = x[-max(count + window // 2, window) :]
     if len(x) < window:
         return np.zeros((count, x.shape[1]))
+    return np.asarray(_lines(len(x), window, count) @ x)
+
+
+@lru_cache(maxsize=16)
+def _lines(n: int, window: int, count: int) -> Floats:
+    """(count, n) the weights that n values have in the slopes of the newest steps."""
+    half = window // 2
     along = np.arange(window) - half
-    inner = sliding_window_view(x, window, axis=0) @ (along / (STEP * (along @ along)))
-    return np.asarray(inner[np.clip(np.arange(len(x) - count, len(x)) - half, 0, len(inner) - 1)])
+    middle = np.clip(np.arange(n - count, n), half, n - 1 - half)
+    out = np.zeros((count, n))
+    out[np.arange(count)[:, None], middle[:, None] + along] = along / (STEP * (along @ along))
+    return frozen(out)
 
 
-def floors(ahead: Floats, behind: Floats, seconds: float, count: int) -> tuple[Floats, Floats]:
-    """Find the lowest values within some seconds ahead, and behind, both with now; see `detect.evidence.floors`.
+def steps_of(seconds: float) -> int:
+    """Count the steps that lie within some seconds of one, with it."""
+    return max(round(seconds / STEP), 1) + 1
 
-    Args:
-        ahead, behind: (n, m) on detection's grid, the values that are looked at.
-        seconds: [s] how far.
-        count: for how many of the newest steps it is wanted.
 
-    Returns:
-        (count, m) each.
-    """
-    n = max(round(seconds / STEP), 1) + 1
-    long = min(count + n, len(ahead))
-    beyond = np.full((n, ahead.shape[1]), np.inf)
-    later, earlier = np.concatenate([ahead[-count:], beyond]), np.concatenate([beyond, behind[-long:]])
-    width = 1
-    while width < n:  # the lowest of 2 w is the lower of two lowest of w
-        hop = min(width, n - width)
-        later = np.minimum(later[:-hop], later[hop:])
-        earlier = np.minimum(earlier[:-hop], earlier[hop:])
-        width += hop
-    return later[:count], earlier[-count:]
+class Lowest:
+    """The lowest values of tracks within some seconds ahead, and behind, with now; see `detect.evidence.floors`."""
+
+    def __init__(self, x: Floats, seconds: float, count: int) -> None:
+        """Lay tracks (k, n) on detection's grid out, to be looked at as far as some seconds, for the newest steps."""
+        long = steps_of(seconds) - 1
+        rows = min(count + long, x.shape[1])
+        self._count, self._first = count, long + rows - count  # column of the first step that is wanted
+        self._x = np.full((len(x), 2 * long + rows), np.inf)
+        self._x[:, long : long + rows] = x[:, x.shape[1] - rows :]
+
+    def ahead(self, seconds: float, tracks: slice) -> Floats:
+        """(k, count) of some tracks."""
+        return self._lowest(self._first, steps_of(seconds), tracks)
+
+    def behind(self, seconds: float, tracks: slice) -> Floats:
+        """(k, count) of some tracks."""
+        return self._lowest(self._first + 1 - steps_of(seconds), steps_of(seconds), tracks)
+
+    def _lowest(self, first: int, n: int, tracks: slice) -> Floats:
+        # the n steps from each on are a view: one operation on many numbers is quicker than many on few
+        size, long = self._x.itemsize, self._x.shape[1]
+        shape, start = (tracks.stop - tracks.start, n, self._count), (tracks.start * long + first) * size
+        windows: Floats = np.ndarray(shape, self._x.dtype, self._x, start, (long * size, size, size))
+        return np.asarray(np.minimum.reduce(windows, axis=1))

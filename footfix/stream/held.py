@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import hypot
 
 import numpy as np
 
@@ -81,9 +82,19 @@ class Plant:
         assert self.place is not None
         gone = frames - self.at
         out = self.place[:, None] + self.belt[:, None] * gone
-        fall = gamma(np.asarray(gone * frame_time / _SETTLES, dtype=np.float64))
-        out[1] = fall * self.place[1] + (1.0 - fall) * self.level
+        if gone[0] * frame_time >= _SETTLES:  # it has come to stand
+            out[1] = self.level
+        else:
+            fall = gamma(np.asarray(gone * frame_time / _SETTLES, dtype=np.float64))
+            out[1] = fall * self.place[1] + (1.0 - fall) * self.level
         return np.asarray(out)
+
+    def off(self, point: Floats, frame: int) -> float:
+        """[m] how far a point (3,) is from where it stands in a frame, over the ground."""
+        assert self.place is not None
+        (x, _, z), (px, _, pz), (bx, _, bz) = point.tolist(), self.place.tolist(), self.belt.tolist()
+        gone = frame - self.at
+        return hypot(x - px - gone * bx, z - pz - gone * bz)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,8 +168,8 @@ def _held(plant: Plant, captured: Floats, place: Floats, window: Ints, last: int
     """The plant, let go where its foot has left it or can't be held."""
     if plant.place is None or plant.free:
         return plant
-    stands = plant.places(window[last : last + 1], ground.frame_time)[:, 0]
-    strays, slips = (float(np.hypot(*(each[:, last] - stands)[[0, 2]])) for each in (captured, place))
-    settled = (window[last] - plant.start) * ground.frame_time > _LANDS
+    frame = int(window[last])
+    strays, slips = plant.off(captured[:, last], frame), plant.off(place[:, last], frame)
+    settled = (frame - plant.start) * ground.frame_time > _LANDS
     free = settled and (strays > _STRAYS * ground.leg_length or slips > _SLIPS * ground.leg_length)
-    return replace(plant, free=free)
+    return replace(plant, free=True) if free else plant

@@ -12,16 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.detect.tracks import Foot, Tracks
-from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, LegTracks, Q, W, knee_of, tip_of
-from footfix.motion import rotation
+from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, LegTracks, Q, W, tip_of
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.kinematics import Pose
-from footfix.motion.vectors import unit
 from footfix.rig.rig import Leg
-from footfix.stream.arithmetic import cross, exponential, exponential_and_jacobian, rotated
+from footfix.stream.arithmetic import cross, exponential, exponential_and_jacobian, rotated, turned
+from footfix.stream.knees import knees
 from footfix.stream.part import Part
 
 POINTS = 4
+_LEAST = 1e-300  # [m] of a length by which is divided
 _TURNING = np.array([0, 1, 1, 1, 1])  # what turns the ankle, the line, and the points about it, the foot
 _VECTORS = ("hip", "ankle", "line", "thigh", "shank", "axis", "toe_hinge", "reach")
 
@@ -160,18 +160,17 @@ class Measure:
         L, n = len(self._rig.legs), len(pose.positions)
         places, turns = pose.positions.transpose(2, 1, 0), pose.rotations.transpose(1, 0, 2)
         hip, knee, ankle, toe = places[:, self._joints].swapaxes(0, 1)  # (3, L, F) each
-        inside = rotation.rotate(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 5 L, F)
+        inside = turned(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 5 L, F)
         usual, hinge, tip = inside[:, :L], inside[:, L : 2 * L], inside[:, 4 * L :]
         soles = (places[:, self._bases] + inside[:, 2 * L : 4 * L]).reshape(3, 2, L, n)
         thigh, shank = knee - hip, ankle - knee
-        axis, flexion, reach = knee_of(*(each.reshape(3, -1).T for each in (thigh, shank, usual)))
-        flexion = flexion.reshape(L, n)
+        axis, flexion, reach = knees(thigh, shank, usual)
+        line = ankle - hip
         standing = soles.copy()
         standing[:, TOE, self._has_toe] = toe[:, self._has_toe]
         legs = Legs(
-            self.kinds, hip, ankle, unit((ankle - hip).reshape(3, -1).T).T.reshape(3, L, n), thigh, shank,
-            axis.T.reshape(3, L, n), hinge, reach.reshape(3, L, n), standing - ankle[:, None], tip, flexion,
-            np.minimum(flexion, self._least),
+            self.kinds, hip, ankle, line / np.maximum(np.sqrt(np.add.reduce(line * line, axis=0)), _LEAST), thigh,
+            shank, axis, hinge, reach, standing - ankle[:, None], tip, flexion, np.minimum(flexion, self._least),
         )  # fmt: skip
         feet = tuple(
             Foot(leg.side, hip[:, k].T, ankle[:, k].T, heel=soles[:, HEEL, k].T, toe=soles[:, TOE, k].T,
@@ -187,6 +186,11 @@ class Posed:
 
     places: Floats
     jacobian: Floats
+
+
+def own_of(x: Floats) -> Floats:
+    """(8, L, F) the legs' unknowns of a state (U, F)."""
+    return x[ROOT:].reshape(-1, LEG, x.shape[1]).swapaxes(0, 1)
 
 
 def posed(legs: Legs, root: Floats, x: Floats) -> Posed:

@@ -18,7 +18,7 @@ from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import near, root_bound, smooth, sticks
 from footfix.motion.clip import Floats
-from footfix.stream.legs import Legs, posed
+from footfix.stream.legs import Legs, Posed, posed
 from footfix.stream.pins import Stacked
 
 
@@ -40,8 +40,9 @@ class Normal:
 
 
 def normal(
-    problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, static: float, bands: Floats | None = None
-) -> Normal:
+    problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, static: float, bands: Floats | None = None,
+    at: Posed | None = None,
+) -> Normal:  # fmt: skip
     """Linearise the objective of a window at a state (U, F); see `enforce.objective.systems`.
 
     Args:
@@ -51,10 +52,11 @@ def normal(
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
         bands: (3, U, F) of NEAR, where they are known.
+        at: the legs' points in that state, where they are known.
     """
     F, L = x.shape[1], legs.flexion.shape[0]
     own = x[ROOT:].reshape(L, LEG, F).swapaxes(0, 1)  # (8, L, F)
-    at = posed(legs, x[:ROOT], own)
+    at = posed(legs, x[:ROOT], own) if at is None else at
     force, stiff, step = _pull(problem, pins, at.places, eps, static)
     J = at.jacobian  # (L, F, 12, 11)
     by_place = force.transpose(2, 3, 0, 1).reshape(L, F, -1, 1)
@@ -126,6 +128,8 @@ def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floa
     """KNEE: no knee is straighter than the figure's own."""
     weight = RATE * problem.frame_time / np.radians(KNEE) ** 2
     lacks = np.maximum(legs.least - legs.flexion - x[K], 0.0)
+    if not lacks.any():
+        return
     gradient[..., ROOT + K] -= weight * lacks
     main[..., ROOT + K, ROOT + K] += weight * (lacks > 0.0)
 
@@ -179,12 +183,19 @@ def _fast(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Float
     most, sigma = np.radians(problem.costs.speed) * problem.frame_time, np.radians(SPEED)
     half = 0.5 * legs.axis
     bent = half * x[K]
-    turns = np.concatenate([x[Q] - bent, x[W] - x[Q] - bent, x[K : K + 1]])
+    turns = np.empty((7, *bent.shape[1:]))
+    np.subtract(x[Q], bent, out=turns[:3])
+    np.subtract(x[W] - x[Q], bent, out=turns[3:6])
+    turns[6] = x[K]
     steps = turns[..., 1:] - turns[..., :-1]
     squares = steps * steps
-    sizes = np.sqrt([squares[:3].sum(axis=0), squares[6], squares[3:6].sum(axis=0)])
-    if not np.any(sizes > most):
+    sizes = np.empty((3, *steps.shape[1:]))
+    np.add.reduce(squares[:3], axis=0, out=sizes[0])
+    np.add.reduce(squares[3:6], axis=0, out=sizes[2])
+    sizes[1] = squares[6]
+    if not np.any(sizes > most * most):
         return
+    sizes = np.sqrt(sizes)
     kinds = (
         (steps[:3], half, ((Q, 1.0),)),
         (steps[6:], None, ((slice(K, K + 1), 1.0),)),

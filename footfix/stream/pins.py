@@ -49,7 +49,8 @@ class Stacked:
         """Ask for nothing of points captured at (3, P, L, F) [m], on ground that moves by (3,) [m] in a frame."""
         one = captured.shape[1:]
         between = (*one[:-1], one[-1] - 1)
-        slip = np.repeat(belt, int(np.prod(between))).reshape(3, *between)
+        slip = np.empty((3, *between))
+        slip[...] = belt[:, None, None, None]
         return cls(
             np.zeros(between), slip, np.zeros(one, dtype=np.bool_), captured[1].copy(), np.zeros(one),
             np.full(one, -np.inf), np.zeros(captured.shape), np.zeros(one),
@@ -99,17 +100,20 @@ def pins_of(feet: Sequence[Foot], legs: Legs, on: Bools, asked: Asked) -> Stacke
         on: (n, 2 legs) when heel and toe of each are planted.
         asked: what pins are made of.
     """
-    out = Stacked.none(asked.captured, asked.belt)
+    out, low = Stacked.none(asked.captured, asked.belt), np.full((POINTS, len(feet)), -np.inf)
     for k, foot in enumerate(feet):
         own = on[:, 2 * k : 2 * k + 2]
-        when = [(mask, runs(mask)) for mask in masks(own)]
+        when = [(mask, runs(mask)) for mask in masks(own)[:TIP]]
+        when.append(when[TOE])
         step = _floor_step(foot, k, when, asked)
         for point in range(POINTS if legs.kinds.tips[k] else TIP):
-            _lowest(out.lowest, k, point, bool(when[point][0].any()), step, asked)
+            if point != ANKLE:
+                low[point, k] = _lowest(k, point, bool(when[point][1]), step, asked.ground)
             if legs.kinds.turns[k]:  # the root is not to follow a leg that can't
                 out.stands[point, k] = when[point][0]
                 for start, end in when[point][1]:
                     _hold(out, foot, k, point, start, end, asked)
+    np.minimum(asked.captured[1], low[..., None], out=out.lowest)
     upright = slice(TIP, None) if asked.ground.heights else slice(None)
     out.slip[1, upright] = np.diff(asked.captured[1, upright], axis=-1)
     return out
@@ -177,12 +181,9 @@ def _ramp(since: Ints, ends: bool, ground: Ground, params: PinParams) -> Floats:
     return weights
 
 
-def _lowest(lowest: Floats, k: int, point: int, stands: bool, step: float, asked: Asked) -> None:
-    """Say how low a point may be: not below the floor, if it was not captured there."""
-    if point == ANKLE:
-        return
-    ground = asked.ground
+def _lowest(k: int, point: int, stands: bool, step: float, ground: Ground) -> float:
+    """[m] how low a point may be: not below the floor, if it was not captured there."""
     usual = float(ground.tips[k]) if point == TIP else float(ground.rest[k, point])
     if point != TIP and stands:
         usual = max(usual, float(ground.nominal[k, point]))
-    np.minimum(asked.captured[1, point, k], usual + step - ground.sink, out=lowest[point, k])
+    return usual + step - ground.sink

@@ -1,6 +1,7 @@
 """Feet that step though they look planted: what `detect.stepping` says of a clip, for all feet of the newest steps.
 
-Places and velocities over the ground are complex numbers here: x, and z times i.
+And feet that go ahead of a pelvis that travels, as of `detect.overtaking`. Places and velocities over the ground are
+complex numbers here: x, and z times i.
 """
 
 from __future__ import annotations
@@ -8,104 +9,137 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from footfix.detect.evidence import STEP
 from footfix.detect.network import SWING
-from footfix.detect.stepping import SteppingParams, from_rest_to_rest, stands, whole_step
+from footfix.detect.overtaking import OvertakingParams
+from footfix.detect.stepping import SteppingParams, from_rest_to_rest
 from footfix.motion.clip import Floats
-from footfix.stream.filters import floors
-
-Complexes = NDArray[np.complex128]
+from footfix.stream.filters import Lowest, slopes
+from footfix.stream.over_ground import Complexes, slowest, to_segment
 
 _LEAST = 1e-6  # of a speed whose logarithm is taken
 
 
 def stepping(
-    answers: Floats, mates: Sequence[int], pelvis: Complexes, soles: Complexes, params: SteppingParams
+    answers: Floats, mates: Sequence[int], velocity: Complexes, speeds: Floats, params: SteppingParams
 ) -> Floats:
-    """Find the log probabilities of each foot, given what the other of its pair does; see `detect.stepping.stepping`.
+    """Find the probability (feet, n) that a foot steps, given what the other of its pair does; see `detect.stepping`.
 
     Args:
         answers: (feet, n, 4) log probabilities.
         mates: for each foot the other one of its pair.
-        pelvis: (m,) [leg lengths/s] velocity over the ground; m is n or more, and the answers are of the last n.
-        soles: (2, feet, m) [leg lengths/s] those of heels and toes.
+        velocity: (n, 1 + 2 feet) [leg lengths/s] over the ground, of pelvis, heels and toes.
+        speeds: (m, feet) [leg lengths/s] of the slowest point of each sole; m is n or more, and the answers are of
+            the last n.
         params: when two feet part.
     """
-    n, mate = answers.shape[1], list(mates)
-    heel, toe = soles
-    speeds = _to_segment(np.zeros(1, dtype=np.complex128), heel, toe)  # (feet, m)
+    feet, n = answers.shape[:2]
+    mate = list(mates)
     rest = resting_speed(speeds, n, params)
-    own, other, speeds = soles[..., -n:], soles[:, mate, -n:], speeds[:, -n:]
-    apart, travel = _parting(own, other, pelvis[-n:])
+    own = velocity.T[1:].reshape(2, feet, n)
+    other, speeds = own[:, mate], speeds[-n:].T
+    apart, travel = _parting(own, other, velocity[:, 0])
     swing = answers[..., SWING]
     planted = -np.expm1(swing)
     unlikely = swing - np.log(np.maximum(planted, 1e-12))
     even = params.parting + params.travel * travel + params.noise * rest
     logs = np.log(np.maximum(np.stack([apart, even, speeds]), _LEAST))
-    faster = params.sharp * (logs[2] - logs[2][mate]) + unlikely - unlikely[mate]
-    likely = 0.5 + 0.5 * np.tanh(0.5 * np.stack([params.sharp * (logs[0] - logs[1]), faster]))
-    steps = planted[mate] * likely[0] * likely[1]
+    faster = params.sharp * logs[2] + unlikely
+    odds = np.stack([params.sharp * (logs[0] - logs[1]), faster - faster[mate]])
+    parts, quicker = _probability(odds)
+    steps = planted[mate] * parts * quicker
     leaves = np.where(speeds > speeds[mate], apart - np.maximum(params.still, params.calm * rest), 0.0)
     for k in np.flatnonzero((leaves > 0.0).any(axis=1)).tolist():
-        for a, b in from_rest_to_rest(leaves[k], (even - params.parting)[k], planted[k]):
-            one, mates_way = (_plain(each[:, k, a:b]) for each in (own, other))
-            whole = whole_step(one, mates_way, float(rest[k, a:b].max()), params) * float(planted[mate[k], a:b].min())
+        for a, b in from_rest_to_rest(leaves[k], even[k] - params.parting, planted[k]):
+            far = np.add.reduce(np.stack([own[:, k, a:b], other[:, k, a:b]]), axis=-1) * STEP  # (2, 2) [leg lengths]
+            whole = _whole_step(far, float(rest[k, a:b].max()) * (b - a) * STEP, params)
+            whole *= float(planted[mate[k], a:b].min())
             steps[k, a:b] = np.maximum(steps[k, a:b], max(whole, float(steps[k, a:b].max())))
-    found = stands(answers, steps)
     alone = [k for k, other_foot in enumerate(mate) if other_foot == k]
-    found[alone] = answers[alone]
-    return found
+    steps[alone] = 0.0
+    return np.asarray(steps)
 
 
-def _plain(soles: Complexes) -> Floats:
-    """(n, 2, 2) of one foot's heel and toe (2, n)."""
-    return np.stack([soles.real, soles.imag], axis=-1).swapaxes(0, 1)
+def _whole_step(far: Complexes, creeps: float, params: SteppingParams) -> float:
+    """The probability that a foot steps, as of `detect.stepping.whole_step`.
+
+    Args:
+        far: (2, 2) [leg lengths] how far heel and toe of the foot go meanwhile, and of the other.
+        creeps: [leg lengths] how far at most it would go at rest.
+        params: when two feet part.
+    """
+    own, other = far[:, :, None, None]
+    apart, _ = _parting(own, other, own[0, :, 0])
+    one, mate = slowest(*far.T)
+    logs = np.log(np.maximum([apart[0, 0], params.length + params.creeping * creeps, one, mate], _LEAST))
+    return float(_probability(params.sharp * np.minimum(logs[0] - logs[1], logs[2] - logs[3])))
+
+
+def _probability(odds: Floats) -> Floats:
+    """Probabilities of log odds."""
+    return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
 
 
 def resting_speed(speeds: Floats, count: int, params: SteppingParams) -> Floats:
-    """(feet, count) at most how fast feet of some speeds (feet, m) are while they rest; see `detect.stepping`."""
+    """(feet, count) at most how fast feet of some speeds (m, feet) are while they rest; see `detect.stepping`."""
     steps = max(round(params.rest / STEP), 1)
-    feet, m = speeds.shape
+    m, feet = speeds.shape
     if m <= steps:
         return np.full((feet, count), np.inf)
-    highest, width = speeds.T, 1
+    highest, width = speeds, 1
     while width < steps:  # the highest of 2 w is the higher of two highest of w
         hop = min(width, steps - width)
         highest = np.maximum(highest[:-hop], highest[hop:])
         width += hop
-    beyond = np.full((steps - 1, feet), np.inf)
-    ahead, behind = floors(
-        np.concatenate([highest, beyond]), np.concatenate([beyond, highest]), params.within, count,
-    )  # fmt: skip
+    both = np.full((2, feet, m), np.inf)  # rests that begin at a step, and that end there
+    both[0, :, : len(highest)] = both[1, :, steps - 1 :] = highest.T
+    lowest = Lowest(both.reshape(2 * feet, m), params.within, count)
+    ahead, behind = lowest.ahead(params.within, slice(0, feet)), lowest.behind(params.within, slice(feet, 2 * feet))
     worse = np.maximum(ahead, behind)
-    return np.where(np.isfinite(worse), worse, np.minimum(ahead, behind)).T
+    return np.where(np.isfinite(worse), worse, np.minimum(ahead, behind))
 
 
 def _parting(own: Complexes, other: Complexes, pelvis: Complexes) -> tuple[Floats, Floats]:
     """(feet, n) each: the least speed at which a point of one sole leaves one of the other, and the pelvis it."""
-    points = np.concatenate([own, np.broadcast_to(pelvis, (1, *own.shape[1:]))])  # (3, feet, n)
-    to_other = _to_segment(points, other[0], other[1])
-    to_own = _to_segment(other, own[0], own[1])
+    points = np.empty((5, *own.shape[1:]), dtype=np.complex128)  # own heel and toe, the pelvis, the other's
+    starts, ends = np.empty_like(points), np.empty_like(points)
+    points[:2], points[2], points[3:] = own, pelvis, other
+    starts[:3], starts[3:], ends[:3], ends[3:] = other[0], own[0], other[1], own[1]
+    far = to_segment(points, starts, ends)
     along, across = own[1] - own[0], other[1] - other[0]
     apart = other[0] - own[0]
     turn = _cross(along, across)
     askew = np.abs(turn) >= 1e-12
     safe = np.where(askew, turn, 1.0)
-    s, t = _cross(apart, across) / safe, _cross(apart, along) / safe
-    meet = askew & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
-    least = np.minimum(np.minimum(to_other[0], to_other[1]), np.minimum(to_own[0], to_own[1]))
-    return np.where(meet, 0.0, least), to_other[2]
+    shares = np.stack([_cross(apart, across), _cross(apart, along)]) / safe
+    meet = askew & np.logical_and.reduce((shares >= 0.0) & (shares <= 1.0), axis=0)
+    least = np.minimum(np.minimum(far[0], far[1]), np.minimum(far[3], far[4]))
+    return np.where(meet, 0.0, least), far[2]
 
 
 def _cross(a: Complexes, b: Complexes) -> Floats:
     return np.asarray((a.conj() * b).imag)
 
 
-def _to_segment(point: Complexes, start: Complexes, end: Complexes) -> Floats:
-    """Distances of points from segments; the shapes broadcast."""
-    along, off = end - start, point - start
-    across = along.conj()
-    share = np.minimum(np.maximum((off * across).real / np.maximum((along * across).real, 1e-12), 0.0), 1.0)
-    return np.asarray(np.abs(off - share * along))
+def overtaking(pelvis: Floats, velocity: Complexes, params: OvertakingParams) -> Floats:
+    """Find the probability (feet, n) that a foot swings, given where it goes ahead of the pelvis; see `overtaking`.
+
+    Whether the pelvis travels is told by the time about a moment, and where too little of it has come, by the newest.
+
+    Args:
+        pelvis: (m, 2) [leg lengths] places over the ground; m is n or more.
+        velocity: (n, 1 + 2 feet) [leg lengths/s] over the ground, of pelvis, heels and toes.
+        params: when a foot goes ahead.
+    """
+    n = len(velocity)
+    lasting = slopes(pelvis, params.lasting, n)
+    lasting_way = lasting[:, 0] + 1j * lasting[:, 1]
+    travel = np.abs(lasting_way)
+    along = (velocity.T * (lasting_way.conj() / np.maximum(travel, 1e-9))).real  # (1 + 2 feet, n)
+    goes = np.minimum.reduce(along[1:].reshape(2, -1, n))
+    past = goes - np.maximum(travel, along[0])
+    even = params.least + params.share * travel
+    logs = np.log(np.maximum(np.concatenate([past, even[None], travel[None]]), _LEAST))
+    faster, travels = logs[:-2] - logs[-2], logs[-1] - np.log(params.travels)
+    return _probability(params.sharp * faster) * _probability(params.sharp * travels)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.correction import Correction
+from footfix.enforce.correction import Correction, apply
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
-from footfix.stream.arithmetic import product, product_back
+from footfix.stream.arithmetic import between, from_rotation_vector, product, product_back, turned
 from footfix.stream.legs import Kinds, Legs
 from footfix.stream.limits import FASTEST, limited
 from footfix.stream.part import Part
@@ -77,6 +77,20 @@ class Turner:
         rotations = np.where(late[..., None], product(more, captured), wanted)
         return Turned(rotations, changed | late, late)
 
+    def corrected(self, clip: Clip, turned: Turned, shift: Floats) -> Clip:
+        """Correct n frames of the figure, its root shifted by (n, 3) [m], too."""
+        rig = self._part.known.rig
+        if self._part.known.followers or clip.skeleton.parents[rig.root] >= 0:
+            return apply(clip, self.correction(clip, turned, shift))
+        which = self._written & turned.changed.any(axis=1)
+        joints, places, turns = self._joints[which], np.array(clip.positions), np.array(clip.rotations)
+        wanted = np.where(
+            turned.changed[None, ..., None], turned.rotations, turns[:, self._joints].transpose(1, 2, 0, 3)
+        )
+        turns[:, joints] = wanted[which].swapaxes(0, 1)
+        places[:, rig.root] += shift
+        return Clip.from_tracks(clip.skeleton, places, turns, clip.frame_time)
+
     def correction(self, clip: Clip, turned: Turned, shift: Floats) -> Correction:
         """Lay out as a correction what is to change in n frames of the figure, its root shifted by (n, 3) [m], too."""
         joints, rotations = [], []
@@ -91,13 +105,16 @@ class Turner:
 
 def _world(legs: Legs, x: Floats) -> Floats:
     """(4, L, n, 4) what turns thigh, shank, foot and toes in the world, by the legs' unknowns (8, L, n)."""
-    vectors = np.stack([x[K] * legs.axis, x[Q], x[W], x[B] * legs.toe_hinge], axis=1)  # (3, 4, L, n)
-    bend, line, foot, toes = rotation.from_rotation_vector(vectors.transpose(1, 2, 3, 0))
-    thigh, shank, way = (each.transpose(1, 2, 0) for each in (legs.thigh, legs.shank, legs.line))
+    vectors = np.empty((3, 4, *x.shape[1:]))
+    vectors[:, 0], vectors[:, 1], vectors[:, 2], vectors[:, 3] = x[K] * legs.axis, x[Q], x[W], x[B] * legs.toe_hinge
+    turns = from_rotation_vector(vectors)  # of bend, line, foot and toes
+    bent = np.moveaxis(turned(turns[0], np.moveaxis(legs.shank, 0, -1)), -1, 0)
     # the line from hip to ankle keeps its direction while the knee bends
-    swing = product(line, rotation.between(thigh + rotation.rotate(bend, shank), way))
-    below = product(np.stack([swing, foot]), np.stack([bend, toes]))
-    return np.stack([swing, below[0], foot, below[1]])
+    turns[1] = product(turns[1], between(legs.thigh + bent, legs.line))
+    out = np.empty_like(turns)
+    out[::2] = turns[1:3]
+    out[1::2] = product(turns[1:3], turns[[0, 3]])
+    return out
 
 
 def _local(captured: Floats, turns: Floats) -> Floats:

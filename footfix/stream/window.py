@@ -1,8 +1,8 @@
 """Enforcement in a window: the least squares of a whole clip on the newest frames, those that were shown held fixed.
 
 A window begins with two frames that were shown, so that neither place nor speed jumps, and ends with the newest one.
-It starts from what was found for it a moment before, so that a round or two are enough; each frame is in several
-windows before it is shown. Where a strike turns out to be elsewhere, or earlier, than it was planned, the way to it
+It starts from what was found for it a moment before, so that a round is enough; each frame is in several windows
+before it is shown. Where a strike turns out to be elsewhere, or earlier, than it was planned, the way to it
 begins anew from where the foot is by then, at the speed it has (what G eq. 11 does with an ease).
 """
 
@@ -20,17 +20,18 @@ from footfix.enforce.papers.ease import gamma
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
 from footfix.enforce.whole_clip import costs_of, faded
-from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.clip import Bools, Floats
 from footfix.motion.kinematics import Pose
 from footfix.stream.calibration import Calibration
 from footfix.stream.descent import Fixed, descend
 from footfix.stream.exact import exact
 from footfix.stream.held import Foot, Ground, follow
-from footfix.stream.legs import Legs, places_of
+from footfix.stream.legs import Legs, own_of, places_of, posed
 from footfix.stream.pins import Asked, Stacked, pins_of
 from footfix.stream.turns import Turned, Turner
 
 _FIRST = 8e-4  # [m/s] of slip below which its price is a parabola, in the first round of the last window
+_LAST_ROUNDS = 6  # of that window's solution
 BEFORE = 2  # frames that were shown, in a window
 _FORGETS = 3.0  # [s] in which the fault that plants usually have is learnt anew
 _CAUGHT_UP = 0.01  # [leg lengths] a foot that was let go stands anew where it is this near to its capture
@@ -85,6 +86,7 @@ class Window:
         self.belt = known.belt  # (3,) [m/s] of the ground under plants to come
         self.left = [False] * len(rig.legs)  # feet that were let go, and have not caught up with their capture
         self._fixed: dict[int, Fixed] = {}  # for windows of so many frames
+        self._problems: dict[int, Problem] = {}  # of these windows
         self._begin = self._shown = first  # numbers of the first of these, and of the first that was not shown
 
     @property
@@ -110,16 +112,15 @@ class Window:
         return legs.raised(lift), lift
 
     def solve(
-        self, legs: Legs, pose: Pose, on: Bools, first: int, rounds: int, *, last: bool = False
+        self, legs: Legs, pose: Pose, on: Bools, first: int, *, last: bool = False
     ) -> Generator[None, None, Settled]:
-        """Find the state of the newest frames, and settle those that go out now; pause about each round.
+        """Find the state of the newest frames, and settle those that go out now; pause before and after the round.
 
         Args:
             legs: as captured and lifted, n frames.
             pose: as captured, of those frames that go out now.
             on: (n, 2 legs) when heel and toe of each are planted.
             first: number of the first frame: at most two before the first that was not shown.
-            rounds: how many.
             last: whether no frames follow.
         """
         n = len(on)
@@ -127,20 +128,17 @@ class Window:
         past = min(max(self._shown - first, 0), n)
         shown = slice(past, past + len(pose.positions))
         x = self._started(first, n)
-        captured = legs.places()
-        asked = Asked(
-            captured, self._places(legs, x), window, self._ground, self.belt * self._frame_time, self._params.pins,
-        )  # fmt: skip
+        captured, at = legs.places(), posed(legs, x[:ROOT], own_of(x))
+        asked = Asked(captured, at.places, window, self._ground, self.belt * self._frame_time, self._params.pins)
         pins = pins_of(self._feet, legs, on, asked)
-        problem = self._problem(legs, captured, window[-1:], last=last)
+        yield
+        problem = self._problem(legs, captured, int(window[-1]), last=last)
         if last and n > BEFORE + 1:  # the only one that no frame waits for
             problem = replace(problem, pins=pins.apart(legs.kinds.tips))
-            x = solve.descend(problem, x, rounds, first=_FIRST, last=rounds, fixed=window < self._shown)
+            x = solve.descend(problem, x, _LAST_ROUNDS, first=_FIRST, last=_LAST_ROUNDS, fixed=window < self._shown)
         elif n > BEFORE + 1:
             fixed = self._same(problem, n)
-            for k in range(rounds):
-                yield
-                x = descend(problem, x, past, last=k == rounds - 1, legs=legs, pins=pins, fixed=fixed)
+            x = descend(problem, x, past, legs=legs, pins=pins, fixed=fixed, at=at)
             yield
         x[:, shown] = exact(
             legs.frames(shown), x[:, shown], pins.place[:, TOE, :, shown], pins.placed[TOE, :, shown] > 0.0,
@@ -149,7 +147,7 @@ class Window:
         state = faded(x, problem)[:, shown]
         turned = self._turner.turn(pose, legs.frames(shown), state)
         on = _in_time(on, turned.late, past)
-        self._follow(pins, on, shown, self._places(legs, x), asked)
+        self._follow(pins, on, shown, places_of(legs, x[:ROOT], own_of(x)), asked)
         self._x, self._begin, self._shown = x, first, first + shown.stop
         return Settled(state[:ROOT].T, turned, on[shown])
 
@@ -164,25 +162,21 @@ class Window:
             off = (places - asked.captured)[::2, :ANKLE, k, shown.stop - 1]
             self.left[k] = foot.left or (self.left[k] and bool(np.any(np.hypot(*off) > near)))
 
-    def _problem(self, legs: Legs, captured: Floats, newest: Ints, *, last: bool) -> Problem:
-        """The problem of a window; its pins are known apart from it."""
-        fault = self._usual_fault(captured, newest)
-        return Problem(
-            legs.apart(), (), self._frame_time, self._known.rig.leg_length, self._costs, self._known.noise,
-            self._known.white, np.full(legs.flexion.shape[1], fault), self._translates, onward=not last,
-        )  # fmt: skip
+    def _problem(self, legs: Legs, captured: Floats, newest: int, *, last: bool) -> Problem:
+        """The problem of a window; its pins, and its legs unless it is the last, are known apart from it."""
+        n, fault = legs.flexion.shape[1], self._usual_fault(captured, newest)
+        if last or n not in self._problems:
+            self._problems[n] = Problem(
+                legs.apart(), (), self._frame_time, self._known.rig.leg_length, self._costs, self._known.noise,
+                self._known.white, np.zeros(n), self._translates, onward=not last,
+            )  # fmt: skip
+        return replace(self._problems[n], fault=np.full(n, fault))
 
     def _same(self, problem: Problem, n: int) -> Fixed:
         """What is the same in all windows of n frames."""
         if n not in self._fixed:
             self._fixed[n] = Fixed.of(problem)
         return self._fixed[n]
-
-    @staticmethod
-    def _places(legs: Legs, x: Floats) -> Floats:
-        """(3, P, L, n) [m] where the points of all legs are in a state."""
-        own = x[ROOT:].reshape(-1, LEG, x.shape[1]).swapaxes(0, 1)
-        return places_of(legs, x[:ROOT], own)
 
     def _started(self, first: int, n: int) -> Floats:
         """(U, n) what was found for these frames a moment before; the newest keep the last state."""
@@ -193,17 +187,15 @@ class Window:
             x[:, known.shape[1] :] = known[:, -1:]
         return x
 
-    def _usual_fault(self, captured: Floats, newest: Ints) -> float:
+    def _usual_fault(self, captured: Floats, newest: int) -> float:
         """[m] how far plants stray: those that stand now, and lately."""
         now = 0.0
         for k, foot in enumerate(self._feet):
             for point, plant in enumerate(foot.plants[:2]):
                 if plant is not None and plant.place is not None and not plant.free:
-                    off = captured[:, point, k, -1] - plant.places(newest, self._frame_time)[:, 0]
-                    now = max(now, float(np.hypot(off[0], off[2])))
-        last = int(newest[0])
-        kept = np.exp(-(last + 1 - self._seen) * self._frame_time / _FORGETS)
-        self._seen = last + 1
+                    now = max(now, plant.off(captured[:, point, k, -1], newest))
+        kept = np.exp(-(newest + 1 - self._seen) * self._frame_time / _FORGETS)
+        self._seen = newest + 1
         self._fault = max(now, self._known.fault + (self._fault - self._known.fault) * kept)
         return self._fault
 

@@ -43,13 +43,15 @@ def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
 
 
 def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
-    part, _, pose, legs = figure("walk_skate")
+    part, clip, pose, legs = figure("walk_skate")
     again = legs_of(legs.apart())
-    past = Past(legs.kinds, pose.joints, 5, 64)
-    past.append(np.zeros((60, 5)), legs, pose)
+    past = Past(legs.kinds, pose.joints, clip.skeleton, clip.frame_time, 5, 64)
+    past.append(np.zeros((60, 5)), clip, legs, pose)
     for ours, theirs in ((again, legs), (past.legs(0), legs), (past.legs(20), legs.frames(slice(20, None)))):
         assert all(alike(a, b) for a, b in zip(ours.apart(), theirs.apart(), strict=True))
     assert np.array_equal(past.pose(10, 30).rotations, pose.rotations[10:30])
+    assert np.array_equal(past.clip(10, 30).rotations, clip.rotations[10:30])
+    assert np.array_equal(past.clip(10, 30).positions, clip.positions[10:30])
     assert part.known.rig.legs == legs.kinds.legs
 
 
@@ -81,6 +83,9 @@ def test_rotations_of_a_state_are_those_of_a_whole_clip(name: str) -> None:
     turned = turner.turn(pose, legs, x)
     assert not turned.late.any()
     found = turner.correction(clip, turned, shift)
+    quickly, slowly = turner.corrected(clip, turned, shift), apply(clip, found)
+    assert np.array_equal(quickly.rotations, slowly.rotations)
+    assert np.array_equal(quickly.positions, slowly.positions)
     assert set(found.joints) == set(known.joints)
     ours, theirs = apply(clip, found), apply(clip, known)
     assert np.allclose(np.abs(np.sum(ours.rotations * theirs.rotations, axis=-1)), 1.0, atol=1e-12)
