@@ -18,6 +18,7 @@ import pytest
 from hypothesis import settings
 
 from footfix import cli, pipeline
+from footfix.batch import processes
 from footfix.locomotion.loop import run as loop_run
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -77,6 +78,13 @@ def need(paths: list[Path], folder: str) -> list[Path]:
 
 DRIVEN = ("api", "batch", "cli", "report")  # rooms whose tests are of what happens around the numeric steps
 MANY_PROCESSES = ("test_dask.py", "test_processes.py")  # whose law is that each process makes the same
+
+
+@pytest.fixture
+def forking(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fork worker processes where that can be done: a spawned one takes a second to load what a forked one has."""
+    if sys.platform == "linux":
+        monkeypatch.setattr(processes, "_way", lambda: "fork")
 
 
 @pytest.fixture(autouse=True, scope="module")
