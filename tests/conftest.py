@@ -76,7 +76,8 @@ def need(paths: list[Path], folder: str) -> list[Path]:
     return paths
 
 
-DRIVEN = ("api", "batch", "cli", "report")  # rooms whose tests are of what happens around the numeric steps
+# Rooms, and tests of the lines of documents, whose tests are of what happens around the numeric steps.
+DRIVEN = ("api", "batch", "cli", "report", "test_docs.py", "test_docstrings.py", "test_readme.py")
 MANY_PROCESSES = ("test_dask.py", "test_processes.py")  # whose law is that each process makes the same
 
 
@@ -91,7 +92,7 @@ def forking(monkeypatch: pytest.MonkeyPatch) -> None:
 def each_clip_once(request: pytest.FixtureRequest) -> Iterator[None]:
     """Detect and correct the same clip with the same settings once a process, where numbers are not what is tested."""
     with pytest.MonkeyPatch.context() as patch:
-        if request.path.parent.name in DRIVEN and request.path.name not in MANY_PROCESSES:
+        if {request.path.parent.name, request.path.name} & set(DRIVEN) and request.path.name not in MANY_PROCESSES:
             for module, name in ((pipeline, "detect_over"), (pipeline, "enforce"), (loop_run, "make_loop")):
                 patch.setattr(module, name, _remembering(getattr(module, name)))
         yield

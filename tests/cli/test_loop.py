@@ -73,8 +73,11 @@ def test_hierarchy_channels_and_time_are_the_files_own() -> None:
     assert b"Frames: %d" % decode(written).frames in written
 
 
-@pytest.mark.parametrize(("name", "asked"), [("walk", {}), ("walk", {"in_place": True}), ("curve", {"straighten": True})],
-                         ids=["closed", "in place", "straightened"])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "asked"),
+    [("walk", {}), ("walk", {"in_place": True}), ("curve", {"straighten": True})],
+    ids=["closed", "in place", "straightened"],
+)
 def test_a_loop_looped_again_is_the_same_file(name: str, asked: dict[str, bool]) -> None:
     once = looped(name, **asked)
     settings = Settings(loop=LoopParams(**asked), report=QUIET)  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from walks import rig_of, walk
+from strides import stride
 
 from footfix.enforce.params import EnforceParams
 from footfix.errors import InputError, UsageError
@@ -19,19 +19,10 @@ from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.planning import At
 from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.walk import Walk, check_alike, make_walk
-from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.run import make_loop
 from footfix.locomotion.loop.travel import root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.kinematics import forward, places
-
-
-@cache
-def stride(name: str = "walk", fps: float = 60.0) -> Walk:
-    made = walk(name, fps)
-    loop = make_loop(made.clip, rig_of(made), made.contacts, LoopParams(straighten=True), EnforceParams())
-    return make_walk(loop, f"{name}.bvh")
 
 
 @cache
