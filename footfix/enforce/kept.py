@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from footfix.enforce.floors import Floors
+from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import FEWEST, Footplant
 from footfix.enforce.leg import POINTS, LegTracks
 from footfix.enforce.pins import PinParams
@@ -27,8 +28,8 @@ def kept(
 ) -> tuple[bool, ...]:  # fmt: skip
     """Tell for each plant whether it stands well enough as it is.
 
-    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in most of its
-    frames as only what a program has put to rest does, where `keep_rested` says so.
+    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in three
+    tenths of its frames as only what a program has put to rest does, where `keep_rested` says so.
 
     Args:
         plants: of the clip.
@@ -54,17 +55,13 @@ def kept(
 
 
 def faults(
-    plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, keep: Sequence[bool],
-    frame_time: float, *, heights: bool, edge: float = PinParams.edge,
-) -> Floats:  # fmt: skip
+    footing: Footing, legs: Sequence[LegTracks], frame_time: float, *, heights: bool, edge: float = PinParams.edge
+) -> Floats:
     """Measure how far what is to be mended strays.
 
     Args:
-        plants: of the clip.
+        footing: the plants of the clip, and what they stand on.
         legs: as captured.
-        ground: (F, 3) [m] displacement of the ground.
-        floors: from `floors`.
-        keep: for each plant whether it stays as it is.
         frame_time: [s].
         heights: whether heights count.
         edge: [s] at both ends of a contact that are left out.
@@ -73,16 +70,17 @@ def faults(
         (F,) [m] the farthest that any plant nearby slides from its median place, or is from its floor; infinite where
         one is to be held whatever it costs.
     """
+    ground = footing.ground
     found = np.zeros(len(ground))
     around = round(_AROUND / frame_time)
-    for plant in plants:
+    for plant in footing.plants:
         wanted = plant.force or plant.asked is not None
-        if keep[plant.id] and not wanted:
+        if footing.keep[plant.id] and not wanted:
             continue
         a, b = core(plant, frame_time, edge)
         track = legs[plant.leg].place(POINTS.index(plant.part))[:, a:b] - ground[a:b].T
         slide = float(np.hypot(*(track - np.median(track, axis=1, keepdims=True))[[0, 2]]).max())
-        high = abs(float(np.median(track[1])) - floors.plants[plant.id]) if heights else 0.0
+        high = abs(float(np.median(track[1])) - footing.floors.plants[plant.id]) if heights else 0.0
         fault = np.inf if wanted else max(slide, high)
         near = slice(max(plant.start - around, 0), plant.end + around)
         found[near] = np.maximum(found[near], fault)

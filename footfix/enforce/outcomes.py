@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.floors import Floors
+from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import FEWEST, Footplant, Outcome
 from footfix.enforce.kept import core
 from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
@@ -49,23 +49,19 @@ class CorrectedLeg:
 
 
 def outcomes(
-    plants: Sequence[Footplant], legs: Sequence[LegTracks], after: Sequence[CorrectedLeg], ground: Floats,
-    keep: Sequence[bool], floors: Floors, rig: Rig, frame_time: float,
-) -> tuple[Footplant, ...]:  # fmt: skip
+    footing: Footing, legs: Sequence[LegTracks], after: Sequence[CorrectedLeg], rig: Rig, frame_time: float
+) -> tuple[Footplant, ...]:
     """Say of each plant whether it was kept, stands, stands in part, or slides.
 
     Args:
-        plants: as asked for.
+        footing: the plants as asked for, and what they stand on.
         legs: as captured.
         after: the legs as corrected.
-        ground: (F, 3) [m] displacement of the ground.
-        keep: for each plant whether it was to stay as it was.
-        floors: the heights the joints stand at.
         rig: size and floor.
         frame_time: [s].
     """
-    found = []
-    for plant in plants:
+    found, ground = [], footing.ground
+    for plant in footing.plants:
         track = after[plant.leg].point(plant)[:, plant.frames].T - ground[plant.frames]
         slip = np.hypot(*np.diff(track, axis=0)[:, [0, 2]].T)
         still = slip <= _STANDS * rig.leg_length * frame_time
@@ -75,10 +71,10 @@ def outcomes(
         strays = np.hypot(*(track - place)[:, [0, 2]].T)
         far = float(strays.max())
         x, y, z = (place + ground[(plant.start + plant.end) // 2]).tolist()
-        y -= floors.rest[plant.effector] - rig.floor  # a plant stands where its sole does
+        y -= footing.floors.rest[plant.effector] - rig.floor  # a plant stands where its sole does
         inner = core(plant, frame_time)
         within = strays[inner[0] - plant.start : inner[1] - plant.start].max()
-        kept, turns = keep[plant.id] and plant.asked is None, legs[plant.leg].turns
+        kept, turns = footing.keep[plant.id] and plant.asked is None, legs[plant.leg].turns
         outcome, reason = _outcome(kept, still, float(within), rig.leg_length, turns)
         if outcome in ("partly", "released") and turns:
             reason += _price(plant, legs[plant.leg], after[plant.leg], track - place, frame_time)

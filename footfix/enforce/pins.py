@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.floors import Floors, floor_steps, nominal
+from footfix.enforce.floors import floor_steps, nominal
+from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant, stands
-from footfix.enforce.leg import ANKLE, POINTS, TIP, TOE, LegTracks
+from footfix.enforce.leg import HEEL, POINTS, TIP, TOE, LegTracks
 from footfix.enforce.pivots import held_alike, share_held
 from footfix.motion.clip import Bools, Floats
 from footfix.rig.rig import Rig
@@ -29,7 +30,7 @@ class PinParams:
         keep_slide: a plant that slides no farther (2 mm of a grown-up) and is as near to its floor as below stays as
             it is [leg lengths].
         keep_height: distance from its floor up to which it may stay as it is [leg lengths].
-        keep_rested: whether a plant that a program has put to rest in most of its frames stays as it is, too.
+        keep_rested: whether a plant that a program has put to rest in three tenths of its frames stays as it is, too.
         edge: time at both ends of a detected contact in which the foot may still land or leave [s].
         edge_weight: weight of a pin at the outermost frame of these, of its own [share].
         ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
@@ -89,70 +90,54 @@ class Pins:
 
 
 def pins(
-    plants: Sequence[Footplant], leg: LegTracks, k: int, rig: Rig, ground: Floats, floors: Floors, keep: Sequence[bool],
-    by_hand: Sequence[bool], frame_time: float, *, heights: bool, params: PinParams,
-) -> tuple[Pins, ...]:  # fmt: skip
+    footing: Footing, leg: LegTracks, k: int, rig: Rig, frame_time: float, *, heights: bool, params: PinParams
+) -> tuple[Pins, ...]:
     """Lay out what each point of a leg's foot is to do.
 
     Args:
-        plants: of the clip.
+        footing: the plants of the clip, and what they stand on.
         leg: leg number `k` as captured.
         k: which one it is.
         rig: its soles and floor.
-        ground: (F, 3) [m] displacement of the ground.
-        floors: from `floors`.
-        keep: for each plant whether it stays as it is.
-        by_hand: for each plant whether its ends are certain.
         frame_time: [s].
         heights: whether plants are drawn to their floor.
         params: the tolerances.
+
+    Returns:
+        The pins of heel, toe, ankle and, where the toes have one, tip.
     """
-    own = [plant for plant in plants if plant.leg == k]
-    effector: dict[str, int] = {sole.part: e for e, sole in enumerate(rig.soles) if sole.leg == k}
-    step = floor_steps(own, floors, len(leg.flexion), params.near * rig.leg_length)
-    found: list[Pins] = []
-    both = _both(own, k, by_hand, len(leg.flexion))
-    for point in range(len(POINTS) if len(leg.points) > 2 else TIP):
-        part = POINTS[min(point, TOE)]
-        mine = [plant for plant in own if plant.part == part]
-        rest = floors.tips[k] if point == TIP else floors.rest[effector[part]]
-        if point == ANKLE:
-            share = share_held(leg, both, frame_time, params.turning)
-            alike = held_alike(found[0].hold, found[1].hold, both, share)
-            found = [replace(each, hold=hold) for each, hold in zip(found, alike, strict=True)]
-            weight = params.bare_ankle if rig.legs[k].toe is None else params.ankle
-            found.append(_ankle(found, own, leg, ground, keep, weight))
-            continue
-        found.append(_pins(
-            mine, leg, point, rest, step, ground, floors, keep, by_hand, rig, frame_time, heights, params
-        ))  # fmt: skip
-        if point == TIP:  # while heel and toe stand, it counts as the ankle does at the other side of the toe joint
-            tip = np.where(both, params.ankle * found[TOE].hold, found[TIP].hold)
-            found[TIP] = replace(found[TIP], hold=tip)
-    return tuple(found)
+    own, frames = footing.of_leg(k), len(leg.flexion)
+    step = floor_steps(own, footing.floors, frames, params.near * rig.leg_length)
+    points = [HEEL, TOE, TIP] if len(leg.points) > 2 else [HEEL, TOE]
+    heel, toe, *tips = (_pin(footing, leg, k, point, step, rig, frame_time, heights, params) for point in points)
+    both = _both(footing, k, frames)
+    share = share_held(leg, both, frame_time, params.turning)
+    alike = held_alike(heel.hold, toe.hold, both, share)
+    heel, toe = (replace(each, hold=hold) for each, hold in zip((heel, toe), alike, strict=True))
+    ankle = _ankle(heel, toe, footing, leg, k, params.bare_ankle if rig.legs[k].toe is None else params.ankle)
+    # while heel and toe stand, the tip counts as the ankle does at the other side of the toe joint
+    tips = [replace(tip, hold=np.where(both, params.ankle * toe.hold, tip.hold)) for tip in tips]
+    return (heel, toe, ankle, *tips)
 
 
-def _both(own: Sequence[Footplant], k: int, by_hand: Sequence[bool], frames: int) -> Bools:
+def _both(footing: Footing, k: int, frames: int) -> Bools:
     """Mark the steps (F - 1,) in which heel and toe stand by contacts that were detected."""
+    own = footing.of_leg(k)
     heel, toe = stands(own, frames, k + 1)[k]
     both = heel & toe
     for plant in own:
-        both[plant.frames] &= not (plant.force or by_hand[plant.id])
+        both[plant.frames] &= not (plant.force or footing.by_hand[plant.id])
     return np.asarray(both[1:] & both[:-1])
 
 
-def _ankle(
-    feet: Sequence[Pins], plants: Sequence[Footplant], leg: LegTracks, ground: Floats, keep: Sequence[bool],
-    weight: float,
-) -> Pins:  # fmt: skip
+def _ankle(heel: Pins, toe: Pins, footing: Footing, leg: LegTracks, k: int, weight: float) -> Pins:
     """The ankle's pin: it stands while heel and toe do, as surely as the less sure of them."""
-    heel, toe = feet
     frames = len(leg.flexion)
     slides = np.zeros(frames, dtype=np.bool_)
-    for plant in plants:
-        slides[plant.frames] |= not keep[plant.id]
+    for plant in footing.of_leg(k):
+        slides[plant.frames] |= not footing.keep[plant.id]
     as_captured = ~(slides[1:] & slides[:-1])
-    slip = np.where(as_captured, np.diff(leg.ankle, axis=1), np.diff(ground.T, axis=1))
+    slip = np.where(as_captured, np.diff(leg.ankle, axis=1), np.diff(footing.ground.T, axis=1))
     nothing = np.zeros(frames)
     return Pins(
         weight * np.minimum(heel.hold, toe.hold), slip, heel.stands & toe.stands, nothing, nothing,
@@ -160,45 +145,72 @@ def _ankle(
     )  # fmt: skip
 
 
-def _pins(
-    own: Sequence[Footplant], leg: LegTracks, point: int, rest: float, step: Floats, ground: Floats, floors: Floors,
-    keep: Sequence[bool], by_hand: Sequence[bool], rig: Rig, frame_time: float, heights: bool, params: PinParams,
+def _pin(
+    footing: Footing, leg: LegTracks, k: int, point: int, step: Floats, rig: Rig, frame_time: float, heights: bool,
+    params: PinParams,
 ) -> Pins:  # fmt: skip
-    frames = len(leg.flexion)
+    """The pin of a heel, a toe joint, or a tip, which stands while its toe joint does; `step` (F,) [m] of the floor."""
+    part, tip = POINTS[min(point, TOE)], point == TIP
+    own, frames = [plant for plant in footing.of_leg(k) if plant.part == part], len(leg.flexion)
     track = leg.place(point)  # (3, F) [m]
-    hold, stand = np.zeros(frames - 1), np.zeros(frames, dtype=np.bool_)
-    slip = np.diff(ground.T, axis=1)
-    level, draw = track[1].copy(), np.zeros(frames)
-    place, placed = np.zeros((3, frames)), np.zeros(frames)
+    hold, draw, stand = _weights(own, footing, frames, frame_time, params.tip if tip else 1.0, params)
+    slip = np.diff(footing.ground.T, axis=1)
     for plant in own:
-        a, b = plant.start, plant.end
-        stand[a:b] = True
-        weight = _FORCED if plant.force else plant.confidence
-        weight *= params.tip if point == TIP else 1.0
-        ramp = np.ones(b - a - 1) if by_hand[plant.id] else _ramp(a, b, frames, frame_time, params)
-        hold[a : b - 1] = weight * ramp
-        draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
-        if keep[plant.id]:
-            slip[:, a : b - 1] = np.diff(track[:, a:b], axis=1)
-            if point != TIP:
-                place[:, a:b], placed[a:b] = track[:, a:b], _KEPT
-        elif point != TIP:
-            level[a:b] = floors.plants[plant.id]
-        if plant.asked is not None and point != TIP:
-            up = floors.plants[plant.id] - rig.floor - step[plant.start]
-            place[:, a:b] = np.array(plant.asked)[:, None] + np.array([0.0, up, 0.0])[:, None]
-            placed[a:b] = _FORCED if plant.force else 1.0
-            level[a:b], draw[a:b] = place[1, a:b], 0.0
-    if not heights or point == TIP:
+        if footing.keep[plant.id]:
+            slip[:, plant.start : plant.end - 1] = np.diff(track[:, plant.frames], axis=1)
+    effector = next(e for e, sole in enumerate(rig.soles) if (sole.leg, sole.part) == (k, part))
+    if tip:
+        level, place, placed = track[1].copy(), np.zeros((3, frames)), np.zeros(frames)
+        usual = footing.floors.tips[k]
+    else:
+        level, place, placed = _places(own, footing, track, step, rig.floor, draw)
+        rest = float(footing.floors.rest[effector])
+        usual = max(rest, nominal(rig, effector)) if own else rest
+    if not heights or tip:
         draw[:] = 0.0
         slip[1] = np.diff(track[1])
     if not leg.turns:  # the root is not to follow a leg that can't
         hold[:] = draw[:] = placed[:] = 0.0
-    usual = rest if point == TIP else max(rest, nominal(rig, own[0].effector)) if own else rest
     lowest = np.minimum(track[1], usual + step - params.sink * rig.leg_length)
-    unsure = [p for p in own if not (keep[p.id] or p.force or by_hand[p.id]) and p.end - p.start >= 2]
-    spans = tuple((p.start, p.end) for p in unsure)
-    return Pins(hold, slip, stand, level, draw, lowest, place, placed, spans)
+    unsure = [p for p in own if not (footing.keep[p.id] or p.force or footing.by_hand[p.id]) and p.end - p.start >= 2]
+    return Pins(hold, slip, stand, level, draw, lowest, place, placed, tuple((p.start, p.end) for p in unsure))
+
+
+def _weights(
+    own: Sequence[Footplant], footing: Footing, frames: int, frame_time: float, share: float, params: PinParams
+) -> tuple[Floats, Floats, Bools]:
+    """How much slip of plants counts (F - 1,), how much their level (F,), and when they stand (F,)."""
+    hold, draw, stand = np.zeros(frames - 1), np.zeros(frames), np.zeros(frames, dtype=np.bool_)
+    for plant in own:
+        a, b = plant.start, plant.end
+        weight = share * (_FORCED if plant.force else plant.confidence)
+        ramp = np.ones(b - a - 1) if footing.by_hand[plant.id] else _ramp(a, b, frames, frame_time, params)
+        hold[a : b - 1] = weight * ramp
+        draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
+        stand[a:b] = True
+    return hold, draw, stand
+
+
+def _places(
+    own: Sequence[Footplant], footing: Footing, track: Floats, step: Floats, floor: float, draw: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """At what level plants stand (F,), and where, (3, F) [m], how surely (F,): what is kept, or was asked for.
+
+    A level that was asked for is a place, and draws no more: `draw` is set to none there.
+    """
+    level, place, placed = track[1].copy(), np.zeros_like(track), np.zeros(track.shape[1])
+    for plant in own:
+        at, height = plant.frames, footing.floors.plants[plant.id]
+        if footing.keep[plant.id]:
+            place[:, at], placed[at] = track[:, at], _KEPT
+        else:
+            level[at] = height
+        if plant.asked is not None:
+            up = height - floor - step[plant.start]
+            place[:, at] = (np.array(plant.asked) + np.array([0.0, up, 0.0]))[:, None]
+            placed[at] = _FORCED if plant.force else 1.0
+            level[at], draw[at] = place[1, at], 0.0
+    return level, place, placed
 
 
 def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParams) -> Floats:

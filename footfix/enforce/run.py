@@ -70,14 +70,14 @@ def enforce(
         return _as_cycle(rounds, rig, contacts, params, leave)
     task = task_of(clip, rig, contacts, params)
     if leave:
-        stays = tuple(replace(plant, asked=None, force=False) for plant in task.plants)
-        task = replace(task, plants=stays, keep=(True,) * len(stays))
+        stays = tuple(replace(plant, asked=None, force=False) for plant in task.footing.plants)
+        task = replace(task, footing=replace(task.footing, plants=stays, keep=(True,) * len(stays)))
     done, after = (_by_paper if by_paper else correct_whole_clip)(clip, rig, task, params, cut)
     followers = find_followers(clip, rig)
     done = replace(done, followers=followers)
     task = replace(task, notes=(*task.notes, *_followers_note(followers, clip), *left_behind(clip, rig, followers)))
-    plants = outcomes(task.plants, task.legs, after, task.ground, task.keep, task.floors, rig, clip.frame_time)
-    return Enforcement(plants, done, task.notes, task.ground)
+    plants = outcomes(task.footing, task.legs, after, rig, clip.frame_time)
+    return Enforcement(plants, done, task.notes, task.footing.ground)
 
 
 def _followers_note(followers: Sequence[Follower], clip: Clip) -> tuple[Note, ...]:
@@ -106,10 +106,10 @@ def _by_paper(
         from footfix.enforce.papers.kim_neff import correct as way
 
         own = params.kim_neff
-    ground = task.ground if np.any(task.ground) else None
+    ground = task.footing.ground if np.any(task.footing.ground) else None
     lift = np.tile([0.0, task.lift, 0.0], (len(clip), 1))
     raised = apply(clip, Correction(rig.root, lift, (), np.zeros((len(clip), 0, 4))))
-    done = way(raised, rig, task.plants, own, ground=ground)
+    done = way(raised, rig, task.footing.plants, own, ground=ground)
     done = _weakened(replace(done, root_shift=done.root_shift + lift), clip, params.strength)
     after = apply(clip, done)
     legs = tracks(after, rig, pose_of(after, rig), task.calibration)

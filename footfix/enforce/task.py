@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from footfix.enforce import ground as grounds
 from footfix.enforce import mesh as meshes
-from footfix.enforce.floors import Floors, lacks
 from footfix.enforce.floors import floors as floors_of
-from footfix.enforce.footplant import Footplant, footplants, given
+from footfix.enforce.floors import lacks
+from footfix.enforce.footing import Footing
+from footfix.enforce.footplant import footplants, given
 from footfix.enforce.ground import GroundParams
 from footfix.enforce.kept import kept
 from footfix.enforce.leg import LegCalibration, LegTracks, calibrate, raise_leg, tracks
@@ -29,11 +30,7 @@ class Task:
         pose: of the clip, from `pose_of`.
         calibration: what was measured of each leg on the whole clip.
         legs: as captured, raised by `lift`.
-        plants: what is to stand.
-        keep: for each plant whether it stands well enough.
-        by_hand: for each plant whether its ends are certain.
-        floors: the heights that joints stand at.
-        ground: (F, 3) [m] displacement of the ground.
+        footing: what is to stand, and on what.
         lift: [m] by which the whole figure is raised.
         notes: what a person should know.
     """
@@ -41,11 +38,7 @@ class Task:
     pose: Pose
     calibration: tuple[LegCalibration, ...]
     legs: tuple[LegTracks, ...]
-    plants: tuple[Footplant, ...]
-    keep: tuple[bool, ...]
-    by_hand: tuple[bool, ...]
-    floors: Floors
-    ground: Floats
+    footing: Footing
     lift: float
     notes: tuple[Note, ...]
 
@@ -94,4 +87,4 @@ def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
         deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)
         keep = tuple(stays and not sinks for stays, sinks in zip(keep, deep.tolist(), strict=True))
     by_hand = tuple(given(contacts, plant) for plant in plants)
-    return Task(pose, calibration, legs, plants, keep, by_hand, floors, ground, lift, notes)
+    return Task(pose, calibration, legs, Footing(plants, floors, ground, keep, by_hand), lift, notes)

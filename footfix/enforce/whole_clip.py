@@ -49,7 +49,7 @@ def correct_whole_clip(
     problem = problem_of(clip, rig, task, params, cut)
     columns = [problem.columns(k) for k in range(len(task.legs))]
     x = np.zeros((problem.unknowns, len(clip)))
-    wanted = any(plant.asked for plant in task.plants) or not all(task.keep)
+    wanted = any(plant.asked for plant in task.footing.plants) or not all(task.footing.keep)
     wanted = wanted or meshes.too_deep(problem.skins, task.legs, rig.leg_length)
     if wanted and len(clip) >= _FEWEST:
         x = faded(solve(problem), problem)
@@ -64,12 +64,9 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
     """Lay out the objective of a clip."""
     costs, heights = costs_of(params), params.heights == "floor"
     pins = tuple(
-        pins_of(
-            task.plants, leg, k, rig, task.ground, task.floors, task.keep, task.by_hand, clip.frame_time,
-            heights=heights, params=params.pins,
-        )
+        pins_of(task.footing, leg, k, rig, clip.frame_time, heights=heights, params=params.pins)
         for k, leg in enumerate(task.legs)
-    )  # fmt: skip
+    )
     skins: dict[int, Vertices] = {}
     if rig.meshes and heights:
         steps = meshes.steps_of(rig, [_step(task, k, rig, params.pins) for k in range(len(pins))])
@@ -77,10 +74,7 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         skins = meshes.skins_of(rig, task.legs, task.pose, task.lift, steps, clip.skeleton)
     noise, white = noises(task, rig)
     moves = bool(clip.skeleton.translates[rig.root])
-    fault = faults(
-        task.plants, task.legs, task.ground, task.floors, task.keep, clip.frame_time, heights=heights,
-        edge=params.pins.edge,
-    )  # fmt: skip
+    fault = faults(task.footing, task.legs, clip.frame_time, heights=heights, edge=params.pins.edge)
     fault = meshes.deeper(fault, skins, task.legs, clip.frame_time)
     return Problem(
         task.legs, pins, clip.frame_time, rig.leg_length, costs, noise, white, fault, moves, cut, skins=skins
@@ -89,8 +83,8 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
 
 def _step(task: Task, number: int, rig: Rig, params: PinParams) -> Floats:
     """(F,) [m] how much higher than the rig's the floor under the foot of a leg is."""
-    own = [plant for plant in task.plants if plant.leg == number]
-    return floor_steps(own, task.floors, len(task.pose.positions), params.near * rig.leg_length)
+    own = task.footing.of_leg(number)
+    return floor_steps(own, task.footing.floors, len(task.pose.positions), params.near * rig.leg_length)
 
 
 def costs_of(params: EnforceParams) -> CostParams:

@@ -1,4 +1,4 @@
-"""The seam between files and clips: what the rest of the house asks of a file of motion, whatever its format.
+"""The interface between files and clips: what the rest of footfix asks of a file of motion, whatever its format.
 
 A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
 `footfix.formats.suffixes`; it may have `separate_numbers`. One whose files hold several clips also has `clips_of` and

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -77,12 +77,10 @@ def calibrate(clip: Clip, settings: Settings) -> Calibration:
     sampled = resample(tracks_of(own, rig))
     noise, white = noises(task, rig)
     heights = settings.enforce.heights == "floor"
-    faults = faults_of(
-        task.plants, task.legs, task.ground, task.floors, (False,) * len(task.plants), own.frame_time, heights=heights,
-        edge=settings.enforce.pins.edge,
-    )  # fmt: skip
+    footing = replace(task.footing, keep=(False,) * len(task.footing.plants))
+    faults = faults_of(footing, task.legs, own.frame_time, heights=heights, edge=settings.enforce.pins.edge)
     fault = float(np.percentile(faults[np.isfinite(faults)], _USUAL_FAULT)) if np.isfinite(faults).any() else 0.0
-    steps = np.diff(task.ground, axis=0)
+    steps = np.diff(footing.ground, axis=0)
     moving = np.any(steps != 0.0, axis=1)
     belt = np.median(steps[moving], axis=0) / own.frame_time if moving.mean() > 0.5 else np.zeros(3)
     notes = (*rig.notes, *task.notes)
@@ -90,6 +88,6 @@ def calibrate(clip: Clip, settings: Settings) -> Calibration:
         text = f"{len(rigs)} figures: the feet of the first are held, the others pass as they are"
         notes += (Note("one-figure", text, "warning"),)
     return Calibration(
-        rig, sampled.mates, sampled.jitter, task.calibration, task.floors.rest, task.floors.tips, task.lift, noise,
-        white, fault, np.asarray(belt), find_followers(own, rig), notes,
+        rig, sampled.mates, sampled.jitter, task.calibration, footing.floors.rest, footing.floors.tips, task.lift,
+        noise, white, fault, np.asarray(belt), find_followers(own, rig), notes,
     )  # fmt: skip

@@ -11,6 +11,7 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.floors import Floors
+from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.kept import core, faults, kept
 from footfix.enforce.leg import HEEL, TOE
@@ -46,7 +47,8 @@ def fault(
     ground: Floats | None = None,
 ) -> Floats:  # fmt: skip
     moves = np.zeros((FRAMES, 3)) if ground is None else ground
-    return faults([plant], shifted(shift).legs, moves, floors or level(), [keep], DT, heights=heights, edge=0.0)
+    footing = Footing((plant,), floors or level(), moves, (keep,), (False,))
+    return faults(footing, shifted(shift).legs, DT, heights=heights, edge=0.0)
 
 
 def slid(distance: float, first: int, last: int) -> Floats:
@@ -95,10 +97,11 @@ def test_what_is_asked_for_or_forced_is_mended_whatever_it_costs_and_what_is_kep
 
 
 def test_the_worst_of_plants_nearby_counts() -> None:
-    plants = [replace(toe(20, 50), id=0), replace(toe(60, 100), id=1)]
+    plants = (replace(toe(20, 50), id=0), replace(toe(60, 100), id=1))
     legs = shifted(slid(0.04, 60, 99)).legs
     floors = replace(level(), plants=level().plants * 2)
-    found = faults(plants, legs, np.zeros((FRAMES, 3)), floors, [False, False], DT, heights=True, edge=0.0)
+    footing = Footing(plants, floors, np.zeros((FRAMES, 3)), (False, False), (False, False))
+    found = faults(footing, legs, DT, heights=True, edge=0.0)
     assert found[45] == pytest.approx(found[80]) and found[45] > 0.015
     assert found[30] == 0.0
 

@@ -105,14 +105,14 @@ def test_over_a_step_a_foot_need_not_be_much_higher_than_it_was() -> None:
 def test_a_mesh_deeper_than_two_millimetres_of_a_grown_up_does_not_stay(size: float) -> None:
     clip, rig = spoiled(0.0)
     task = task_of(clip, rig, walk().contacts, EnforceParams())
-    one = max(task.plants, key=lambda plant: plant.end - plant.start)
+    one = max(task.footing.plants, key=lambda plant: plant.end - plant.start)
     lowest = rig.lowest(task.pose)[one.effector][one.frames].min()
     for share, deep in ((0.0022, False), (0.0028, True)):  # leg lengths
         leg = size * rig.leg_length
         sized = replace(rig, floor=float(lowest) + share * leg, leg_length=leg)
-        assert bool(sunk(task.plants, sized, task.pose, 0.0, task.floors, near=1.0)[one.id]) is deep
+        assert bool(sunk(task.footing.plants, sized, task.pose, 0.0, task.footing.floors, near=1.0)[one.id]) is deep
         # raised by as much, it is not in the floor
-        assert not sunk(task.plants, sized, task.pose, share * leg, task.floors, near=1.0)[one.id]
+        assert not sunk(task.footing.plants, sized, task.pose, share * leg, task.footing.floors, near=1.0)[one.id]
 
 
 def test_root_alone_puts_vertices_at_their_floor() -> None:

@@ -13,6 +13,7 @@ from walks import cleaned, rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.floors import Floors
+from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import HEEL, TOE, LegTracks
 from footfix.enforce.outcomes import CorrectedLeg, outcomes
@@ -45,7 +46,7 @@ def told(
     usual = float(legs[0].place(HEEL if part == "heel" else TOE)[1, 0])
     floors = Floors(np.full(4, usual if rest is None else rest), np.zeros(2), (usual,))
     moves = np.zeros((FRAMES, 3)) if ground is None else ground
-    (found,) = outcomes([plant], legs, after, moves, [keep], floors, made.rig, DT)
+    (found,) = outcomes(Footing((plant,), floors, moves, (keep,), (False,)), legs, after, made.rig, DT)
     assert replace(found, target=plant.target, outcome=plant.outcome, reason="", residual=0.0, held=()) == plant
     return found
 

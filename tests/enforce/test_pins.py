@@ -12,6 +12,7 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.floors import floors, lacks, nominal
+from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant, footplants, given, stands
 from footfix.enforce.kept import kept
 from footfix.enforce.leg import ANKLE, HEEL, TIP, TOE
@@ -50,12 +51,10 @@ def laid_out(
     """The pins of a leg, none or all of its plants kept."""
     plants, _ = footplants(contacts, made.rig, made.legs, PARAMS.asked)
     level = floors(plants, made.legs, made.rig, PARAMS.near * made.rig.leg_length)
-    by_hand = [given(contacts, plant) for plant in plants]
+    by_hand = tuple(given(contacts, plant) for plant in plants)
     moves = np.zeros((len(made.clip), 3)) if ground is None else ground
-    found = pins(
-        plants, made.legs[leg], leg, made.rig, moves, level, [keep] * len(plants), by_hand, made.clip.frame_time,
-        heights=heights, params=PARAMS,
-    )  # fmt: skip
+    footing = Footing(plants, level, moves, (keep,) * len(plants), by_hand)
+    found = pins(footing, made.legs[leg], leg, made.rig, made.clip.frame_time, heights=heights, params=PARAMS)
     return found, plants
 
 

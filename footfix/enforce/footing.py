@@ -1,0 +1,32 @@
+"""Footing: the plants of a clip, what they stand on, and which of them are as they should be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from footfix.enforce.floors import Floors
+from footfix.enforce.footplant import Footplant
+from footfix.motion.clip import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Footing:
+    """The plants of a clip of F frames, and what they stand on.
+
+    Args:
+        plants: what is to stand.
+        floors: the heights that joints stand at.
+        ground: (F, 3) [m] displacement of the ground.
+        keep: for each plant whether it stands well enough as it is.
+        by_hand: for each plant whether its ends are certain.
+    """
+
+    plants: tuple[Footplant, ...]
+    floors: Floors
+    ground: Floats
+    keep: tuple[bool, ...]
+    by_hand: tuple[bool, ...]
+
+    def of_leg(self, k: int) -> list[Footplant]:
+        """List the plants of a leg's heel and toe."""
+        return [plant for plant in self.plants if plant.leg == k]
