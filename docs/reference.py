@@ -13,6 +13,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Iterator, Mapping
+from functools import cache
 from importlib import resources
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -77,6 +78,7 @@ def pages() -> dict[str, str]:
 # ---- what docstrings and comments say ----------------------------------------------------------------
 
 
+@cache
 def meanings(kind: type[Any]) -> dict[str, str]:
     """What the docstring of a class says of its fields, or the comments beside them do.
 

@@ -18,6 +18,7 @@ import pytest
 from hypothesis import settings
 
 from footfix import cli, pipeline
+from footfix.batch import processes
 from footfix.locomotion.loop import run as loop_run
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -75,15 +76,23 @@ def need(paths: list[Path], folder: str) -> list[Path]:
     return paths
 
 
-DRIVEN = ("api", "batch", "cli", "report")  # rooms whose tests are of what happens around the numeric steps
+# Rooms, and tests of the lines of documents, whose tests are of what happens around the numeric steps.
+DRIVEN = ("api", "batch", "cli", "report", "test_docs.py", "test_docstrings.py", "test_readme.py")
 MANY_PROCESSES = ("test_dask.py", "test_processes.py")  # whose law is that each process makes the same
+
+
+@pytest.fixture
+def forking(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fork worker processes where that can be done: a spawned one takes a second to load what a forked one has."""
+    if sys.platform == "linux":
+        monkeypatch.setattr(processes, "_way", lambda: "fork")
 
 
 @pytest.fixture(autouse=True, scope="module")
 def each_clip_once(request: pytest.FixtureRequest) -> Iterator[None]:
     """Detect and correct the same clip with the same settings once a process, where numbers are not what is tested."""
     with pytest.MonkeyPatch.context() as patch:
-        if request.path.parent.name in DRIVEN and request.path.name not in MANY_PROCESSES:
+        if {request.path.parent.name, request.path.name} & set(DRIVEN) and request.path.name not in MANY_PROCESSES:
             for module, name in ((pipeline, "detect_over"), (pipeline, "enforce"), (loop_run, "make_loop")):
                 patch.setattr(module, name, _remembering(getattr(module, name)))
         yield

@@ -17,7 +17,7 @@ SPEEDS = {"walk": (0.8, 1.1, 1.4, 1.8), "run": (1.8, 2.3, 2.9, 3.5)}
 
 def walker(name: str, speed: float, seconds: float, seed: int) -> bytes:
     """A file of a made walker."""
-    gait = Gait(name=name, speed=speed, duration=seconds, fps=60.0, seed=seed)  # type: ignore[arg-type]
+    gait = Gait(name=name, speed=speed, duration=seconds, fps=30.0, seed=seed)  # type: ignore[arg-type]
     return bvh(make(gait).clip, Spelling(decimals=4))
 
 

@@ -26,6 +26,7 @@ def schema(name: str) -> dict[str, object]:
     return found
 
 
+@pytest.mark.usefixtures("forking")
 def test_a_bad_file_does_not_stop_the_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run) -> None:  # type: ignore[no-untyped-def]
     monkeypatch.setattr("footfix.jobs.fit.FEWEST", 5)  # how many are enough is told in tests/locomotion/cycles
     (tmp_path / "gaits").mkdir()

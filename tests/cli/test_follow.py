@@ -74,7 +74,7 @@ def test_what_is_written_and_said(run: Run, clips: Path, tmp_path: Path) -> None
 
 def test_a_file_with_z_up_is_written_with_z_up(run: Run, clips: Path, tmp_path: Path) -> None:
     for name in ("walk", "up"):
-        assert run("circle:2", clips / f"{name}.bvh", "-o", tmp_path / f"{name}.bvh", "-q", "--report", "none")[0] == 0
+        assert run("circle:1", clips / f"{name}.bvh", "-o", tmp_path / f"{name}.bvh", "-q", "--report", "none")[0] == 0
     flat, high = (decode((tmp_path / f"{name}.bvh").read_bytes()) for name in ("walk", "up"))
     assert high.text.split(b"MOTION")[0] == decode((clips / "up.bvh").read_bytes()).text.split(b"MOTION")[0]
     assert np.allclose(np.ptp(flat.values[:, [0, 2]], axis=0), np.ptp(high.values[:, [0, 1]], axis=0), atol=0.5)

@@ -5,6 +5,8 @@ Savitzky-Golay filters of degree two keep parabolas and their derivatives, so th
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,7 @@ def lowest(height: Floats, seconds: float, *, ahead: bool) -> Floats:
     return np.array([height[max(k - n * (not ahead), 0) : k + 1 + n * ahead].min() for k in range(len(height))])
 
 
+@cache
 def defined(side: str) -> dict[str, Floats]:
     """What the names of the curves of a foot mean, in leg lengths and seconds."""
     c, other = FEET[side], FEET["right" if side == "left" else "left"]
@@ -86,10 +89,16 @@ def defined(side: str) -> dict[str, Floats]:
     return found
 
 
+@cache
+def found_curves() -> tuple[Floats, ...]:
+    """The curves of each foot."""
+    return tuple(evidence(resample(tracks())))
+
+
 @pytest.mark.parametrize("column", COLUMNS)
 def test_a_curve_is_what_its_name_says(column: str) -> None:
     for k, (side, mate) in enumerate((("left", "right"), ("right", "left"))):
-        curves = evidence(resample(tracks()))[k]
+        curves = found_curves()[k]
         name = column.removeprefix("other ")
         expected = defined(mate if column.startswith("other ") else side)[name]
         found = SCALES[column] * np.sinh(curves[:, COLUMNS.index(column)])

@@ -262,7 +262,7 @@ _LEAVES = TEXT | st.integers() | st.booleans() | st.sampled_from(HOSTILE)
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.recursive(_LEAVES, lambda each: st.lists(each) | st.dictionaries(TEXT, each)))
+@given(st.recursive(_LEAVES, lambda each: st.lists(each) | st.dictionaries(TEXT, each), max_leaves=20))
 def test_embedded_json_reads_back_and_ends_nothing(value: object) -> None:
     embedded = markup.embedded_json(value)
     assert json.loads(embedded) == value

@@ -22,10 +22,7 @@ def table(tree: Row, key: str) -> list[dict[str, Any]]:
     Raises:
         InputError: it is something else.
     """
-    rows = tree.get(key, [])
-    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise InputError(f"{key!r} is no list of objects")
-    return rows
+    return _objects(tree.get(key, []), repr(key))
 
 
 def child(row: Row, key: str, where: str) -> dict[str, Any]:
@@ -46,9 +43,13 @@ def rows_of(row: Row, key: str, where: str) -> list[dict[str, Any]]:
     Raises:
         InputError: it is something else.
     """
-    found = row.get(key, [])
+    return _objects(row.get(key, []), f"{where}.{key}")
+
+
+def _objects(found: Any, what: str) -> list[dict[str, Any]]:
+    """Check that a value is a list of objects."""
     if not isinstance(found, list) or not all(isinstance(each, dict) for each in found):
-        raise InputError(f"{where}.{key} is no list of objects")
+        raise InputError(f"{what} is no list of objects")
     return found
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from walks import rig_of, walk
+from strides import stances, stride
 
 from footfix.enforce.params import EnforceParams
 from footfix.errors import InputError, UsageError
@@ -19,19 +19,10 @@ from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.planning import At
 from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.walk import Walk, check_alike, make_walk
-from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.run import make_loop
 from footfix.locomotion.loop.travel import root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.kinematics import forward, places
-
-
-@cache
-def stride(name: str = "walk", fps: float = 60.0) -> Walk:
-    made = walk(name, fps)
-    loop = make_loop(made.clip, rig_of(made), made.contacts, LoopParams(straighten=True), EnforceParams())
-    return make_walk(loop, f"{name}.bvh")
 
 
 @cache
@@ -46,20 +37,11 @@ def along(path: str, *names: str, at: float = 2.0, **asked: object) -> Follow:
 def standing(found: Follow) -> list[tuple[float, float]]:
     """[mm], [degrees] by which each planted toe joint slides, and its foot turns, without 15 ms at both ends."""
     out = []
-    edge = max(1, round(0.015 / found.clip.frame_time))
-    for sole, effector in zip(found.rig.soles, found.contacts.effectors, strict=True):
-        leg = found.rig.legs[sole.leg]
-        if sole.part != "toe" or leg.toe is None:
-            continue
-        pose = forward(found.clip, [leg.ankle, leg.toe])
-        for c in effector.contacts:
-            some = slice(c.start + edge, c.end - edge)
-            if c.start == 0 or c.end == len(found.clip) or some.stop - some.start < 4:
-                continue
-            place, turn = pose.position(leg.toe)[some][:, [0, 2]], pose.rotation(leg.ankle)[some]
-            far = np.linalg.norm(place - np.median(place, axis=0), axis=1).max()
-            yaw = rotation.yaw(rotation.multiply(turn, rotation.inverse(turn[[len(turn) // 2]])))
-            out.append((1000.0 * float(far), float(np.degrees(np.ptp(yaw)))))
+    for pose, leg, some in stances(found):
+        place, turn = pose.position(leg.toe)[some][:, [0, 2]], pose.rotation(leg.ankle)[some]
+        far = np.linalg.norm(place - np.median(place, axis=0), axis=1).max()
+        yaw = rotation.yaw(rotation.multiply(turn, rotation.inverse(turn[[len(turn) // 2]])))
+        out.append((1000.0 * float(far), float(np.degrees(np.ptp(yaw)))))
     return out
 
 

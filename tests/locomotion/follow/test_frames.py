@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
-from walks import rig_of, walk
+from strides import stride
 
 from footfix.enforce.params import EnforceParams
 from footfix.formats.paths import shape
@@ -14,21 +13,12 @@ from footfix.locomotion.follow.frames import in_frames_of, in_frames_of_first
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.planning import At
 from footfix.locomotion.follow.run import follow_path
-from footfix.locomotion.follow.walk import Walk, make_walk
-from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.run import make_loop
+from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.loop.travel import with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward, places
 from footfix.motion.vectors import unit
-
-
-@cache
-def stride(name: str) -> Walk:
-    made = walk(name, 60.0)
-    loop = make_loop(made.clip, rig_of(made), made.contacts, LoopParams(straighten=True), EnforceParams())
-    return make_walk(loop, f"{name}.bvh")
 
 
 def spun(found: Walk, degrees: float) -> Walk:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import SHARED
+from strides import stances
 from walks import rig_of, walk
 
 from footfix.enforce.params import EnforceParams
@@ -22,7 +23,6 @@ from footfix.locomotion.follow.steps import find_steps
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
-from footfix.motion.kinematics import forward
 from footfix.settings import Settings
 
 AHEAD = np.array([0.0, -0.06, 0.13])  # [m] from the ankle to the toe of a foot that points along z
@@ -93,19 +93,11 @@ def test_a_contact_too_short_to_slide_does_not_count() -> None:
 
 def turned(found: Follow) -> Floats:
     """(5,) [degrees] the farthest that a foot turns from its median while its toe stands, by each reading."""
-    most, edge = np.zeros(5), max(1, round(0.015 / found.clip.frame_time))
-    for sole, effector in zip(found.rig.soles, found.contacts.effectors, strict=True):
-        leg = found.rig.legs[sole.leg]
-        if sole.part != "toe" or leg.toe is None:
-            continue
-        pose = forward(found.clip, [leg.ankle, leg.toe])
-        for c in effector.contacts:
-            some = slice(c.start + edge, max(c.end - edge, 0))
-            if c.start == 0 or c.end == len(found.clip) or some.stop - some.start < 4:
-                continue
-            ahead = pose.position(leg.toe) - pose.position(leg.ankle)
-            read = yaws(pose.rotation(leg.ankle)[some], ahead[some], np.arange(some.stop - some.start))
-            most = np.maximum(most, np.abs(read - np.median(read, axis=1)[:, None]).max(axis=1))
+    most = np.zeros(5)
+    for pose, leg, some in stances(found):
+        ahead = pose.position(leg.toe) - pose.position(leg.ankle)
+        read = yaws(pose.rotation(leg.ankle)[some], ahead[some], np.arange(some.stop - some.start))
+        most = np.maximum(most, np.abs(read - np.median(read, axis=1)[:, None]).max(axis=1))
     return np.degrees(most)
 
 
