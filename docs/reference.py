@@ -178,7 +178,7 @@ class Setting:
     home: str
 
 
-def all_settings(kind: type[Any] = Settings, value: Any = None, prefix: str = "") -> Iterator[Setting]:
+def all_settings(kind: type = Settings, value: Any = None, prefix: str = "") -> Iterator[Setting]:
     """Every setting, in the order in which they are declared."""
     value = Settings() if value is None else value
     kinds, known = get_type_hints(kind), meanings(kind)
