@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.detect.cycles import zigzag
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.smoothing import savgol
 
@@ -79,7 +79,7 @@ def fva(tracks: Tracks) -> Bools:
     return np.stack(masks, axis=1)
 
 
-def _fva(foot: Foot, frame_time: float) -> tuple[Ints, Ints]:
+def _fva(foot: FootTracks, frame_time: float) -> tuple[Ints, Ints]:
     height = 0.5 * (foot.heel[:, 1] + foot.toe[:, 1])
     velocity = savgol(height, frame_time, seconds=0.1, degree=2, derivative=1)
     lowest, highest = np.quantile(height, [0.02, 0.99])

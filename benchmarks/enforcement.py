@@ -39,7 +39,7 @@ from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.pipeline import correct, find_contacts, measure_figures, prepare
 from footfix.rig.rig import Rig
 from footfix.settings import Settings

@@ -4,7 +4,7 @@
 
 TRUTH is a folder of clips with a `NAME.truth.json` each (contacts that force plates measured). With --cross the
 takes are split by subject into five parts, each judged by what was fitted to the other four; with --write what
-was fitted to all of them is written to footfix/detect/fitted.txt. Both need some minutes. The result is the
+was fitted to all of them is written to footfix/detect/weights.txt. Both need some minutes. The result is the
 same on every run: all chance comes from fixed seeds.
 """
 
@@ -31,7 +31,7 @@ FOLDS = 5
 QUICKER = 1.7  # how much faster runs are judged once more: as fast as sprints, 0.12 to 0.18 s a stance
 VARIANTS = 8  # of each recorded take; the first is as recorded, and one in six is without toe joints
 WALKERS, WALKER_VARIANTS, WALKER_WEIGHT = 300, 2, 0.25
-FITTED = Path(__file__).resolve().parent.parent / "footfix" / "detect" / "fitted.txt"
+FITTED = Path(__file__).resolve().parent.parent / "footfix" / "detect" / "weights.txt"
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footfix.detect.evidence import COLUMNS
-from footfix.detect.fitted import PARTS, TEN_THOUSANDTHS, THOUSANDTHS
 from footfix.detect.network import Network
 from footfix.detect.timing import Timing
+from footfix.detect.weights import PARTS, TEN_THOUSANDTHS, THOUSANDTHS
 
 Batch = NDArray[np.float32]
 
@@ -189,7 +189,7 @@ def rounded(network: Network) -> Network:
 
 
 def table(network: Network, timing: Timing, said: str) -> str:
-    """The text of `footfix/detect/fitted.txt`, which `footfix.detect.fitted` reads.
+    """The text of `footfix/detect/weights.txt`, which `footfix.detect.weights` reads.
 
     Args:
         network, timing: what to write.

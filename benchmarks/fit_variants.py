@@ -16,7 +16,7 @@ from fit_takes import POINTS, RATE, Take, parts
 
 from footfix.detect.evidence import STEP, Sampled, catmull_rom, evidence, resample
 from footfix.detect.network import HEEL, SWING, TOE
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
@@ -65,7 +65,7 @@ def as_captured(take: Take, rate: float, fps: float, random: Random | None) -> t
     frame_time = every / rate
     if random is not None and random.random() < 0.35:
         clip = _noisy(clip, frame_time, random)
-    feet = tuple(Foot("", *(getattr(clip, p)[:, k] for p in POINTS[1:])) for k in (0, 1))
+    feet = tuple(FootTracks("", *(getattr(clip, p)[:, k] for p in POINTS[1:])) for k in (0, 1))
     return resample(Tracks(clip.pelvis, feet, 1.0, frame_time)), first
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from footfix.detect.run import detect_over
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.put_back import put_back, repeated
+from footfix.enforce.restore_frames import put_back, repeated
 from footfix.enforce.run import enforce
 from footfix.enforce.task import ground_of
 from footfix.errors import InputError
@@ -25,12 +25,12 @@ from footfix.measure.clip import Measures, measure
 from footfix.measure.plants import PlantMeasure
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts, joined
-from footfix.motion.doubled import Doubled, doubled
-from footfix.motion.leadin import motion_range
+from footfix.motion.duplicate_frames import DuplicateFrames, doubled
+from footfix.motion.lead_in import motion_range
 from footfix.motion.smoothing import smooth_clip
 from footfix.notes import Note
-from footfix.rig.crop import Crop, crop
 from footfix.rig.find import find_rigs
+from footfix.rig.motion_crop import Crop, crop
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 from footfix.settings import Settings
@@ -82,7 +82,7 @@ class Prepared:
     clip: Clip
     rigs: tuple[Rig, ...]
     crops: tuple[Crop, ...]
-    doubles: tuple[Doubled, ...]
+    doubles: tuple[DuplicateFrames, ...]
     rounds: tuple[Rounds | None, ...]
     notes: tuple[Note, ...] = ()
 
@@ -108,7 +108,7 @@ class Figure:
     plants: tuple[Footplant, ...]
     correction: Correction
     ground: Floats
-    thin: Doubled
+    thin: DuplicateFrames
     notes: tuple[Note, ...]
 
 

@@ -16,9 +16,9 @@ from footfix.enforce import costs, vertices
 from footfix.enforce.assembly import System
 from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import ANKLE, LEG, ROOT, B, K, LegTracks, W
+from footfix.enforce.leg_state import places_of
 from footfix.enforce.objective import systems
 from footfix.enforce.pins import Pins
-from footfix.enforce.posed import places_of
 from footfix.enforce.problem import Problem
 from footfix.motion.clip import Floats
 

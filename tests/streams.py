@@ -9,7 +9,7 @@ import numpy as np
 from conftest import SAMPLES
 
 import footfix
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.enforce.leg import LEG, ROOT, LegTracks
 from footfix.enforce.pins import Pins
 from footfix.enforce.task import posed_joints
@@ -18,9 +18,9 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose, forward
 from footfix.settings import Settings
 from footfix.stream.calibration import calibrate
-from footfix.stream.legs import POINTS, Kinds, Legs, Measure
-from footfix.stream.part import Part, part_of
+from footfix.stream.legs import POINTS, Kinds, LegMeasurer, Legs
 from footfix.stream.pins import Stacked
+from footfix.stream.subskeleton import Subskeleton, part_of
 
 FRAMES = 110  # of a sample that are streamed
 
@@ -51,13 +51,15 @@ def cut(tracks: Tracks, start: int, stop: int) -> Tracks:
     """Some frames of tracks."""
     part = slice(start, stop)
     feet = tuple(
-        Foot(f.side, f.hip[part], f.ankle[part], f.heel[part], f.toe[part], None if f.knee is None else f.knee[part])
+        FootTracks(
+            f.side, f.hip[part], f.ankle[part], f.heel[part], f.toe[part], None if f.knee is None else f.knee[part]
+        )
         for f in tracks.feet
     )
     return Tracks(tracks.pelvis[part], feet, tracks.leg_length, tracks.frame_time)
 
 
-def figure(name: str) -> tuple[Part, Clip, Pose, Legs]:
+def figure(name: str) -> tuple[Subskeleton, Clip, Pose, Legs]:
     """A figure, some frames of it, their pose and its legs."""
     clip = sample(name).clip.frames(slice(60))
     part = part_of(clip.skeleton, calibrate(clip, Settings()))
@@ -66,7 +68,7 @@ def figure(name: str) -> tuple[Part, Clip, Pose, Legs]:
         [clip.rotation(joint) for joint in part.joints], clip.frame_time,
     )  # fmt: skip
     pose = forward(own, posed_joints(part.skeleton, part.known.rig))
-    return part, own, pose, Measure(part, pose.joints)(pose, clip.frame_time)[0]
+    return part, own, pose, LegMeasurer(part, pose.joints)(pose, clip.frame_time)[0]
 
 
 def state(legs: Legs, size: float) -> Floats:

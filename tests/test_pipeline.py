@@ -18,7 +18,7 @@ from footfix import pipeline
 from footfix.batch import gates
 from footfix.batch.outputs import Job
 from footfix.batch.task import Task
-from footfix.enforce.put_back import put_back
+from footfix.enforce.restore_frames import put_back
 from footfix.formats.contacts import Labels
 from footfix.jobs.clean import clean_file
 from footfix.jobs.measure import measure_file
@@ -27,12 +27,12 @@ from footfix.measure.plants import PlantMeasure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.motion.smoothing import SmoothParams
 from footfix.notes import Note
 from footfix.report import document
-from footfix.rig.crop import Crop, crop
 from footfix.rig.find import find_rig
+from footfix.rig.motion_crop import Crop, crop
 from footfix.settings import ReportParams, Settings
 
 SETTINGS = Settings(report=ReportParams(kind="json"))

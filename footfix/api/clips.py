@@ -8,11 +8,11 @@ from dataclasses import replace
 
 from footfix import pipeline
 from footfix.api.parameters import check_settings
-from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.detect import run as detection
 from footfix.enforce.correction import Correction
 from footfix.enforce.correction import apply as apply_correction
 from footfix.errors import ArgumentError
+from footfix.input_checks import check_clip, check_contacts, check_rig
 from footfix.jobs.source import LEAST_FRAMES
 from footfix.measure.clip import Measures
 from footfix.measure.clip import measure as measured

@@ -17,7 +17,7 @@ from footfix.formats.models import encode_model
 from footfix.formats.plans import PlanRow
 from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
 from footfix.jobs.make import plan_of
-from footfix.locomotion.cycles.live import Live
+from footfix.locomotion.cycles.engine_state import Live
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Plan
 from footfix.locomotion.follow.path import make_path

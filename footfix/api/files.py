@@ -6,11 +6,11 @@ import os
 from pathlib import Path
 
 from footfix.api.parameters import check_settings
-from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
 from footfix.formats.document import Beside, Document, clips_of, one_format, rewrite
 from footfix.formats.suffixes import in_file, is_motion
+from footfix.input_checks import check_clip
 from footfix.jobs.source import read
 from footfix.motion.clip import Clip
 from footfix.settings import Settings

@@ -9,15 +9,15 @@ from pathlib import Path
 from footfix.api.clips import find_rigs
 from footfix.api.parameters import check_settings
 from footfix.api.reports import source_of
-from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.errors import ArgumentError
 from footfix.formats import contacts as labels_format
 from footfix.formats.document import Document
 from footfix.formats.label_arrays import encode_npy, encode_npz
+from footfix.input_checks import check_clip, check_contacts, check_rig
 from footfix.jobs import contacts as job
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.pipeline import prepare
 from footfix.report import document as report_format
 from footfix.rig.rig import Rig

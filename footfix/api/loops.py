@@ -5,8 +5,8 @@ from __future__ import annotations
 from footfix import pipeline
 from footfix.api.clips import find_rigs
 from footfix.api.parameters import check_settings
-from footfix.arguments import check_clip, check_contacts, check_rig
 from footfix.errors import ArgumentError
+from footfix.input_checks import check_clip, check_contacts, check_rig
 from footfix.jobs.loop import LEAST_FRAMES
 from footfix.locomotion.loop.run import Loop
 from footfix.motion.clip import Clip

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from footfix.api.clips import clean, find_rig
 from footfix.api.parameters import check_settings
-from footfix.arguments import check_frame_time
 from footfix.errors import ArgumentError
+from footfix.input_checks import check_frame_time
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.fit import fit_rotations
+from footfix.motion.from_positions import fit_rotations
 from footfix.motion.kinematics import places
 from footfix.pipeline import Result
 from footfix.rig.figure import figures

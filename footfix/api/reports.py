@@ -9,11 +9,11 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from footfix.api.parameters import check_settings
-from footfix.arguments import check_clip
 from footfix.errors import ArgumentError
 from footfix.formats.bvh import compose
 from footfix.formats.document import Document, rewrite
 from footfix.formats.suffixes import in_file
+from footfix.input_checks import check_clip
 from footfix.jobs import clean as job
 from footfix.jobs.contacts import contacts_json
 from footfix.jobs.outputs import Outputs

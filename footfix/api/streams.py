@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from footfix.api.parameters import check_settings
-from footfix.arguments import check_frame_time
 from footfix.errors import ArgumentError
 from footfix.formats.bvh.document import Document
+from footfix.input_checks import check_frame_time
 from footfix.motion.clip import Bools, Clip, Floats, Skeleton, frozen
 from footfix.settings import Settings
 from footfix.stream.engine import Shown
 from footfix.stream.events import Event
-from footfix.stream.live import Before, Live, StreamParams
+from footfix.stream.session import Before, Live, StreamParams
 
 __all__ = ["Event", "Frame", "Stream"]
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from footfix.batch.cleanings import contacts_of, report_beside
+from footfix.batch.earlier_results import contacts_of, report_beside
 from footfix.batch.task import FileResult, Task
 from footfix.errors import UsageError
 from footfix.formats.contacts import Labels
-from footfix.measure.cleaned import COST_OF, Costs, Held, costs, held
+from footfix.measure.cleaning_effect import COST_OF, Costs, Held, costs, held
 from footfix.measure.clip import WORLD, Measures
 from footfix.measure.plants import NOTICED_MM
 from footfix.settings import Meaning, meanings, suggest

@@ -11,18 +11,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.attempt import attempted
-from footfix.batch.cleanings import contacts_of_cleaning
 from footfix.batch.clips import beside_of, joined_result, parts_of, spread
+from footfix.batch.earlier_results import contacts_of_cleaning
 from footfix.batch.files import STDIN, read_clip
-from footfix.batch.making import made, write
 from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, EVENTS, FileResult, Task
+from footfix.batch.write_outputs import made, write
 from footfix.errors import InputError, OutputError
 from footfix.formats.suffixes import STDIN_NAME, in_file
 
 if TYPE_CHECKING:
     from footfix.jobs.outputs import Outputs
-    from footfix.report.again import Again
+    from footfix.report.rerun_command import RerunCommand
 
 Work = Callable[[Task, bytes], FileResult]
 
@@ -136,9 +136,9 @@ def _output(task: Task) -> str | None:
     return None if task.job.target is None else task.job.target.name
 
 
-def _again(task: Task, *, loop: bool = False) -> Again | None:
+def _again(task: Task, *, loop: bool = False) -> RerunCommand | None:
     """Write the command that cleans a clip again from edited contacts; None where it has no path on disk."""
-    from footfix.report.again import clean_again, clean_loop_again
+    from footfix.report.rerun_command import clean_again, clean_loop_again
 
     job, here = task.job, Path(task.folder)
     if job.target is None or (job.source == STDIN and not loop):

@@ -48,11 +48,11 @@ def check(
     Plants that cleaning let go are counted apart, as let_go; held_slide_mm and held_over_21mm are of the others.
     """
     from footfix.batch import gates
-    from footfix.report import checking
+    from footfix.report import check_text
 
     if listed:
         defaults = {name: (gate.most, gate.why) for name, gate in gates.DEFAULTS.items()}
-        click.echo(checking.listing(gates.MEASURES, defaults), nl=False)
+        click.echo(check_text.listing(gates.MEASURES, defaults), nl=False)
         return ExitCode.DONE
     if style == "json":
         common = replace(common, as_json=True)
@@ -65,7 +65,7 @@ def run_check(
 ) -> int:  # fmt: skip
     """Run `footfix check`."""
     from footfix.batch import gates
-    from footfix.report import checking
+    from footfix.report import check_text
 
     limits = gates.parse(most)
     found = found_inputs(src, many, own_outputs=True)
@@ -76,19 +76,19 @@ def run_check(
         gates.known(task.settings.gates)
     outcome = run_tasks(check_one, tasks, many, common, style, Journal(), lambda result, say: None)
     clips = [each for result in outcome.results for each in spread(result)]
-    rows = [checking.row(each.source, each.status, each.report, each.error, each.seconds) for each in clips]
+    rows = [check_text.row(each.source, each.status, each.report, each.error, each.seconds) for each in clips]
     if common.as_json:
-        print_json(checking.document(rows))
+        print_json(check_text.document(rows))
     elif style == "csv":
-        click.echo(checking.as_csv(rows), nl=False)
+        click.echo(check_text.as_csv(rows), nl=False)
     elif style == "github":
-        for line in checking.workflow_commands(rows):
+        for line in check_text.workflow_commands(rows):
             click.echo(line)
     else:
-        click.echo(checking.text(rows, quiet=common.quiet, verbose=common.verbose), nl=False)
+        click.echo(check_text.text(rows, quiet=common.quiet, verbose=common.verbose), nl=False)
     if outcome.interrupted:
         return ExitCode.INTERRUPTED
     if junit is not None:
-        write_file(junit, checking.junit(rows))
+        write_file(junit, check_text.junit(rows))
     ended = code(outcome)
     return ExitCode.OVER_BUDGET if not ended and any(each.status == "over" for each in clips) else ended

@@ -20,6 +20,7 @@ from footfix.batch.outputs import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
 from footfix.batch.work import clean_one
+from footfix.cli.messages import say
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
 from footfix.cli.results import wrote
 from footfix.cli.running import (
@@ -33,7 +34,6 @@ from footfix.cli.running import (
     tasks_for,
     write_file,
 )
-from footfix.cli.say import say
 from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:

@@ -46,8 +46,8 @@ def fit(
     from footfix.batch.cycles import check_output, fit_and_write, style_of
     from footfix.batch.journal import Journal
     from footfix.batch.work import sample_one
+    from footfix.cli.messages import say
     from footfix.cli.running import code, config_for, found_inputs, print_json, reading, run_tasks, tasks_for
-    from footfix.cli.say import say
     from footfix.jobs.fit import fit_entry
     from footfix.report.text import printable
 

@@ -16,6 +16,7 @@ from footfix.batch.clips import spread
 from footfix.batch.journal import Journal
 from footfix.batch.task import FileResult
 from footfix.batch.work import detect_one
+from footfix.cli.messages import say
 from footfix.cli.options import Common, Given, Many, given, many, shared
 from footfix.cli.results import wrote
 from footfix.cli.running import (
@@ -29,7 +30,6 @@ from footfix.cli.running import (
     run_tasks,
     tasks_for,
 )
-from footfix.cli.say import say
 from footfix.errors import ExitCode
 
 

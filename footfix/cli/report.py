@@ -7,7 +7,7 @@ from typing import Literal
 
 import click
 
-from footfix.cli.say import say
+from footfix.cli.messages import say
 from footfix.errors import ExitCode
 
 
@@ -33,7 +33,7 @@ def run_report(
     force: bool,
 ) -> int:  # fmt: skip
     """Run `footfix report`."""
-    from footfix.batch.redrawing import redraw_one
+    from footfix.batch.redraw import redraw_one
     from footfix.settings import ReportParams
 
     params = ReportParams(kind=kind, png=png)

@@ -10,9 +10,9 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
+from footfix.cli.messages import say
 from footfix.cli.options import Common, shared
 from footfix.cli.running import config_near
-from footfix.cli.say import say
 from footfix.errors import ExitCode, OutputError, UsageError
 
 if TYPE_CHECKING:
@@ -99,8 +99,8 @@ def _live(
 ) -> int:  # fmt: skip
     from footfix.stream.backlog import Backlog
     from footfix.stream.interrupts import interrupts
-    from footfix.stream.live import StreamParams
     from footfix.stream.run import Run, Sink, Talk
+    from footfix.stream.session import StreamParams
     from footfix.stream.sources import Address, Peer, Source, Standard, droppable
 
     def tell(text: str) -> None:

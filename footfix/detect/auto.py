@@ -6,17 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from footfix.detect import fitted
-from footfix.detect.doubts import DoubtParams, frame_rate, unsure
+from footfix.detect import weights
 from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.overtaking import OvertakingParams, overtaking
-from footfix.detect.path import landed, masks, resting, stretches
 from footfix.detect.settling import SettlingParams, settled
 from footfix.detect.stepping import SteppingParams, stepping, velocities_of
 from footfix.detect.timing import Timing, timed
-from footfix.detect.tracks import Finding, Foot, Tracks
+from footfix.detect.tracks import Finding, FootTracks, Tracks
+from footfix.detect.uncertainty import DoubtParams, frame_rate, unsure
+from footfix.detect.viterbi import landed, masks, resting, stretches
 from footfix.motion.clip import Bools, Floats
 
 
@@ -65,8 +65,8 @@ def auto(
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
     """
     sampled = resample(tracks)
-    alone, answers = weighed(sampled, params, fitted.network() if network is None else network)
-    when = fitted.timing() if timing is None else timing
+    alone, answers = weighed(sampled, params, weights.network() if network is None else network)
+    when = weights.timing() if timing is None else timing
     per_frame = tracks.frame_time / STEP
     columns: list[Bools] = []
     sure: list[Floats] = []
@@ -89,7 +89,7 @@ def auto(
 
 
 def _finished(
-    parts: tuple[Bools, Bools], looks: tuple[Bools, Bools], foot: Foot, tracks: Tracks, params: AutoParams
+    parts: tuple[Bools, Bools], looks: tuple[Bools, Bools], foot: FootTracks, tracks: Tracks, params: AutoParams
 ) -> tuple[Bools, Bools]:  # fmt: skip
     """The contacts (F,) of heel and toe: without gaps in which they do not rise, and without the ends of swings.
 

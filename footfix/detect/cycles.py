@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
@@ -52,7 +52,7 @@ class Cycle:
     step: float
 
 
-def find_cycles(tracks: Tracks, left: Foot, right: Foot, params: CycleParams) -> list[Cycle]:
+def find_cycles(tracks: Tracks, left: FootTracks, right: FootTracks, params: CycleParams) -> list[Cycle]:
     """Find the cycles of a pair of legs.
 
     A foot strikes about when it is farthest from the pelvis in the direction of travel (J. A. Zeni et al.,
@@ -86,7 +86,7 @@ def _even(cycles: list[Cycle], uneven: float) -> list[Cycle]:
     return [cycle for k, cycle in enumerate(cycles) if not paused(k)]
 
 
-def _travel(tracks: Tracks, left: Foot, right: Foot) -> Floats:
+def _travel(tracks: Tracks, left: FootTracks, right: FootTracks) -> Floats:
     """(F, 2) unit vectors in the ground plane: where the figure goes, forwards or backwards."""
     across = savgol((left.hip - right.hip)[:, ::2], tracks.frame_time, seconds=0.3, degree=1)
     forward = np.stack([-across[:, 1], across[:, 0]], axis=1)
@@ -119,7 +119,7 @@ def zigzag(curve: Floats, least: float) -> list[int]:
     return list(inside)
 
 
-def _standing(tracks: Tracks, foot: Foot, forward: Floats, low: float) -> Floats:
+def _standing(tracks: Tracks, foot: FootTracks, forward: Floats, low: float) -> Floats:
     """(F,) 1 where a foot stands: it goes backwards under the pelvis, and is about as low as it gets around then.
 
     This needs no floor, and no root that tells the truth: on a treadmill, or under a root that is pinned, a foot that

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
@@ -68,7 +68,7 @@ class Sampled:
 def evidence(sampled: Sampled, part: slice = slice(None)) -> tuple[Floats, ...]:
     """Compute for each foot its curves (n, len(COLUMNS)), in a part of the grid (as if the clip ended there)."""
     feet = tuple(
-        Foot(foot.side, foot.hip[part], foot.ankle[part], foot.heel[part], foot.toe[part])
+        FootTracks(foot.side, foot.hip[part], foot.ankle[part], foot.heel[part], foot.toe[part])
         for foot in sampled.tracks.feet
     )
     pelvis = sampled.tracks.pelvis[part]
@@ -88,7 +88,7 @@ def evidence(sampled: Sampled, part: slice = slice(None)) -> tuple[Floats, ...]:
 COLUMNS = tuple(OWN) + tuple(f"other {name}" for name in OTHER) + tuple(BODY)
 
 
-def mates(feet: tuple[Foot, ...]) -> tuple[int, ...]:
+def mates(feet: tuple[FootTracks, ...]) -> tuple[int, ...]:
     """Find each foot's mate, whose hip is nearest: left and right of a biped, of the fore legs, of the hind legs."""
     hips = [foot.hip.mean(axis=0) for foot in feet]
     nearest = []
@@ -107,7 +107,7 @@ def resample(tracks: Tracks) -> Sampled:
         return catmull_rom(x, STEP / tracks.frame_time) / tracks.leg_length
 
     feet = tuple(
-        Foot(foot.side, sample(foot.hip), sample(foot.ankle), sample(foot.heel), sample(foot.toe))
+        FootTracks(foot.side, sample(foot.hip), sample(foot.ankle), sample(foot.heel), sample(foot.toe))
         for foot in tracks.feet
     )
     sampled = Tracks(sample(tracks.pelvis), feet, 1.0, STEP)
@@ -147,7 +147,7 @@ def _jitter(tracks: Tracks) -> float:
     return 1e3 * noise / tracks.leg_length
 
 
-def _axes(foot: Foot, mate: Foot) -> tuple[Floats, Floats]:
+def _axes(foot: FootTracks, mate: FootTracks) -> tuple[Floats, Floats]:
     """Unit vectors (n, 2) in the ground plane: where the hips face, and outward on this foot's side."""
     outward = (foot.hip - mate.hip)[:, ::2]
     if foot is mate:
@@ -160,7 +160,7 @@ def _axes(foot: Foot, mate: Foot) -> tuple[Floats, Floats]:
 
 
 def _own(
-    foot: Foot, pelvis: Floats, axes: tuple[Floats, Floats], pair: Floats
+    foot: FootTracks, pelvis: Floats, axes: tuple[Floats, Floats], pair: Floats
 ) -> Floats:
     """(len(OWN), n) what is said of one foot, squashed."""
     heel, toe = foot.heel, foot.toe

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
@@ -29,7 +29,7 @@ class KneelingParams:
     smooth: float = 0.2
 
 
-def carrying(mask: Bools, tracks: Tracks, foot: Foot, point: Floats, params: KneelingParams) -> Bools:
+def carrying(mask: Bools, tracks: Tracks, foot: FootTracks, point: Floats, params: KneelingParams) -> Bools:
     """Take out of a sole point's contacts (F,) those in which its leg's knee is down and the point moves."""
     if foot.knee is None or not mask.any():
         return mask

@@ -1,6 +1,6 @@
 """The small temporal network that weighs the evidence: what each foot does at each moment, as probabilities.
 
-Two layers of a dozen units that look a third of a second ahead and behind. Its numbers stand in `fitted.txt`,
+Two layers of a dozen units that look a third of a second ahead and behind. Its numbers stand in `weights.txt`,
 made by `benchmarks/fit_auto.py`.
 """
 

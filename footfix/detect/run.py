@@ -9,16 +9,16 @@ import numpy as np
 
 from footfix.detect.adaptive import AdaptiveParams, adaptive
 from footfix.detect.auto import AutoParams, auto
-from footfix.detect.locked import let_go
+from footfix.detect.foot_locks import let_go
 from footfix.detect.lyard import LyardParams, lyard
 from footfix.detect.threshold import ThresholdParams, threshold
 from footfix.detect.tracks import Finding, Tracks, tracks_of
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
-from footfix.motion.doubled import Doubled, doubled
+from footfix.motion.duplicate_frames import DuplicateFrames, doubled
 from footfix.notes import Note
-from footfix.rig.crop import crop
 from footfix.rig.gait import carried, gait_in_place
+from footfix.rig.motion_crop import crop
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 
@@ -64,7 +64,7 @@ def detect(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Conta
     return motion.contacts_back(detect_over(own, rig, params, thin, rounds))
 
 
-def detect_over(clip: Clip, rig: Rig, params: DetectParams, thin: Doubled, rounds: Rounds | None) -> Contacts:
+def detect_over(clip: Clip, rig: Rig, params: DetectParams, thin: DuplicateFrames, rounds: Rounds | None) -> Contacts:
     """Find the contacts of a clip that is all motion on the frames that are not repeated, and of a cycle on rounds.
 
     Args:

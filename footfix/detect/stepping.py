@@ -20,7 +20,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from footfix.detect.evidence import STEP, floors
 from footfix.detect.network import HEEL, SWING
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
@@ -169,7 +169,7 @@ def velocities_of(tracks: Tracks, part: slice = slice(None)) -> tuple[Floats, li
     return velocity_of(tracks.pelvis[part, ::2]), [velocities(foot, part) for foot in tracks.feet]
 
 
-def velocities(foot: Foot, part: slice = slice(None)) -> Floats:
+def velocities(foot: FootTracks, part: slice = slice(None)) -> Floats:
     """(n, 2, 2) [leg lengths/s] over the ground, of heel and toe."""
     both = np.stack([foot.heel[part, ::2], foot.toe[part, ::2]], axis=1)
     return velocity_of(both)

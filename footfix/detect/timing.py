@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from footfix.detect.evidence import LIFT, STEP, Sampled
-from footfix.detect.path import Stretch
+from footfix.detect.viterbi import Stretch
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 

@@ -17,7 +17,7 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 @dataclass(frozen=True, eq=False)
-class Foot:
+class FootTracks:
     """One foot over time.
 
     Args:
@@ -55,7 +55,7 @@ class Tracks:
     """
 
     pelvis: Floats
-    feet: tuple[Foot, ...]
+    feet: tuple[FootTracks, ...]
     leg_length: float
     frame_time: float
 
@@ -93,7 +93,7 @@ def tracks_of(
     soles = {(sole.leg, sole.part): pose.point(sole.joint, np.array(sole.offset)) for sole in points}
     meshes = {each.leg: each for each in rig.meshes if mesh and each.sole.any()}
     feet = tuple(
-        Foot(
+        FootTracks(
             leg.side,
             pose.position(leg.hip),
             pose.position(leg.ankle),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.leg import LEG, TIP, B, K, Q, W
-from footfix.enforce.posed import Posed
+from footfix.enforce.leg_state import LegState
 from footfix.motion.clip import Floats, Ints
 
 _CACHE = 2048  # frames times unknowns whose arrays stay in the cache
@@ -79,7 +79,7 @@ class Pulled:
         columns: the leg's eight unknowns in the system.
     """
 
-    at: Posed
+    at: LegState
     pulls: Sequence[Pull]
     columns: slice
 
@@ -126,7 +126,7 @@ def _constant(legs: Sequence[Pulled], n: int, frames: int) -> Floats:
     return out.reshape(frames, 3 * points, n)
 
 
-def _of_leg(at: Posed, frames: slice, out: Floats) -> Floats:
+def _of_leg(at: LegState, frames: slice, out: Floats) -> Floats:
     """(8, 3 P, f) how the places of a leg's points move with its unknowns; `out` (8, P, 3, f) is where to put it."""
     ankle = at.ankle[..., frames]
     out[Q], out[K] = ankle[:, :3].swapaxes(0, 1)[:, None], ankle[:, 3]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant
+from footfix.enforce.standing_heights import Floors
 from footfix.motion.clip import Floats
 
 

@@ -1,4 +1,4 @@
-"""A leg as captured, and what enforcement needs to know of it; `posed` says where it goes in a state.
+"""A leg as captured, and what enforcement needs to know of it; `leg_state` says where it goes in a state.
 
 Arrays have their components first and frames last, (3, F), so that each operation runs over contiguous memory.
 """
@@ -114,7 +114,7 @@ def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
 
     Args:
         rig: its legs.
-        pose: of the clip, from `posed`.
+        pose: of the clip, from `task.pose_of`.
         clip: F frames, metres, y up.
     """
     found = []
@@ -180,7 +180,7 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
     Args:
         clip: F frames, metres, y up.
         rig: its legs.
-        pose: of the clip, from `posed`.
+        pose: of the clip, from `task.pose_of`.
         calibration: one a leg.
     """
     found = []

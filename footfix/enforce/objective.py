@@ -9,21 +9,21 @@ import numpy as np
 
 from footfix.enforce.assembly import Pulled, System, linearised, product
 from footfix.enforce.leg import ANKLE, LEG, ROOT
-from footfix.enforce.posed import Posed, places_of, posed
+from footfix.enforce.leg_state import LegState, places_of, state_of
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import joint_terms, near, point_cost, point_terms, root_term
 from footfix.enforce.vertices import add_floor, floor_cost, floor_weight
 from footfix.motion.clip import Floats
 
 
-def posture(problem: Problem, x: Floats) -> tuple[Posed, ...]:
+def posture(problem: Problem, x: Floats) -> tuple[LegState, ...]:
     """Put all legs where a state (U, F) has them."""
-    return tuple(posed(leg, x[:ROOT], x[problem.columns(k)]) for k, leg in enumerate(problem.legs))
+    return tuple(state_of(leg, x[:ROOT], x[problem.columns(k)]) for k, leg in enumerate(problem.legs))
 
 
 def systems(
     problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
-    at: Sequence[Posed] | None = None,
+    at: Sequence[LegState] | None = None,
 ) -> tuple[System, ...]:  # fmt: skip
     """Linearise the objective.
 
@@ -44,7 +44,7 @@ def systems(
 
 def objective(
     problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
-    at: Sequence[Posed] | None = None,
+    at: Sequence[LegState] | None = None,
 ) -> float:  # fmt: skip
     """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
 
@@ -72,7 +72,7 @@ def objective(
 
 
 def _system(
-    problem: Problem, legs: Sequence[int], x: Floats, at: Sequence[Posed], eps: float, static: float, root: bool
+    problem: Problem, legs: Sequence[int], x: Floats, at: Sequence[LegState], eps: float, static: float, root: bool
 ) -> System:
     """Some legs, with the root or by themselves."""
     rows = np.concatenate([np.arange(ROOT if root else 0), *(np.arange(len(x))[problem.columns(k)] for k in legs)])

@@ -9,9 +9,9 @@ import numpy as np
 
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import FEWEST, Footplant, Outcome
-from footfix.enforce.kept import core
 from footfix.enforce.leg import ANKLE, HEEL, TOE, LegTracks
-from footfix.enforce.posed import places_of
+from footfix.enforce.leg_state import places_of
+from footfix.enforce.plant_faults import core
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.rig.rig import Rig

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.floors import floor_steps, nominal
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant, stands
 from footfix.enforce.leg import HEEL, POINTS, TIP, TOE, LegTracks
 from footfix.enforce.pivots import held_alike, share_held
+from footfix.enforce.standing_heights import floor_steps, nominal
 from footfix.motion.clip import Bools, Floats
 from footfix.rig.rig import Rig
 

@@ -23,7 +23,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
-from footfix.rig.followers import Follower, find_followers, left_behind
+from footfix.rig.helper_joints import Follower, find_followers, left_behind
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds, rounds_of
 

@@ -10,9 +10,9 @@ import numpy as np
 from footfix.enforce.assembly import System
 from footfix.enforce.costs import RATE
 from footfix.enforce.leg import ROOT
+from footfix.enforce.leg_state import LegState, places_of
 from footfix.enforce.objective import objective, posture, systems
 from footfix.enforce.pins import Pins
-from footfix.enforce.posed import Posed, places_of
 from footfix.enforce.problem import Problem
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
@@ -97,7 +97,7 @@ def descend(
         fixed: (F,) frames that keep their state, as a stream's past does.
     """
     eps, free = first, problem.free()
-    at: Sequence[Posed] = ()
+    at: Sequence[LegState] = ()
     for n in range(rounds):
         here = max(eps, EPS) * problem.frame_time
         static = STATIC if n >= rounds - last else 1.0

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.enforce.floors import Floors
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import HEEL, POINTS, TOE, LegTracks
+from footfix.enforce.standing_heights import Floors
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.rig.rig import Rig

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from footfix.enforce import ground as grounds
-from footfix.enforce import mesh as meshes
-from footfix.enforce.floors import floors as floors_of
-from footfix.enforce.floors import lacks
+from footfix.enforce import mesh_floor as meshes
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import footplants, given
 from footfix.enforce.ground import GroundParams
-from footfix.enforce.kept import kept
 from footfix.enforce.leg import LegCalibration, LegTracks, calibrate, raise_leg, tracks
 from footfix.enforce.params import EnforceParams
+from footfix.enforce.plant_faults import kept
+from footfix.enforce.standing_heights import floors as floors_of
+from footfix.enforce.standing_heights import lacks
 from footfix.enforce.style import styled
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts

@@ -15,7 +15,7 @@ import numpy as np
 from footfix.enforce.assembly import System
 from footfix.enforce.costs import RATE
 from footfix.enforce.leg import ANKLE, LEG, B, K, LegTracks, Q, W
-from footfix.enforce.posed import Posed, cross, exponential, rotated
+from footfix.enforce.leg_state import LegState, cross, exponential, rotated
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints, Skeleton
 from footfix.motion.kinematics import Pose
@@ -134,7 +134,7 @@ def floor_weight(frame_time: float, leg_length: float) -> float:
 
 
 def add_floor(
-    vertices: Vertices, leg: LegTracks, at: Posed, x: Floats, weight: float, out: System, base: int
+    vertices: Vertices, leg: LegTracks, at: LegState, x: Floats, weight: float, out: System, base: int
 ) -> float:
     """Add the derivatives of FLOOR of a leg's vertices to a system; return what they cost.
 

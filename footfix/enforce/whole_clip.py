@@ -7,19 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.enforce import mesh as meshes
+from footfix.enforce import mesh_floor as meshes
 from footfix.enforce.correction import Correction
 from footfix.enforce.costs import CostParams
-from footfix.enforce.floors import floor_steps
-from footfix.enforce.kept import faults
 from footfix.enforce.leg import LegTracks, Noise, noise_of
+from footfix.enforce.leg_state import local_rotations
 from footfix.enforce.outcomes import CorrectedLeg
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.pins import PinParams
 from footfix.enforce.pins import pins as pins_of
-from footfix.enforce.posed import local_rotations
+from footfix.enforce.plant_faults import faults
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import solve
+from footfix.enforce.standing_heights import floor_steps
 from footfix.enforce.task import Task
 from footfix.enforce.vertices import Vertices
 from footfix.motion.clip import Bools, Clip, Floats

@@ -12,8 +12,8 @@ from footfix import version
 from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite, shown_skin
 from footfix.jobs.contacts import contacts_json, find_contacts
-from footfix.jobs.leaving import why_left
 from footfix.jobs.outputs import Outputs, Status
+from footfix.jobs.skip_reason import why_left
 from footfix.jobs.source import LEAST_FRAMES, about, source_entry, suited
 from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
@@ -27,12 +27,12 @@ from footfix.rig.skin import Skin
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
-    from footfix.report.again import Again
+    from footfix.report.rerun_command import RerunCommand
 
 
 def clean_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
-    again: Again | None = None, leave: str = "", beside: Beside | None = None, skin: Skin | None = None,
+    again: RerunCommand | None = None, leave: str = "", beside: Beside | None = None, skin: Skin | None = None,
 ) -> Outputs:  # fmt: skip
     """Clean one clip.
 

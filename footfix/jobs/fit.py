@@ -21,7 +21,7 @@ from footfix.locomotion.cycles.leave_out import LeftOut
 from footfix.locomotion.cycles.model import CycleModel, Origin
 from footfix.locomotion.cycles.samples import Sample, SampleParams, sample_cycles
 from footfix.motion.clip import Floats, Skeleton
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.pipeline import prepare
 from footfix.report.document import rounded
 from footfix.rig.find import find_rigs

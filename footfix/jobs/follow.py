@@ -19,13 +19,13 @@ from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.loop import LEAST_FRAMES
 from footfix.jobs.outputs import Outputs
 from footfix.jobs.source import about, read, source_entry
-from footfix.locomotion.follow.planning import At
 from footfix.locomotion.follow.run import Follow, follow_path
+from footfix.locomotion.follow.transitions import At
 from footfix.locomotion.follow.walk import Walk, make_walk
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
-from footfix.motion.doubled import Doubled
-from footfix.motion.leadin import motion_range
+from footfix.motion.duplicate_frames import DuplicateFrames
+from footfix.motion.lead_in import motion_range
 from footfix.pipeline import Figure, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
 from footfix.report.pages import draw
@@ -111,7 +111,7 @@ def follow_file(
     document = documents[0]
     written, reread = write_motion(document, found.frames, found.clip, limits=settings.limits)
     ground = np.zeros((len(reread), 3))
-    every = Doubled(np.arange(len(reread)), len(reread))
+    every = DuplicateFrames(np.arange(len(reread)), len(reread))
     figure = Figure(
         found.rig, found.contacts, found.contacts, found.plants, found.correction, ground, every, found.notes
     )

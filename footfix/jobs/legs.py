@@ -18,7 +18,7 @@ from footfix.errors import InputError
 from footfix.formats.bvh.text import Limits
 from footfix.formats.document import Beside, clips_of, neighbours_of, open_document
 from footfix.formats.suffixes import in_file
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.rig.figure import Figure, figures
 from footfix.rig.params import LegParams, RigParams
 from footfix.rig.sample import sample

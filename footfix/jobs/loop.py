@@ -16,24 +16,24 @@ from footfix.formats.contacts import Labels
 from footfix.formats.document import Beside, Document, rewrite, select, shown_skin
 from footfix.formats.suffixes import in_file
 from footfix.jobs.contacts import contacts_json, find_contacts
-from footfix.jobs.leaving import why_left
 from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
+from footfix.jobs.skip_reason import why_left
 from footfix.jobs.source import about, opened, source_entry
 from footfix.locomotion.loop.run import Loop, as_round
 from footfix.motion.contacts import Contacts
-from footfix.motion.doubled import Doubled
+from footfix.motion.duplicate_frames import DuplicateFrames
 from footfix.notes import Note
 from footfix.pipeline import Figure, Prepared, Result, cut_loop, measure_figures, prepare
 from footfix.report import document as report_format
-from footfix.report.loops import in_place_if_written_so
+from footfix.report.loop_text import in_place_if_written_so
 from footfix.report.pages import draw
 from footfix.rig.find import find_rigs
 from footfix.rig.skin import Skin
 from footfix.settings import Settings, plain
 
 if TYPE_CHECKING:
-    from footfix.report.again import Again
+    from footfix.report.rerun_command import RerunCommand
 
 # Fewer frames than this hold no stride.
 LEAST_FRAMES = 8
@@ -41,7 +41,7 @@ LEAST_FRAMES = 8
 
 def loop_file(
     data: bytes, name: str, settings: Settings, *, labels: Labels | None = None, output: str | None = None,
-    again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
+    again: RerunCommand | None = None, beside: Beside | None = None, skin: Skin | None = None,
 ) -> Outputs:  # fmt: skip
     """Cut a seamless cycle out of a clip, and clean it as one.
 
@@ -71,7 +71,7 @@ def loop_file(
         # the bytes to write, and the clip that reading them again gives
         written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
     cycle = as_round(reread, loop.rig, loop.travel, settings.loop)
-    every = Doubled(np.arange(len(cycle)), len(cycle))
+    every = DuplicateFrames(np.arange(len(cycle)), len(cycle))
     contacts = loop.contacts
     figure = Figure(loop.rig, contacts, contacts, loop.plants, loop.correction, loop.ground, every, loop.notes)
     (result,) = measure_figures(loop.captured, cycle, (figure,))

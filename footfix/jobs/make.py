@@ -26,7 +26,7 @@ from footfix.locomotion.cycles.postures import Postures, free_postures
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
-from footfix.motion.doubled import Doubled
+from footfix.motion.duplicate_frames import DuplicateFrames
 from footfix.pipeline import Figure, measure_figures
 from footfix.report import document as report_format
 from footfix.report.pages import draw
@@ -131,7 +131,7 @@ def make_file(
     turned = np.stack([made.clip.rotation(joint) for joint in legs], axis=1)
     still = np.zeros((len(clip), 3))
     correction = Correction(model.rig.root, still, legs, turned)
-    every = Doubled(np.arange(len(clip)), len(clip))
+    every = DuplicateFrames(np.arange(len(clip)), len(clip))
     figure = Figure(model.rig, made.contacts, made.contacts, plants, correction, still, every, ())
     (result,) = measure_figures(made.free, clip, (figure,))
     report = {

@@ -13,7 +13,7 @@ from footfix.formats.document import Beside, Document, open_document
 from footfix.formats.suffixes import bare
 from footfix.jobs.legs import with_shared_legs
 from footfix.motion.clip import Clip
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
 from footfix.rig.params import RigParams
 from footfix.rig.units import infer_units

@@ -12,9 +12,9 @@ from footfix.formats import contacts as labels_format
 from footfix.formats.document import Beside, open_document, shown_skin
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
-from footfix.report.again import Again
-from footfix.report.loops import captured_frames, in_place_if_written_so
+from footfix.report.loop_text import captured_frames, in_place_if_written_so
 from footfix.report.offenders import Offender, worst_plants
+from footfix.report.rerun_command import RerunCommand
 from footfix.report.web.motion import film
 from footfix.report.web.page import PageData, render
 from footfix.rig.find import find_rigs
@@ -32,7 +32,7 @@ def draw(
     report: Mapping[str, Any],
     contacts: bytes,
     params: ReportParams,
-    again: Again | None = None,
+    again: RerunCommand | None = None,
     ground: Floats | None = None,
 ) -> tuple[dict[str, bytes], tuple[Offender, ...]]:
     """Draw the pages that the settings ask for, by suffix, and the worst plants as small pictures for an index.
@@ -65,7 +65,7 @@ def draw(
 
 def redraw(
     report: Mapping[str, Any], contacts: bytes, source: bytes, written: bytes, params: ReportParams,
-    again: Again | None = None, beside: Beside | None = None, skin: Skin | None = None,
+    again: RerunCommand | None = None, beside: Beside | None = None, skin: Skin | None = None,
 ) -> dict[str, bytes]:  # fmt: skip
     """Draw the pages of a clip again from its report, its contacts file and the clips before and after.
 

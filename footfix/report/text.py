@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 
 from footfix.measure.plants import NOTICED_MM
-from footfix.report.follows import follow_lines
-from footfix.report.loops import loop_lines
+from footfix.report.follow_text import follow_lines
+from footfix.report.loop_text import loop_lines
 from footfix.report.verdict import (
     Report,
     Row,

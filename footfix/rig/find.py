@@ -12,7 +12,7 @@ from footfix.errors import InputError, UsageError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import Pose
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
 from footfix.rig import soles
 from footfix.rig.figure import Figure, figures, joint
@@ -113,7 +113,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
 
 
 def _fitted(
-    skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], *, named: bool
+    skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.SoleEstimate], *, named: bool
 ) -> tuple[Fitted | None, tuple[Note, ...]]:
     """Put the feet of a skin on the legs, if they go there; say what does not fit, as a warning where it was named."""
     try:
@@ -125,7 +125,7 @@ def _fitted(
 
 
 def _notes(
-    legs: Sequence[Leg], feet: Sequence[soles.Foot], level: float, others: Sequence[float], given: set[str]
+    legs: Sequence[Leg], feet: Sequence[soles.SoleEstimate], level: float, others: Sequence[float], given: set[str]
 ) -> tuple[Note, ...]:
     notes = []
     if others:
@@ -204,7 +204,7 @@ def _facing(seen: Sample, legs: Sequence[Leg]) -> Floats:
 
 
 def _points(
-    seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.Foot], given: Mapping[str, SoleParams],
+    seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.SoleEstimate], given: Mapping[str, SoleParams],
     from_skin: Sequence[SolePoint] = (),
 ) -> tuple[tuple[SolePoint, ...], set[str]]:
     """Place heel and toe of each leg; list the names of those that the config placed."""

@@ -23,7 +23,7 @@ from footfix.rig.sample import Sample
 from footfix.rig.skin import Skin, SkinFoot, SkinLeg, feet_of, legs_of, stands_on_toes
 from footfix.rig.skin_frames import shared_frames
 from footfix.rig.skin_vertices import LOW, kept, outline, spread, toes
-from footfix.rig.soles import Foot
+from footfix.rig.soles import SoleEstimate
 
 _MISMATCH = 0.05  # share by which the feet of skin and clip may differ
 
@@ -54,7 +54,7 @@ class Fitted:
         return tuple(plain if self.on_toes[own.leg] else own for own, plain in both)
 
 
-def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[Foot]) -> Fitted:
+def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[SoleEstimate]) -> Fitted:
     """Put a skin's feet on the legs of a clip.
 
     Args:
@@ -179,7 +179,7 @@ def _anchors(skin: Skin, to: Ints) -> list[int]:
     return found
 
 
-def _by_places(skin: Skin, sole: SkinFoot, leg: Leg, foot: Foot, scale: float) -> _Bound:
+def _by_places(skin: Skin, sole: SkinFoot, leg: Leg, foot: SoleEstimate, scale: float) -> _Bound:
     """Bind a foot by where its ankle and toe joint are: level and straight ahead where the clip's foot lies flat."""
     ankle = skin.places[sole.leg.ankle]
     reach = None if sole.leg.toe is None else scale * float((skin.places[sole.leg.toe] - ankle) @ sole.ahead)
@@ -211,7 +211,7 @@ def _by_places(skin: Skin, sole: SkinFoot, leg: Leg, foot: Foot, scale: float) -
     return _Bound(joints, weights, offsets, heel, rotation.rotate(turn, ball - foot.ball))
 
 
-def _below(foot: Foot, heel: Floats) -> Floats:
+def _below(foot: SoleEstimate, heel: Floats) -> Floats:
     """Find the place at the heel's level below the toe joint, in the ankle's frame."""
     assert foot.ball is not None
     return np.asarray(foot.ball + float((heel - foot.ball) @ foot.up) * foot.up)

@@ -10,7 +10,7 @@ from footfix.motion.clip import Floats
 from footfix.rig.rig import Leg
 from footfix.rig.sample import Sample
 from footfix.rig.skin import Skin, SkinFoot, SkinLeg
-from footfix.rig.soles import Foot
+from footfix.rig.soles import SoleEstimate
 
 _SAME = float(np.cos(np.radians(4.0)))  # of bones in the same frames
 _SAME_SIZE = 0.01  # share by which bones differ that are the same but for the figure's size
@@ -18,7 +18,7 @@ _SAME_UP = float(np.cos(np.radians(25.0)))  # of up in them; where they differ b
 
 
 def shared_frames(
-    skin: Skin, seen: Sample, legs: Sequence[Leg], own: Sequence[SkinLeg], feet: Sequence[Foot],
+    skin: Skin, seen: Sample, legs: Sequence[Leg], own: Sequence[SkinLeg], feet: Sequence[SoleEstimate],
     soles: Sequence[SkinFoot], *, named: bool,
 ) -> Floats | None:  # fmt: skip
     """Find the axes (J, 3, 3) of the skin's joints that the clip's frames are, if both have the same frames.

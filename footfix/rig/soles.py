@@ -35,7 +35,7 @@ _OFTEN = 0.4  # share of the most used level's frames that makes another height 
 
 
 @dataclass(frozen=True)
-class Foot:
+class SoleEstimate:
     """A foot that lies flat, seen from its ankle.
 
     Args:
@@ -76,7 +76,7 @@ class Foot:
 UP = np.array([0.0, 1.0, 0.0])
 
 
-def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float) -> Foot:
+def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float) -> SoleEstimate:
     """Estimate how a foot lies when it is flat on the floor.
 
     Args:
@@ -108,13 +108,15 @@ def foot(sample: Sample, ankle: int, toe: int | None, facing: Floats, leg: float
     height = _within(deep + ball, _ANKLE_HEIGHTS, leg)
     usual = _BALL_HEIGHT * leg
     turns = rotation.multiply(back, sample.turns[flat, toe])
-    return Foot(
+    return SoleEstimate(
         up, ahead, up_at_toe, height, ball, _behind(far, leg), far, deep, usual, guessed, ball=seen[0],
         toe_turn=_usual(turns * np.sign(turns @ turns[len(turns) // 2] + 1e-12)[:, None]),
     )  # fmt: skip
 
 
-def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float, guessed: tuple[str, ...]) -> Foot:
+def _without_toe(
+    up: Floats, ahead: Floats, far: float, deep: float, leg: float, guessed: tuple[str, ...]
+) -> SoleEstimate:
     """Describe a foot of one piece from the ankle on, its tip so `far` ahead, its deepest point so `deep` below."""
     if deep > _ON_TOES * leg:
         return _on_toes(up, ahead, far, deep, leg)
@@ -127,10 +129,12 @@ def _without_toe(up: Floats, ahead: Floats, far: float, deep: float, leg: float,
     if far < 0.03 * leg:
         guessed, far, end_at_ball = (*guessed, "length"), _BALL_AHEAD * leg, True
     ball_ahead = float(np.clip(far * (1.0 if end_at_ball else _BALL_OF_TIP), 0.1 * leg, 0.22 * leg))
-    return Foot(up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, deep, end_height, guessed)
+    return SoleEstimate(
+        up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, deep, end_height, guessed
+    )
 
 
-def paw(sample: Sample, ankle: int, leg: float) -> Foot:
+def paw(sample: Sample, ankle: int, leg: float) -> SoleEstimate:
     """Estimate how the foot of a four-legged animal stands: on its toes, the ankle high.
 
     Args:
@@ -154,9 +158,9 @@ def paw(sample: Sample, ankle: int, leg: float) -> Foot:
     return _on_toes(up, ahead, float(tip @ ahead), max(0.0, -float(tip @ up)), leg)
 
 
-def _on_toes(up: Floats, ahead: Floats, far: float, deep: float, leg: float) -> Foot:
+def _on_toes(up: Floats, ahead: Floats, far: float, deep: float, leg: float) -> SoleEstimate:
     height = deep + _TIP_HEIGHT * leg
-    return Foot(up, ahead, None, height, height, _PAW * leg - far, far, deep, _TIP_HEIGHT * leg, ())
+    return SoleEstimate(up, ahead, None, height, height, _PAW * leg - far, far, deep, _TIP_HEIGHT * leg, ())
 
 
 def _within(value: float, limits: tuple[float, ...], leg: float) -> float:
@@ -221,7 +225,7 @@ def _seen_from(sample: Sample, joint: int, tracks: list[Floats], frames: Ints) -
     return [np.median(rotation.rotate(back, track[frames] - origin), axis=0) for track in tracks]
 
 
-def alike(feet: list[Foot], ends: list[str]) -> list[Foot]:
+def alike(feet: list[SoleEstimate], ends: list[str]) -> list[SoleEstimate]:
     """Give left and right foot of one end of the body the mean of their measures.
 
     Nobody stands on one thick sole and one thin one: where a clip seems to tell so, one of its feet seldom lay flat.

@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.errors import UsageError
 from footfix.motion.clip import Clip, Floats
-from footfix.motion.leadin import motion_range
+from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
 from footfix.rig.figure import Figure, figures
 from footfix.rig.params import RigParams

@@ -14,7 +14,7 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.rig.sample import Sample
-from footfix.rig.soles import MESH_OVER_LOW, Foot, floor, resting
+from footfix.rig.soles import MESH_OVER_LOW, SoleEstimate, floor, resting
 
 # In leg lengths.
 _LEAST = -0.005  # resting height of a ball on the plane, at least: toe joints of some skeletons lie on the ground
@@ -30,8 +30,8 @@ _WHILE = 0.8  # of the frames with a foot at rest, in which another one rests on
 
 
 def on_zero_plane(
-    sample: Sample, feet: Sequence[Foot], joints: Sequence[tuple[int, int | None]], leg: float
-) -> tuple[Foot, ...] | None:
+    sample: Sample, feet: Sequence[SoleEstimate], joints: Sequence[tuple[int, int | None]], leg: float
+) -> tuple[SoleEstimate, ...] | None:
     """Measure heel and ball over the file's zero plane, if that is where the feet rest.
 
     Args:
@@ -75,7 +75,7 @@ def skin_on_zero_plane(heights: Floats, velocities: Floats, level: float, leg: f
     return bool(-_SUNK * leg < level < 0.0 and on_plane.sum() >= _WHILE * rest.any(axis=1).sum())
 
 
-def _measured(foot: Foot, rest: float, leg: float) -> Foot:
+def _measured(foot: SoleEstimate, rest: float, leg: float) -> SoleEstimate:
     """Give the foot a ball so high, and an ankle as much higher as it is in the pose in which the foot lies flat.
 
     A joint that rests a little below the plane is a sole point itself: none lies above its joint.

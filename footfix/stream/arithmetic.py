@@ -1,4 +1,4 @@
-"""Arithmetic of a few frames in few operations: the same numbers as `enforce.posed` and numpy say of whole clips.
+"""Arithmetic of a few frames in few operations: the same numbers as `enforce.leg_state` and numpy say of whole clips.
 
 Vectors and matrices have their components first, quaternions last.
 """
@@ -77,13 +77,13 @@ def rotated(matrix: Floats, v: Floats) -> Floats:
 
 
 def exponential(vector: Floats) -> Floats:
-    """Convert rotation vectors (3, ...) [rad] to matrices (3, 3, ...); see `enforce.posed.exponential`."""
+    """Convert rotation vectors (3, ...) [rad] to matrices (3, 3, ...); see `enforce.leg_state.exponential`."""
     square, _, sines, halves = _sines(vector)
     return _series(vector, square, sines, halves)
 
 
 def exponential_and_jacobian(vector: Floats) -> Floats:
-    """Get (3, 3, 2, ...): `enforce.posed`'s `exponential` and `left_jacobian` of rotation vectors (3, ...) [rad]."""
+    """Get (3, 3, 2, ...): `exponential` and `left_jacobian` of rotation vectors (3, ...) [rad]."""
     square, angle, sines, halves = _sines(vector)
     both = np.empty((3, *square.shape))
     both[0], both[1] = sines, halves

@@ -9,15 +9,15 @@ import numpy as np
 from footfix.detect.evidence import resample
 from footfix.detect.run import detect_contacts
 from footfix.detect.tracks import tracks_of
-from footfix.enforce.kept import faults as faults_of
 from footfix.enforce.leg import LegCalibration
+from footfix.enforce.plant_faults import faults as faults_of
 from footfix.enforce.task import task_of
 from footfix.enforce.whole_clip import noises
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.notes import Note
-from footfix.rig.crop import crop
 from footfix.rig.find import find_rigs
-from footfix.rig.followers import Follower, find_followers
+from footfix.rig.helper_joints import Follower, find_followers
+from footfix.rig.motion_crop import crop
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 

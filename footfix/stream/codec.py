@@ -25,7 +25,7 @@ from footfix.formats.bvh.tree import Channel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, Skeleton
 from footfix.stream.euler import to_euler
-from footfix.stream.part import Part
+from footfix.stream.subskeleton import Subskeleton
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class _Moving:
 class Channels:
     """Rows of a BVH file's channels."""
 
-    def __init__(self, document: Document, part: Part, frame_time: float) -> None:
+    def __init__(self, document: Document, part: Subskeleton, frame_time: float) -> None:
         """Know the file by its header, placed.
 
         Args:
@@ -185,7 +185,7 @@ def _turnings(
 class Arrays:
     """Rows of positions (3 J), then rotations (4 J) of all joints of a skeleton."""
 
-    def __init__(self, skeleton: Skeleton, part: Part, frame_time: float) -> None:
+    def __init__(self, skeleton: Skeleton, part: Subskeleton, frame_time: float) -> None:
         """Know the skeleton, and the joints of it that are worked on."""
         joints, J = np.array(part.joints), len(skeleton)
         self._part, self._frame_time = part, frame_time

@@ -12,22 +12,22 @@ from math import ceil, isfinite
 
 import numpy as np
 
-from footfix.detect import fitted
+from footfix.detect import weights
 from footfix.detect.auto import AutoParams, grounded
 from footfix.detect.evidence import LIFT, STEP
 from footfix.detect.kneeling import carrying
 from footfix.detect.network import FLAT, HEEL, TOE, Network
-from footfix.detect.path import EARLY, Stretch, resting, stretches
 from footfix.detect.stepping import stands
 from footfix.detect.timing import timed_by
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
+from footfix.detect.viterbi import EARLY, Stretch, resting, stretches
 from footfix.motion.clip import Bools, Floats
+from footfix.stream.evidence import weigh
 from footfix.stream.filters import filtered
-from footfix.stream.grid import FOOT, PAST, Grid
 from footfix.stream.over_ground import OverGround
 from footfix.stream.ring import Ring
 from footfix.stream.stepping import overtaking, stepping
-from footfix.stream.weigh import weigh
+from footfix.stream.time_grid import FOOT, PAST, Grid
 
 _REACH = 31  # steps that the network looks ahead and behind
 _SETTLE = 0.15  # [s] before what is to be told, in which the answers may still change
@@ -114,7 +114,7 @@ class Detector:
         self._count = count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         self._facing = self._over.facing()
         curves = weigh(places, self._facing, count + _REACH, self._mates, self._jitter)
-        answered = logits(fitted.network(), curves, count)
+        answered = logits(weights.network(), curves, count)
         self._answered = grounded(
             answered.reshape(-1, answered.shape[-1]), curves[:, -count:].reshape(-1, curves.shape[-1]), self._params
         ).reshape(answered.shape)
@@ -139,7 +139,7 @@ class Detector:
         lands, leaves = [], []
         for k in range(len(self._mates)):
             found = stretches(answers[:, k], self._params.switch, self._params.roll, since=since)
-            found = timed_by(found, brakes[:, k], tips[:, k], fitted.timing())
+            found = timed_by(found, brakes[:, k], tips[:, k], weights.timing())
             self._mark(found, offset - first * self._per_frame, down[:, 2 * k : 2 * k + 2])
             ends = {s.end for s in found}
             begins = {s.start for s in found}
@@ -198,7 +198,7 @@ class Detector:
     def _tracks(self, places: Floats) -> Tracks:
         """Lay out places (n, feet, 3, 3) of heels, toes and knees."""
         feet = tuple(
-            Foot(side, p[:, 0], p[:, 0], p[:, 0], p[:, 1], p[:, 2])
+            FootTracks(side, p[:, 0], p[:, 0], p[:, 0], p[:, 1], p[:, 2])
             for side, p in zip(self._sides, places.swapaxes(0, 1), strict=True)
         )
         return Tracks(places[:, 0, 0], feet, self._leg_length, self._frame_time)

@@ -31,12 +31,12 @@ from footfix.settings import Settings
 from footfix.stream.belt import Belt
 from footfix.stream.detection import Detector, Seen
 from footfix.stream.events import Event, Kind
-from footfix.stream.legs import Legs, Measure
-from footfix.stream.part import Part
-from footfix.stream.past import Past
-from footfix.stream.posing import Posing
-from footfix.stream.spread import Spread
-from footfix.stream.turns import Turner
+from footfix.stream.history import History
+from footfix.stream.kinematics import Posing
+from footfix.stream.leg_rotations import Turner
+from footfix.stream.legs import LegMeasurer, Legs
+from footfix.stream.scheduling import SpreadWork
+from footfix.stream.subskeleton import Subskeleton
 from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
@@ -90,7 +90,7 @@ class Engine:
     """Detection and enforcement of one figure, with a fixed delay."""
 
     def __init__(
-        self, part: Part, codec: Codec, columns: int, frame_time: float, settings: Settings, look_ahead: float,
+        self, part: Subskeleton, codec: Codec, columns: int, frame_time: float, settings: Settings, look_ahead: float,
         shown: int = 0,
     ) -> None:  # fmt: skip
         """Begin.
@@ -109,7 +109,7 @@ class Engine:
         self.hop, self.delay = paced(look_ahead, frame_time)
         ahead = self.delay - self.hop + 1
         spread = min(self.hop - 1, _SPREAD, ahead // _SPARED)  # frames that a hop's parts wait for at most
-        self._work, self._ahead = Spread(_PARTS, spread + 1), ahead - spread
+        self._work, self._ahead = SpreadWork(_PARTS, spread + 1), ahead - spread
         self._detector = Detector(
             [leg.side for leg in self._rig.legs], part.known.mates, part.known.jitter, self._rig.leg_length, frame_time,
             look_ahead, settings.detect.auto,
@@ -118,11 +118,11 @@ class Engine:
         self._belt = Belt(part.known.belt, frame_time, self._rig.leg_length, settings.enforce.ground)
         self._order = [2 * sole.leg + (sole.part == "toe") for sole in self._rig.soles]
         self._joints = posed_joints(part.skeleton, self._rig)
-        self._posing, self._measure = Posing(part.skeleton, self._joints), Measure(part, self._joints)
+        self._posing, self._measure = Posing(part.skeleton, self._joints), LegMeasurer(part, self._joints)
         self._turner = Turner(part, self._joints, self._measure.kinds, frame_time, goes_on=shown > 0)
         self._window = Window(part.known, moves, self._turner, frame_time, settings.enforce, shown)
         kept = self.delay + 4 * self.hop + BEFORE + 4  # frames
-        self._past = Past(self._measure.kinds, self._joints, part.skeleton, frame_time, columns, kept)
+        self._past = History(self._measure.kinds, self._joints, part.skeleton, frame_time, columns, kept)
         self._hop: list[Floats] = []
         self._arrived, self._settled = 0, shown
         self._told = np.zeros((BEFORE, 2 * len(self._rig.legs)), dtype=np.bool_)  # of the last frames that are settled

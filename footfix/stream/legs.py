@@ -1,6 +1,6 @@
 """All legs of a stream together: as captured, and where their points go in a state.
 
-The same as `enforce.leg` and `enforce.posed` say of one leg. Arrays have components first, then points, legs and
+The same as `enforce.leg` and `enforce.leg_state` say of one leg. Arrays have components first, then points, legs and
 frames: (3, P, L, F). Stretches of a stream are short, and what takes the time is the number of operations.
 """
 
@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.enforce.leg import ANKLE, HEEL, LEG, ROOT, TIP, TOE, B, K, LegTracks, Q, W, tip_of
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Leg
 from footfix.stream.arithmetic import cross, exponential, exponential_and_jacobian, rotated, turned
 from footfix.stream.knees import knees
-from footfix.stream.part import Part
+from footfix.stream.subskeleton import Subskeleton
 
 POINTS = 4
 _LEAST = 1e-300  # [m] of a length by which is divided
@@ -121,10 +121,10 @@ class Legs:
         return Legs(self.kinds, **some)
 
 
-class Measure:
+class LegMeasurer:
     """What measures the legs of a figure in its pose."""
 
-    def __init__(self, part: Part, joints: Sequence[int]) -> None:
+    def __init__(self, part: Subskeleton, joints: Sequence[int]) -> None:
         """Know the figure, and which joints a pose is of."""
         rig, known, skeleton = part.known.rig, part.known.legs, part.skeleton
         slot = {joint: k for k, joint in enumerate(joints)}
@@ -173,7 +173,7 @@ class Measure:
             shank, axis, hinge, reach, standing - ankle[:, None], tip, flexion, np.minimum(flexion, self._least),
         )  # fmt: skip
         feet = tuple(
-            Foot(leg.side, hip[:, k].T, ankle[:, k].T, heel=soles[:, HEEL, k].T, toe=soles[:, TOE, k].T,
+            FootTracks(leg.side, hip[:, k].T, ankle[:, k].T, heel=soles[:, HEEL, k].T, toe=soles[:, TOE, k].T,
                  knee=knee[:, k].T)
             for k, leg in enumerate(self._rig.legs)
         )  # fmt: skip
@@ -181,7 +181,7 @@ class Measure:
 
 
 @dataclass(frozen=True, eq=False)
-class Posed:
+class LegStates:
     """Points (3, P, L, F) [m] of a state, and their derivatives (L, F, 3 P, 11) by the root and the leg's unknowns."""
 
     places: Floats
@@ -193,7 +193,7 @@ def own_of(x: Floats) -> Floats:
     return x[ROOT:].reshape(-1, LEG, x.shape[1]).swapaxes(0, 1)
 
 
-def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
+def states_of(legs: Legs, root: Floats, x: Floats) -> LegStates:
     """Put the points where a state has them, with derivatives: root (3, F) [m], and the legs' unknowns (8, L, F)."""
     vectors = _vectors(legs, x)
     both = exponential_and_jacobian(vectors)
@@ -210,7 +210,7 @@ def posed(legs: Legs, root: Floats, x: Floats) -> Posed:
     rest[..., K] = bent.transpose(1, 2, 0)[..., None]
     rest[..., W] = swept[:, :, 1:].transpose(3, 4, 0, 2, 1)
     rest[..., TIP, B] = hinge.transpose(1, 2, 0)
-    return Posed(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
+    return LegStates(places, out.reshape(*n, 3 * POINTS, ROOT + LEG))
 
 
 def places_of(legs: Legs, root: Floats, x: Floats) -> Floats:

@@ -18,7 +18,7 @@ from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import near, root_bound, smooth, sticks
 from footfix.motion.clip import Floats
-from footfix.stream.legs import Legs, Posed, posed
+from footfix.stream.legs import Legs, LegStates, states_of
 from footfix.stream.pins import Stacked
 
 
@@ -41,7 +41,7 @@ class Normal:
 
 def normal(
     problem: Problem, legs: Legs, pins: Stacked, x: Floats, eps: float, static: float, bands: Floats | None = None,
-    at: Posed | None = None,
+    at: LegStates | None = None,
 ) -> Normal:  # fmt: skip
     """Linearise the objective of a window at a state (U, F); see `enforce.objective.systems`.
 
@@ -56,7 +56,7 @@ def normal(
     """
     F, L = x.shape[1], legs.flexion.shape[0]
     own = x[ROOT:].reshape(L, LEG, F).swapaxes(0, 1)  # (8, L, F)
-    at = posed(legs, x[:ROOT], own) if at is None else at
+    at = states_of(legs, x[:ROOT], own) if at is None else at
     force, stiff, step = _pull(problem, pins, at.places, eps, static)
     J = at.jacobian  # (L, F, 12, 11)
     by_place = force.transpose(2, 3, 0, 1).reshape(L, F, -1, 1)

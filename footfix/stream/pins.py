@@ -12,8 +12,8 @@ from footfix.enforce.pins import PinParams, Pins
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import runs
 from footfix.stream.arithmetic import median
-from footfix.stream.held import Foot, Ground, Plant, masks
 from footfix.stream.legs import POINTS, Legs
+from footfix.stream.plants import FootPlants, Ground, Plant, masks
 
 _FIRM = {HEEL: 0.3, TOE: 25.0, ANKLE: 0.3}  # how much the place of a plant that was shown counts
 _LED = 0.5  # of the way to its level that a plant to come is led every time
@@ -91,7 +91,7 @@ class Asked:
     params: PinParams
 
 
-def pins_of(feet: Sequence[Foot], legs: Legs, on: Bools, asked: Asked) -> Stacked:
+def pins_of(feet: Sequence[FootPlants], legs: Legs, on: Bools, asked: Asked) -> Stacked:
     """Lay out what the points of all feet are to do in a window.
 
     Args:
@@ -119,7 +119,9 @@ def pins_of(feet: Sequence[Foot], legs: Legs, on: Bools, asked: Asked) -> Stacke
     return out
 
 
-def _floor_step(foot: Foot, k: int, when: Sequence[tuple[Bools, Sequence[tuple[int, int]]]], asked: Asked) -> float:
+def _floor_step(
+    foot: FootPlants, k: int, when: Sequence[tuple[Bools, Sequence[tuple[int, int]]]], asked: Asked
+) -> float:
     """[m] how much higher than the rig's the lower of the floors is on which a foot stood, or is about to stand."""
     steps, ground = [foot.step], asked.ground
     for point in (HEEL, TOE):
@@ -128,7 +130,7 @@ def _floor_step(foot: Foot, k: int, when: Sequence[tuple[Bools, Sequence[tuple[i
     return min(steps)
 
 
-def _hold(out: Stacked, foot: Foot, k: int, point: int, start: int, end: int, asked: Asked) -> None:
+def _hold(out: Stacked, foot: FootPlants, k: int, point: int, start: int, end: int, asked: Asked) -> None:
     """Hold a point while it is planted, in the frames [start, end) of the window."""
     window, ground, n = asked.window, asked.ground, len(asked.window)
     plant = _of_run(foot, TOE if point == TIP else point, int(window[start]))
@@ -165,7 +167,7 @@ def _planned(plan: Floats, belt: Floats) -> Floats:
     return place
 
 
-def _of_run(foot: Foot, point: int, number: int) -> Plant | None:
+def _of_run(foot: FootPlants, point: int, number: int) -> Plant | None:
     """The plant that was shown already and goes on in frame `number`."""
     plant = foot.plants[point]
     return plant if plant is not None and plant.start <= number else None

@@ -18,11 +18,11 @@ from footfix.formats.bvh.document import Document
 from footfix.notes import Note
 from footfix.settings import Settings
 from footfix.stream.backlog import Backlog, Outlet
+from footfix.stream.bvh_lines import Header, Row, Said, counted, header_of, with_room
 from footfix.stream.engine import Shown
 from footfix.stream.events import Event
 from footfix.stream.interrupts import Interrupted
-from footfix.stream.lines import Header, Row, Said, counted, header_of, with_room
-from footfix.stream.live import Live, StreamParams
+from footfix.stream.session import Live, StreamParams
 from footfix.stream.sources import Came, Gone, Peer, Source
 
 _OFTEN = 3  # times that one kind of fault is said in full

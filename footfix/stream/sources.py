@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from footfix.errors import FootfixError, InputError, UsageError
 from footfix.formats.bvh.document import Document
 from footfix.stream.backlog import Backlog, Outlet
-from footfix.stream.lines import Lines, Row, Said
+from footfix.stream.bvh_lines import Lines, Row, Said
 
 _CHUNK = 1 << 16  # [bytes]
 _AGAIN = (0.2, 2.0)  # [s] before a connection is tried again: at first, and at most

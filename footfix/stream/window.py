@@ -14,21 +14,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce import solve
-from footfix.enforce.floors import nominal
 from footfix.enforce.leg import ANKLE, LEG, ROOT, TOE
 from footfix.enforce.papers.ease import gamma
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
+from footfix.enforce.standing_heights import nominal
 from footfix.enforce.whole_clip import costs_of, faded
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.kinematics import Pose
 from footfix.stream.calibration import Calibration
-from footfix.stream.descent import Fixed, descend
-from footfix.stream.exact import exact
-from footfix.stream.held import Foot, Ground, follow
-from footfix.stream.legs import Legs, own_of, places_of, posed
+from footfix.stream.gauss_newton import Fixed, descend
+from footfix.stream.leg_rotations import Turned, Turner
+from footfix.stream.legs import Legs, own_of, places_of, states_of
 from footfix.stream.pins import Asked, Stacked, pins_of
-from footfix.stream.turns import Turned, Turner
+from footfix.stream.plants import FootPlants, Ground, follow
+from footfix.stream.toe_lock import exact
 
 _FIRST = 8e-4  # [m/s] of slip below which its price is a parabola, in the first round of the last window
 _LAST_ROUNDS = 6  # of that window's solution
@@ -80,7 +80,7 @@ class Window:
             near=params.pins.near * rig.leg_length, sink=params.pins.sink * rig.leg_length, leg_length=rig.leg_length,
             frame_time=frame_time, heights=heights,
         )  # fmt: skip
-        self._feet = [Foot() for _ in rig.legs]
+        self._feet = [FootPlants() for _ in rig.legs]
         self._first, self._seen, self._fault = first, first, known.fault
         self._x = np.zeros((ROOT + LEG * len(rig.legs), 0))  # of the frames of the window before
         self.belt = known.belt  # (3,) [m/s] of the ground under plants to come
@@ -90,7 +90,7 @@ class Window:
         self._begin = self._shown = first  # numbers of the first of these, and of the first that was not shown
 
     @property
-    def feet(self) -> Sequence[Foot]:
+    def feet(self) -> Sequence[FootPlants]:
         """What was shown of each foot."""
         return self._feet
 
@@ -128,7 +128,7 @@ class Window:
         past = min(max(self._shown - first, 0), n)
         shown = slice(past, past + len(pose.positions))
         x = self._started(first, n)
-        captured, at = legs.places(), posed(legs, x[:ROOT], own_of(x))
+        captured, at = legs.places(), states_of(legs, x[:ROOT], own_of(x))
         asked = Asked(captured, at.places, window, self._ground, self.belt * self._frame_time, self._params.pins)
         pins = pins_of(self._feet, legs, on, asked)
         yield

@@ -10,7 +10,7 @@ from conftest import SAMPLES, need, shared
 
 import footfix
 from footfix.motion.clip import Floats
-from footfix.motion.fit import fit_rotations
+from footfix.motion.from_positions import fit_rotations
 from footfix.motion.kinematics import places
 
 

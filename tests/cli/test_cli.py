@@ -241,7 +241,7 @@ def test_a_reader_that_goes_early_is_no_failure(clip: Path) -> None:
 def test_a_set_of_outputs_is_whole_or_not_there(
     run: Run, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from footfix.batch import making
+    from footfix.batch import write_outputs
     from footfix.errors import OutputError
 
     def full(path: Path, data: bytes, **more: object) -> None:
@@ -249,7 +249,7 @@ def test_a_set_of_outputs_is_whole_or_not_there(
             raise OutputError(f"{path}: can't be written: No space left on device")
         path.write_bytes(data)
 
-    monkeypatch.setattr(making, "write_whole", full)
+    monkeypatch.setattr(write_outputs, "write_whole", full)
     code, _, err = run("clean", clip, "-o", tmp_path / "out", "-j1")
     assert code == 3 and "No space left" in err
     assert not [path for path in (tmp_path / "out").iterdir() if path.is_file()]

@@ -9,10 +9,10 @@ import pytest
 
 from footfix.detect.adaptive import AdaptiveParams, _frames_of, _plants, _with_ends, adaptive
 from footfix.detect.cycles import Cycle, CycleParams, _even, find_cycles, zigzag
-from footfix.detect.locked import let_go
+from footfix.detect.foot_locks import let_go
 from footfix.detect.lyard import LyardParams, _agreement, _follow, lyard
 from footfix.detect.threshold import ThresholdParams, _nearest_plant_length, threshold
-from footfix.detect.tracks import GRAVITY, Foot, Tracks
+from footfix.detect.tracks import GRAVITY, FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
@@ -29,8 +29,8 @@ def line(x: object, y: object, z: object, frames: int = 101) -> Floats:
 def tracks(pelvis: Floats, heel: Floats, toe: Floats | None = None, *, others: Floats | None = None) -> Tracks:
     """Two feet: the left one as told, the right one far up unless it is told, too."""
     away = line(0.1, 3.0, 0.0, len(pelvis)) if others is None else others
-    left = Foot("left", pelvis, heel, heel, heel if toe is None else toe)
-    return Tracks(pelvis, (left, Foot("right", pelvis, away, away, away)), LEG, DT)
+    left = FootTracks("left", pelvis, heel, heel, heel if toe is None else toe)
+    return Tracks(pelvis, (left, FootTracks("right", pelvis, away, away, away)), LEG, DT)
 
 
 T = np.arange(101) * DT
@@ -119,7 +119,7 @@ def walker(
         lift += 0.05 * np.maximum(-sign * np.cos(turn), 0.0) * (0.0 if forwards else 1.0)
         hip = pelvis + [-0.1 * sign, 0.0, 0.0]
         ankle = line(-0.1 * sign, 0.1 + lift, way + sign * swing * np.sin(turn), len(t))
-        feet.append(Foot(side, hip, ankle, ankle - [0.0, 0.1, 0.05], ankle + [0.0, -0.1, 0.15]))
+        feet.append(FootTracks(side, hip, ankle, ankle - [0.0, 0.1, 0.05], ankle + [0.0, -0.1, 0.15]))
     return Tracks(pelvis, tuple(feet), LEG, DT)
 
 
@@ -268,7 +268,7 @@ def test_a_frame_votes_by_the_plant_that_is_nearest() -> None:
 def test_each_point_is_looked_at_in_its_own_window() -> None:
     of = walker()
     feet = tuple(
-        Foot(f.side, f.hip, f.ankle, f.heel * [1.0, 1.0 + 0.3 * k, 1.0], f.toe * [1.0, 2.0 + k, 1.0])
+        FootTracks(f.side, f.hip, f.ankle, f.heel * [1.0, 1.0 + 0.3 * k, 1.0], f.toe * [1.0, 2.0 + k, 1.0])
         for k, f in enumerate(of.feet)
     )  # fmt: skip
     of = Tracks(of.pelvis, feet, LEG, DT)

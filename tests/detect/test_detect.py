@@ -15,9 +15,9 @@ from walker_plan import Gait
 import footfix
 from footfix.detect.auto import AutoParams, logits
 from footfix.detect.evidence import resample
-from footfix.detect.fitted import network
 from footfix.detect.run import METHODS, DetectParams, Method, detect
 from footfix.detect.tracks import tracks_of
+from footfix.detect.weights import network
 from footfix.formats import bvh
 from footfix.formats.bvh.compose import compose
 from footfix.measure import agreement

@@ -12,7 +12,7 @@ import pytest
 
 from footfix.detect import evidence as curves
 from footfix.detect.evidence import BODY, COLUMNS, OTHER, OWN, STEP, catmull_rom, evidence, mates, resample
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 
 LEG = 0.8  # [m]
@@ -47,7 +47,7 @@ def way(coefficients: object, derivative: int = 0) -> Floats:
 
 
 def tracks() -> Tracks:
-    feet = (Foot(side, *(way(FEET[side][name]) for name in ("hip", "ankle", "heel", "toe"))) for side in FEET)
+    feet = (FootTracks(side, *(way(FEET[side][name]) for name in ("hip", "ankle", "heel", "toe"))) for side in FEET)
     return Tracks(way(PELVIS), tuple(feet), LEG, STEP)
 
 
@@ -113,20 +113,20 @@ def test_jitter_is_the_deviation_of_white_noise_of_the_ankles_in_thousandths_of_
     feet = []
     for side in FEET:
         ankle = np.stack([t, noise * rng.normal(size=len(t)), 0.3 * t**2], axis=1)
-        feet.append(Foot(side, still, ankle, still, still))
+        feet.append(FootTracks(side, still, ankle, still, still))
     assert resample(Tracks(still, tuple(feet), LEG, STEP)).jitter == pytest.approx(1000.0 * noise / LEG, rel=0.1)
 
 
 def test_a_foots_mate_is_the_one_whose_hip_is_nearest() -> None:
     still = np.zeros((3, 3))
     hips = [(0.1, 0.8, 0.9), (0.12, 0.8, 0.0), (-0.1, 0.8, 0.9), (-0.12, 0.8, 0.0)]
-    feet = tuple(Foot(str(k), still + hip, still, still, still) for k, hip in enumerate(hips))
+    feet = tuple(FootTracks(str(k), still + hip, still, still, still) for k, hip in enumerate(hips))
     assert mates(feet) == (2, 3, 0, 1)
     assert mates(feet[:1]) == (0,)
 
 
 def test_a_foot_without_a_mate_faces_where_its_toes_point() -> None:
-    foot = Foot("left", *(way(FEET["left"]["hip"]) + [0.0, 0.0, z] for z in (0.0, 0.0, -0.1, 0.1)))
+    foot = FootTracks("left", *(way(FEET["left"]["hip"]) + [0.0, 0.0, z] for z in (0.0, 0.0, -0.1, 0.1)))
     (found,) = evidence(resample(Tracks(way(PELVIS) - [0.0, 0.0, 0.3], (foot,), LEG, STEP)))
     column = found[:, COLUMNS.index("forward of pelvis")]
     assert OWN["forward of pelvis"] * np.sinh(column[MIDDLE]) == pytest.approx(np.full(80, 0.3 / LEG))
@@ -157,8 +157,8 @@ def test_a_facing_is_seen_over_a_quarter_of_a_second() -> None:
     still = np.zeros((200, 3))
     swung = still.copy()
     swung[100, 0] = 1.0  # the hips are turned in one step of the grid
-    feet = (Foot("left", still + [0.1, 0.8, 0.0] + 0.0 * swung, still, still, still + [0.0, 0.0, 0.2]),
-            Foot("right", still + [-0.1, 0.8, 0.0] + 0.01 * swung[:, [1, 2, 0]], still, still,
+    feet = (FootTracks("left", still + [0.1, 0.8, 0.0] + 0.0 * swung, still, still, still + [0.0, 0.0, 0.2]),
+            FootTracks("right", still + [-0.1, 0.8, 0.0] + 0.01 * swung[:, [1, 2, 0]], still, still,
                  still + [0.0, 0.0, 0.2]))  # fmt: skip
     (forward, _), _ = resample(Tracks(still, feet, LEG, STEP)).axes
     turned = np.flatnonzero(np.abs(forward[:, 0]) > 1e-9)
@@ -170,7 +170,7 @@ def test_quick_clips_are_smoothed_before_they_are_sampled(fps: float, smoothed: 
     still = np.zeros((round(2 * fps), 3))
     spike = still.copy()
     spike[30, 1] = 1.0  # one frame
-    foot = Foot("left", still, still, still, still)
+    foot = FootTracks("left", still, still, still, still)
     found = resample(Tracks(spike, (foot,), LEG, 1.0 / fps)).tracks.pelvis[:, 1]
     exact = catmull_rom(spike, STEP * fps)[:, 1] / LEG
     assert np.allclose(found, exact) is not smoothed
@@ -184,7 +184,7 @@ def test_one_frame_is_sampled_as_it_is() -> None:
 def test_outward_of_a_foot_without_a_mate_is_at_right_angles_to_its_toes(heading: float) -> None:
     ahead = np.array([np.sin(heading), 0.0, np.cos(heading)])
     still = np.zeros((100, 3))
-    foot = Foot("left", still, still, still - 0.1 * ahead, still + 0.1 * ahead)
+    foot = FootTracks("left", still, still, still - 0.1 * ahead, still + 0.1 * ahead)
     ((forward, outward),) = resample(Tracks(still, (foot,), LEG, STEP)).axes
     assert forward == pytest.approx(np.tile(ahead[::2], (100, 1)))
     assert np.abs(np.sum(forward * outward, axis=1)).max() < 1e-12

@@ -7,22 +7,22 @@ import pytest
 
 from footfix.detect import auto as detector
 from footfix.detect.auto import AutoParams, auto, grounded
-from footfix.detect.doubts import DoubtParams, unsure
 from footfix.detect.evidence import COLUMNS, OWN
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
+from footfix.detect.uncertainty import DoubtParams, unsure
 from footfix.motion.clip import Floats
 
 
-def _kneeler(knee_height: float, speed: float) -> tuple[Tracks, Foot]:
+def _kneeler(knee_height: float, speed: float) -> tuple[Tracks, FootTracks]:
     """Two seconds at 50 fps; the toe goes along the floor at some speed [m/s]."""
     times = np.arange(100)[:, None] * 0.02
 
     def track(y: float, v: float = 0.0) -> Floats:
         return np.array([0.0, y, 0.0]) + times * [0.0, 0.0, v]
 
-    foot = Foot("left", track(0.5), track(0.1), track(0.1), track(0.0, speed), knee=track(knee_height))
+    foot = FootTracks("left", track(0.5), track(0.1), track(0.1), track(0.0, speed), knee=track(knee_height))
     return Tracks(track(0.55), (foot,), 0.9, 0.02), foot
 
 
@@ -100,7 +100,7 @@ def test_a_heel_that_hardly_rises_while_the_toe_stands_never_left(
     tracks, foot = _kneeler(0.5, 0.0)
     up = foot.heel.copy()
     up[40:60, 1] += rise * tracks.leg_length
-    raised = Tracks(tracks.pelvis, (Foot("left", foot.hip, foot.ankle, up, foot.toe, foot.knee),), 0.9, 0.02)
+    raised = Tracks(tracks.pelvis, (FootTracks("left", foot.hip, foot.ankle, up, foot.toe, foot.knee),), 0.9, 0.02)
     state = np.where((np.arange(199) >= 80) & (np.arange(199) < 120), TOE, FLAT)
     answer = np.log(np.full((199, 4), 0.001 / 3) + 0.999 * np.eye(4)[state])
     monkeypatch.setattr(detector, "weighed", lambda *_: ((answer,), (answer,)))
@@ -112,7 +112,7 @@ def test_a_heel_that_hardly_rises_while_the_toe_stands_never_left(
 def test_a_foot_without_a_knee_kneels_never() -> None:
     tracks, foot = _kneeler(0.05, 0.5)
     mask = np.ones(100, dtype=np.bool_)
-    bare = Foot("left", foot.hip, foot.ankle, foot.heel, foot.toe)
+    bare = FootTracks("left", foot.hip, foot.ankle, foot.heel, foot.toe)
     assert not carrying(mask, tracks, foot, foot.toe, KneelingParams()).any()
     assert carrying(mask, tracks, bare, foot.toe, KneelingParams()) is mask
     nothing = ~mask

@@ -13,7 +13,6 @@ from walker_gaits import Gait
 
 from footfix.detect.auto import AutoParams, logits
 from footfix.detect.evidence import resample
-from footfix.detect.fitted import network
 from footfix.detect.network import SWING
 from footfix.detect.run import DetectParams, find
 from footfix.detect.settling import SettlingParams
@@ -27,7 +26,8 @@ from footfix.detect.stepping import (
     velocities,
     velocities_of,
 )
-from footfix.detect.tracks import Foot, Tracks, tracks_of
+from footfix.detect.tracks import FootTracks, Tracks, tracks_of
+from footfix.detect.weights import network
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.rig.find import find_rig
@@ -46,13 +46,13 @@ def standing() -> Tracks:
         return np.broadcast_to(np.array([x, y, z]), shape).copy()
 
     feet = tuple(
-        Foot(side, at(x, 0.88, 0.0), at(x, 0.08, 0.0), at(x, 0.0, -0.05), at(x, 0.0, 0.13), at(x, 0.46, 0.06))
+        FootTracks(side, at(x, 0.88, 0.0), at(x, 0.08, 0.0), at(x, 0.0, -0.05), at(x, 0.0, 0.13), at(x, 0.46, 0.06))
         for side, x in (("left", 0.1), ("right", -0.1))
     )
     return Tracks(at(0.0, 0.93, 0.0), feet, 0.88, 1.0 / FPS)
 
 
-def shift(foot: Foot, by: Floats) -> Foot:
+def shift(foot: FootTracks, by: Floats) -> FootTracks:
     return replace(foot, ankle=foot.ankle + by, heel=foot.heel + by, toe=foot.toe + by)
 
 

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from footfix.detect.evidence import STEP, Sampled
-from footfix.detect.fitted import timing
 from footfix.detect.network import FLAT, HEEL, TOE
-from footfix.detect.path import Stretch
 from footfix.detect.timing import SHARE, Line, Timing, braking, seen, timed, tipping
-from footfix.detect.tracks import Foot, Tracks
+from footfix.detect.tracks import FootTracks, Tracks
+from footfix.detect.viterbi import Stretch
+from footfix.detect.weights import timing
 from footfix.motion.clip import Floats
 
 LINE = Line((-1, 0, 1), np.array([0.0, -1.0, 0.0]), 0.0, 3.0)  # of a curve that rises by one a step: to its zero
@@ -26,7 +26,7 @@ def sampled(pitch: Floats, heading: float = 0.0, size: float = 1.0) -> Sampled:
     forward = np.array([np.sin(heading), np.cos(heading)])
     along = np.stack([np.cos(pitch) * forward[0], np.sin(pitch), np.cos(pitch) * forward[1]], axis=1)
     heel = size * np.cumsum(np.abs(np.sin(np.arange(len(pitch)) / 9.0)))[:, None] * np.array([0.1, 0.02, 0.2])
-    foot = Foot("left", heel, heel, heel, heel + size * 0.25 * along)
+    foot = FootTracks("left", heel, heel, heel, heel + size * 0.25 * along)
     level = np.tile(forward, (len(pitch), 1))
     return Sampled(Tracks(heel, (foot,), 1.0, STEP), (0,), ((level, level[:, ::-1]),), 0.0)
 

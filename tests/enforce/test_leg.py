@@ -24,7 +24,7 @@ from footfix.enforce.leg import (
     noise_of,
     raise_leg,
 )
-from footfix.enforce.posed import Posed, cross, exponential, local_rotations, places_of, posed
+from footfix.enforce.leg_state import LegState, cross, exponential, local_rotations, places_of, state_of
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import forward
@@ -71,8 +71,8 @@ def test_jacobians_of_other_legs(kind: str) -> None:
     check_jacobians(leg, *states(leg, 2, 0.7))
 
 
-def jacobian_of(at: Posed, point: int) -> Floats:
-    """(3, 11, F) derivatives of a point by the root's three unknowns and the leg's eight, as `Posed` puts them."""
+def jacobian_of(at: LegState, point: int) -> Floats:
+    """(3, 11, F) derivatives of a point by the root's three unknowns and the leg's eight, as `LegState` puts them."""
     out, arm = np.zeros((3, ROOT + LEG, at.ankle.shape[2])), at.arms[point]
     out[range(3), range(3)] = 1.0
     out[:, ROOT : ROOT + 4] = at.ankle
@@ -84,7 +84,7 @@ def jacobian_of(at: Posed, point: int) -> Floats:
 
 
 def check_jacobians(leg: LegTracks, root: Floats, x: Floats) -> None:
-    found, whole, h = posed(leg, root, x), np.concatenate([root, x]), 2e-5
+    found, whole, h = state_of(leg, root, x), np.concatenate([root, x]), 2e-5
     for u in range(ROOT + LEG):
         sides = []
         for step in (h, -h, 2.0 * h, -2.0 * h):
@@ -102,7 +102,7 @@ def check_jacobians(leg: LegTracks, root: Floats, x: Floats) -> None:
 def test_places_do_not_depend_on_whether_derivatives_are_wanted() -> None:
     leg = figure().legs[0]
     root, x = states(leg, 3, 0.3)
-    for a, b in zip(posed(leg, root, x).places, places_of(leg, root, x), strict=True):
+    for a, b in zip(state_of(leg, root, x).places, places_of(leg, root, x), strict=True):
         assert np.array_equal(a, b)
 
 
@@ -312,7 +312,7 @@ def test_a_raised_leg_is_the_leg_higher_up() -> None:
     for point in (HEEL, TOE, ANKLE, TIP):
         assert np.allclose(up.place(point) - leg.place(point), [[0.0], [0.03], [0.0]])
     root, x = states(leg, 3, 0.2)
-    lifted, plain = posed(up, root, x).places, posed(leg, root, x).places
+    lifted, plain = state_of(up, root, x).places, state_of(leg, root, x).places
     assert all(np.allclose(a - b, [[0.0], [0.03], [0.0]]) for a, b in zip(lifted, plain, strict=True))
 
 
@@ -320,7 +320,7 @@ def test_some_frames_of_a_leg_are_those_of_the_whole() -> None:
     leg = figure().legs[1]
     which = np.array([3, 50, 51, 120])
     root, x = states(leg, 3, 0.2)
-    some, whole = posed(leg.frames(which), root[:, which], x[:, which]), posed(leg, root, x)
+    some, whole = state_of(leg.frames(which), root[:, which], x[:, which]), state_of(leg, root, x)
     parts = ((*each.places, each.ankle, each.turn, each.hinge) for each in (some, whole))
     for a, b in zip(*parts, strict=True):
         assert np.allclose(a, b[..., which], atol=1e-15)

@@ -12,12 +12,12 @@ from legmaker import Figure, figure_of
 from walks import cleaned, rig_of
 from walks import short_walk as walk
 
-from footfix.enforce.floors import Floors
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import HEEL, TOE, LegTracks
 from footfix.enforce.outcomes import CorrectedLeg, outcomes
 from footfix.enforce.params import EnforceParams
+from footfix.enforce.standing_heights import Floors
 from footfix.enforce.task import pose_of
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contact

@@ -11,12 +11,12 @@ from legmaker import Figure, figure, figure_of
 from walks import rig_of
 from walks import short_walk as walk
 
-from footfix.enforce.floors import floors, lacks, nominal
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant, footplants, given, stands
-from footfix.enforce.kept import kept
 from footfix.enforce.leg import ANKLE, HEEL, TIP, TOE
 from footfix.enforce.pins import PinParams, Pins, pins
+from footfix.enforce.plant_faults import kept
+from footfix.enforce.standing_heights import floors, lacks, nominal
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, Contacts
 

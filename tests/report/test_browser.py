@@ -20,7 +20,7 @@ from walker_gaits import Gait
 from footfix.formats import contacts as labels_format
 from footfix.jobs.loop import loop_file
 from footfix.locomotion.loop.params import LoopParams
-from footfix.measure.seen import posed, seen_of
+from footfix.measure.visible_points import posed, seen_of
 from footfix.motion.contacts import Contact
 from footfix.report.offenders import worst_plants
 from footfix.report.web.index import IndexRow, render_index

@@ -33,7 +33,7 @@ from footfix.errors import NoLegsError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton
 from footfix.rig.find import find_rig, find_rigs
-from footfix.rig.soles import Foot, alike
+from footfix.rig.soles import SoleEstimate, alike
 from footfix.rig.units import AXES, infer_units
 
 ON_ONE_LEVEL = sorted(set(STYLES) - {"stairs", "stairs-down"})
@@ -195,7 +195,7 @@ def test_feet_without_toe_joints(ends: bool) -> None:
     assert [note.id for note in rig.notes] == ([] if ends else ["feet-without-toes"])
 
 
-@pytest.mark.parametrize("name", ["{side}FootEnd", "{side}Foot_End", "{side} Foot Nub", "{side}ToeEnd_01"])
+@pytest.mark.parametrize("name", ["{side}FootEnd", "{side}Foot_End", "{side} SoleEstimate Nub", "{side}ToeEnd_01"])
 def test_a_joint_in_place_of_an_end_site_is_no_toe(name: str) -> None:
     clip = without_toes(walk().clip, ends=False)
     for side in ("Left", "Right"):
@@ -433,9 +433,9 @@ def test_duplicate_names_are_no_matter() -> None:
 
 
 def test_left_and_right_feet_are_alike() -> None:
-    def foot(height: float, *guessed: str, ahead: float = 0.16) -> Foot:
+    def foot(height: float, *guessed: str, ahead: float = 0.16) -> SoleEstimate:
         up, forward = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
-        return Foot(up, forward, up, height, 0.04, 0.06, ahead, height - 0.04, 0.045, guessed)
+        return SoleEstimate(up, forward, up, height, 0.04, 0.06, ahead, height - 0.04, 0.045, guessed)
 
     left, right, paw = foot(0.144), foot(0.109), foot(0.2, ahead=0.05)
     ends = ["", "", "front_"]

@@ -20,7 +20,7 @@ from footfix.rig.find import find_rig
 from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig
 from footfix.rig.sample import Sample
-from footfix.rig.soles import MESH_OVER_LOW, Foot, floor
+from footfix.rig.soles import MESH_OVER_LOW, SoleEstimate, floor
 from footfix.rig.units import infer_units
 from footfix.rig.zero_plane import on_zero_plane, skin_on_zero_plane
 
@@ -176,7 +176,7 @@ def test_settings_take_a_height_or_zero() -> None:
 
 # Two stiff feet, each an ankle and a toe joint 0.1 ahead and 0.05 below it, on legs of 1 m.
 UP, AHEAD = np.eye(3)[1], np.eye(3)[2]
-FEET = 2 * (Foot(UP, AHEAD, UP, 0.095, 0.045, 0.07, 0.1, 0.05, 0.045, ()),)
+FEET = 2 * (SoleEstimate(UP, AHEAD, UP, 0.095, 0.045, 0.07, 0.1, 0.05, 0.045, ()),)
 JOINTS = ((0, 1), (2, 3))
 
 

@@ -7,9 +7,9 @@ import pytest
 from streams import sample
 
 from footfix.enforce.correction import Correction, apply
-from footfix.enforce.posed import cross as known_cross
-from footfix.enforce.posed import exponential as known_exponential
-from footfix.enforce.posed import left_jacobian
+from footfix.enforce.leg_state import cross as known_cross
+from footfix.enforce.leg_state import exponential as known_exponential
+from footfix.enforce.leg_state import left_jacobian
 from footfix.enforce.task import posed_joints
 from footfix.formats.bvh.channels import changes, placed, to_clip
 from footfix.motion import rotation
@@ -19,13 +19,13 @@ from footfix.settings import Settings
 from footfix.stream.arithmetic import cross, exponential_and_jacobian, median, product, product_back
 from footfix.stream.calibration import calibrate
 from footfix.stream.codec import Channels
-from footfix.stream.part import Part, part_of
-from footfix.stream.posing import Posing
+from footfix.stream.kinematics import Posing
+from footfix.stream.subskeleton import Subskeleton, part_of
 
 ROWS = slice(20, 26)
 
 
-def corrected(clip: Clip, part: Part) -> Clip:
+def corrected(clip: Clip, part: Subskeleton) -> Clip:
     """Turn the legs of a clip a little, and shift its root, in some of its frames."""
     rng, rig, n = np.random.default_rng(3), part.known.rig, len(clip)
     joints = sorted({joint for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)})

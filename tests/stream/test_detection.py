@@ -7,7 +7,7 @@ import pytest
 from streams import cut, sample
 
 import footfix
-from footfix.detect import fitted
+from footfix.detect import weights
 from footfix.detect.auto import AutoParams, auto
 from footfix.detect.evidence import STEP, evidence, floors, resample
 from footfix.detect.overtaking import overtaking as overtaking_of_clip
@@ -17,11 +17,11 @@ from footfix.detect.tracks import Tracks, tracks_of
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 from footfix.stream.detection import Detector, logits
+from footfix.stream.evidence import weigh
 from footfix.stream.filters import Lowest, filtered
-from footfix.stream.grid import Grid
 from footfix.stream.over_ground import Complexes, OverGround
 from footfix.stream.stepping import overtaking, stepping
-from footfix.stream.weigh import weigh
+from footfix.stream.time_grid import Grid
 
 
 def tracks(name: str) -> Tracks:
@@ -72,7 +72,7 @@ def test_evidence_of_the_newest_steps_is_that_of_the_whole_clip() -> None:
     over = OverGround(sampled.mates)
     over.follow(grid.steps, 0)
     found = weigh(grid.steps.view(0), over.facing(), 60, sampled.mates, sampled.jitter)
-    network = fitted.network()
+    network = weights.network()
     for ours, theirs in zip(found, evidence(sampled), strict=True):
         assert np.allclose(ours, theirs[-60:], atol=1e-9)
     answers = logits(network, found, 20)

@@ -18,10 +18,10 @@ from streams import sample
 
 from footfix.settings import Settings
 from footfix.stream.backlog import Backlog
+from footfix.stream.bvh_lines import Lines
 from footfix.stream.interrupts import interrupts
-from footfix.stream.lines import Lines
-from footfix.stream.live import StreamParams
 from footfix.stream.run import Run, Sink, Talk
+from footfix.stream.session import StreamParams
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals are sent as on POSIX")
 

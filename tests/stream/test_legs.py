@@ -14,9 +14,9 @@ from footfix.enforce.leg import LEG, ROOT, LegTracks
 from footfix.enforce.leg import tracks as leg_tracks
 from footfix.enforce.whole_clip import correction as whole_correction
 from footfix.motion.clip import Floats
-from footfix.stream.legs import Measure, posed
-from footfix.stream.past import Past
-from footfix.stream.turns import Turner
+from footfix.stream.history import History
+from footfix.stream.leg_rotations import Turner
+from footfix.stream.legs import LegMeasurer, states_of
 
 
 def alike(ours: LegTracks, known: LegTracks) -> bool:
@@ -36,7 +36,7 @@ def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
     for k, leg in enumerate(known):
         for point in range(len(leg.points) + 1):
             assert np.allclose(places[:, point, k], leg.place(point), atol=1e-12)
-    _, feet = Measure(part, pose.joints)(pose, clip.frame_time)
+    _, feet = LegMeasurer(part, pose.joints)(pose, clip.frame_time)
     expected = tracks_of(clip, part.known.rig, pose)
     assert np.allclose(feet.feet[1].heel, expected.feet[1].heel, atol=1e-12)
     assert np.allclose(feet.feet[0].toe, expected.feet[0].toe, atol=1e-12)
@@ -45,7 +45,7 @@ def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
 def test_stacking_taking_apart_and_remembering_loses_nothing() -> None:
     part, clip, pose, legs = figure("walk_skate")
     again = legs_of(legs.apart())
-    past = Past(legs.kinds, pose.joints, clip.skeleton, clip.frame_time, 5, 64)
+    past = History(legs.kinds, pose.joints, clip.skeleton, clip.frame_time, 5, 64)
     past.append(np.zeros((60, 5)), clip, legs, pose)
     for ours, theirs in ((again, legs), (past.legs(0), legs), (past.legs(20), legs.frames(slice(20, None)))):
         assert all(alike(a, b) for a, b in zip(ours.apart(), theirs.apart(), strict=True))
@@ -61,9 +61,9 @@ def test_points_move_with_the_unknowns_as_differences_say() -> None:
     at = legs.flexion.shape[0]
 
     def places(x: Floats) -> Floats:
-        return posed(legs, x[:ROOT], x[ROOT:].reshape(at, LEG, -1).swapaxes(0, 1)).places
+        return states_of(legs, x[:ROOT], x[ROOT:].reshape(at, LEG, -1).swapaxes(0, 1)).places
 
-    jacobian = posed(legs, x[:ROOT], x[ROOT:].reshape(at, LEG, -1).swapaxes(0, 1)).jacobian
+    jacobian = states_of(legs, x[:ROOT], x[ROOT:].reshape(at, LEG, -1).swapaxes(0, 1)).jacobian
     for unknown in range(ROOT + LEG):
         moved = x.copy()
         moved[unknown] += step  # of the root and the first leg

@@ -16,7 +16,7 @@ from footfix.motion.clip import Floats
 from footfix.pipeline import find_contacts, prepare
 from footfix.rig.find import find_rigs
 from footfix.settings import Settings
-from footfix.stream.descent import Fixed, descend
+from footfix.stream.gauss_newton import Fixed, descend
 from footfix.stream.objective import normal
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.ease import Span, ease_frames, eased
-from footfix.enforce.papers.foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
 from footfix.enforce.papers.leg import (
     CapturedLeg,
     can_turn,
@@ -28,6 +27,7 @@ from footfix.enforce.papers.leg import (
     within_reach,
 )
 from footfix.enforce.papers.priorities import Chain, SolverParams, leg_chain, solve, turned
+from footfix.enforce.papers.rigid_foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
 from footfix.enforce.papers.targets import TargetParams, targets
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints

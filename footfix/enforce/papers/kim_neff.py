@@ -15,7 +15,6 @@ import numpy as np
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.ease import Span, ease_frames, gamma, led_over
-from footfix.enforce.papers.foot import PARTS, Displacement, foot_goal, held, planted
 from footfix.enforce.papers.leg import (
     CapturedLeg,
     can_turn,
@@ -27,6 +26,7 @@ from footfix.enforce.papers.leg import (
     where_moved,
     within_reach,
 )
+from footfix.enforce.papers.rigid_foot import PARTS, Displacement, foot_goal, held, planted
 from footfix.enforce.papers.targets import TargetParams, targets
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints

@@ -71,7 +71,7 @@ class Chain:
 
 
 @dataclass(frozen=True, eq=False)
-class Posed:
+class ChainPose:
     """A chain in a pose, in the world.
 
     Args:
@@ -171,7 +171,7 @@ def _vector(chain: Chain, q: Floats, joint: int) -> Floats:
     return np.asarray(np.einsum("fn,nfi->fi", q[:, own], chain.axes[own]))
 
 
-def posed(chain: Chain, locals_: Floats) -> Posed:
+def posed(chain: Chain, locals_: Floats) -> ChainPose:
     """Place the chain with local rotations (F, J, 4) in the world."""
     places, turns = [chain.base], []
     turn = chain.base_turn
@@ -181,10 +181,10 @@ def posed(chain: Chain, locals_: Floats) -> Posed:
         if j < len(chain.bones):
             places.append(places[-1] + rotation.rotate(turn, chain.bones[j]))
     ends = tuple(places[-1] + rotation.rotate(turn, effector) for effector in chain.effectors)
-    return Posed(tuple(places), tuple(turns), ends)
+    return ChainPose(tuple(places), tuple(turns), ends)
 
 
-def jacobians(chain: Chain, q: Floats, pose: Posed) -> list[Floats]:
+def jacobians(chain: Chain, q: Floats, pose: ChainPose) -> list[Floats]:
     """Derive each effector's place by q (F, N) [rad]: (F, 3, N) [m/rad] each."""
     out = [np.empty((*q.shape[:1], 3, q.shape[1])) for _ in pose.effectors]
     for k, j in enumerate(chain.owner.tolist()):

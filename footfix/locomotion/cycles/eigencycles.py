@@ -13,8 +13,8 @@ from functools import cache, cached_property
 
 import numpy as np
 
+from footfix.locomotion.cycles.leg_vectors import exponentials, matrix_products, products, squares
 from footfix.locomotion.cycles.samples import Gait, Sample
-from footfix.locomotion.cycles.turns import exponentials, matrix_products, products, squares
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, frozen
 

@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.eased import Row, Timelines, held_rows, through_rows, timelines
+from footfix.locomotion.cycles.easing import Row, Timelines, held_rows, through_rows, timelines
 from footfix.locomotion.cycles.leg_pose import LegPoses, too_short
+from footfix.locomotion.cycles.leg_vectors import applied, cross, dot, turned_by, turns_between, unit
 from footfix.locomotion.cycles.stance import HELD, UP, Span, Stance
-from footfix.locomotion.cycles.turns import applied, cross, dot, turned_by, turns_between, unit
 from footfix.motion.clip import Bools, Floats
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)

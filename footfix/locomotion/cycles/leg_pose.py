@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.cycles.turns import applied, back, between, cross, dot, norm, quaternions, turned_by, unit
+from footfix.locomotion.cycles.leg_vectors import applied, back, between, cross, dot, norm, quaternions, turned_by, unit
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.rig.rig import Rig
 

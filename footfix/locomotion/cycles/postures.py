@@ -12,9 +12,9 @@ import numpy as np
 
 from footfix.locomotion.cycles.feet import Feet, goals, lowered
 from footfix.locomotion.cycles.leg_pose import LegPoses
+from footfix.locomotion.cycles.leg_vectors import about_up, applied, matrices, turned_about_up
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course
-from footfix.locomotion.cycles.turns import about_up, applied, matrices, turned_about_up
 from footfix.motion.clip import Bools, Clip, Floats
 
 

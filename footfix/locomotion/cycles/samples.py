@@ -16,11 +16,11 @@ import numpy as np
 from scipy.signal import resample
 
 from footfix.locomotion.loop.closing import close
-from footfix.locomotion.loop.cloud import clouds, distances, fit
-from footfix.locomotion.loop.cuts import Cut
+from footfix.locomotion.loop.cut_search import Cut
 from footfix.locomotion.loop.params import LoopParams
+from footfix.locomotion.loop.point_cloud import clouds, distances, fit
+from footfix.locomotion.loop.root_motion import Travel, root_in_world, straightened, with_root
 from footfix.locomotion.loop.strides import Stride, find_strides, stances
-from footfix.locomotion.loop.travel import Travel, root_in_world, straightened, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 
 from footfix.locomotion.cycles.leg_pose import LegPoses, too_short
+from footfix.locomotion.cycles.leg_vectors import between, dot, norm, turns_between, unit
 from footfix.locomotion.cycles.model import CycleModel
-from footfix.locomotion.cycles.turns import between, dot, norm, turns_between, unit
 from footfix.motion.clip import Floats, Ints, frozen
 
 HELD = ("heel", "toe", "foot", "toes")  # what a stance holds: two places, a turn, a heading

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.errors import UsageError
-from footfix.locomotion.follow.keys import Keys
+from footfix.locomotion.follow.key_times import Keys
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import places

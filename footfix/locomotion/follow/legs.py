@@ -17,7 +17,7 @@ from footfix.enforce.papers.leg import (
     where_moved,
 )
 from footfix.locomotion.follow.blend import ease
-from footfix.locomotion.follow.placing import Goal
+from footfix.locomotion.follow.body_placement import Goal
 from footfix.locomotion.follow.stride import smoothed
 from footfix.locomotion.follow.swinging import swung
 from footfix.motion import rotation

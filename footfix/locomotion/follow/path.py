@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footfix.errors import ArgumentError
-from footfix.locomotion.follow.pursuit import pursued
+from footfix.locomotion.follow.pure_pursuit import pursued
 from footfix.motion.clip import Bools, Floats, frozen
 from footfix.motion.spline import Cubic, spline
 from footfix.notes import Note

@@ -8,7 +8,7 @@ import numpy as np
 
 from footfix.enforce.papers.leg import CapturedLeg, LegTurns, flexion_for, two_bones
 from footfix.locomotion.follow.blend import ease
-from footfix.locomotion.follow.placing import Goal
+from footfix.locomotion.follow.body_placement import Goal
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.vectors import norm, unit

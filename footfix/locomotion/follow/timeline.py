@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from footfix.locomotion.follow.blend import Transition, handed
-from footfix.locomotion.follow.keys import Keys
+from footfix.locomotion.follow.key_times import Keys
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Bools, Floats, Ints
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from footfix.enforce.papers.leg import effector_tracks
 from footfix.errors import InputError
+from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, taken_out, with_root
 from footfix.locomotion.loop.run import Loop
 from footfix.locomotion.loop.strides import stances
-from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, taken_out, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.locomotion.loop.cloud import fit
-from footfix.locomotion.loop.cuts import Cut
-from footfix.locomotion.loop.gaps import RATIO, Gap, gaps_below, gaps_of_root
+from footfix.locomotion.loop.cut_search import Cut
 from footfix.locomotion.loop.params import LoopParams
+from footfix.locomotion.loop.point_cloud import fit
+from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, with_root
 from footfix.locomotion.loop.seam import figure, ratios, ratios_of
-from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
+from footfix.locomotion.loop.seam_gap import RATIO, Gap, gaps_below, gaps_of_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.rig.rig import Rig

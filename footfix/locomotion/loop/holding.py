@@ -14,7 +14,7 @@ from footfix.enforce.params import EnforceParams
 from footfix.enforce.run import Enforcement, enforce
 from footfix.enforce.task import ground_of
 from footfix.locomotion.loop.closing import decay
-from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
+from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.contacts import Contact, Contacts, Effector

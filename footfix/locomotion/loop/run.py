@@ -11,15 +11,14 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.closing import Closed, close
-from footfix.locomotion.loop.cuts import Cut, calmer
+from footfix.locomotion.loop.cut_search import Cut, calmer
+from footfix.locomotion.loop.cyclic_contacts import wrapped
+from footfix.locomotion.loop.existing_cycle import closed_travel, completed, put_to_rest
 from footfix.locomotion.loop.holding import ground_under, hold
-from footfix.locomotion.loop.known import closed_travel, completed, put_to_rest
+from footfix.locomotion.loop.one_stride import cuts_of
 from footfix.locomotion.loop.params import LoopParams
-from footfix.locomotion.loop.seam import Seam, apart, changes, ratios, slide
-from footfix.locomotion.loop.settle import settled
-from footfix.locomotion.loop.single import cuts_of
-from footfix.locomotion.loop.strides import count_strides
-from footfix.locomotion.loop.travel import (
+from footfix.locomotion.loop.residual_slide import settled
+from footfix.locomotion.loop.root_motion import (
     Travel,
     carrier,
     put_in,
@@ -29,7 +28,8 @@ from footfix.locomotion.loop.travel import (
     with_root,
     without_drift,
 )
-from footfix.locomotion.loop.wrapped import wrapped
+from footfix.locomotion.loop.seam import Seam, apart, changes, ratios, slide
+from footfix.locomotion.loop.strides import count_strides
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, frozen
 from footfix.motion.contacts import Contacts

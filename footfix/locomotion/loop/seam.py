@@ -9,8 +9,8 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.leg import effector_tracks
-from footfix.locomotion.loop.settle import stretches
-from footfix.locomotion.loop.travel import Travel
+from footfix.locomotion.loop.residual_slide import stretches
+from footfix.locomotion.loop.root_motion import Travel
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward

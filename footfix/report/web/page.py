@@ -14,9 +14,9 @@ from typing import Any
 
 from footfix.formats.suffixes import in_file, is_motion
 from footfix.report import words
-from footfix.report.again import Again, quoted
-from footfix.report.follows import path_of
-from footfix.report.loops import round_of
+from footfix.report.follow_text import path_of
+from footfix.report.loop_text import round_of
+from footfix.report.rerun_command import RerunCommand, quoted
 from footfix.report.verdict import Report, entries, judge, number, source_name
 from footfix.report.web import sections
 from footfix.report.web.chart import chart
@@ -49,7 +49,7 @@ class PageData:
     contacts: Mapping[str, Any] = field(default_factory=dict)
     motion: Motion | None = None
     lines: Lines = field(default_factory=Lines)
-    again: Again | None = None
+    again: RerunCommand | None = None
 
 
 @cache

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from footfix.measure.plants import NOTICED_MM
 from footfix.report import words
-from footfix.report.follows import follow_lines
-from footfix.report.loops import loop_lines
+from footfix.report.follow_text import follow_lines
+from footfix.report.loop_text import loop_lines
 from footfix.report.text import released
 from footfix.report.verdict import (
     Report,

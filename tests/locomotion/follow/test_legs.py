@@ -6,8 +6,8 @@ import numpy as np
 
 from footfix.enforce.papers.leg import CapturedLeg, flexion_for
 from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.body_placement import Goal
 from footfix.locomotion.follow.legs import astray
-from footfix.locomotion.follow.placing import Goal
 from footfix.locomotion.follow.swinging import _led_over, steadying, swung
 from footfix.motion import rotation
 from footfix.motion.clip import Floats

@@ -8,7 +8,7 @@ from walks import rig_of, walk
 
 from footfix.errors import InputError
 from footfix.locomotion.loop.closing import Closed, close, decay
-from footfix.locomotion.loop.cuts import Cut
+from footfix.locomotion.loop.cut_search import Cut
 from footfix.locomotion.loop.holding import lay
 from footfix.locomotion.loop.params import LoopParams
 from footfix.motion import rotation

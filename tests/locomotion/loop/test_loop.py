@@ -16,11 +16,11 @@ import footfix
 from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.holding import laid_contacts, lay
 from footfix.locomotion.loop.params import LoopParams
+from footfix.locomotion.loop.residual_slide import settled
+from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, with_root
 from footfix.locomotion.loop.run import Loop, as_round, make_loop
 from footfix.locomotion.loop.seam import ratios, slide
-from footfix.locomotion.loop.settle import settled
 from footfix.locomotion.loop.strides import find_strides
-from footfix.locomotion.loop.travel import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
 from footfix.motion.kinematics import places

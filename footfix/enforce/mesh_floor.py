@@ -1,0 +1,121 @@
+"""What the mesh of a foot asks of its pins: where a skin is given, no vertex of it goes below the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from footfix.enforce.footplant import Footplant
+from footfix.enforce.leg import LegTracks
+from footfix.enforce.papers.leg import effector_tracks
+from footfix.enforce.pins import Pins
+from footfix.enforce.standing_heights import Floors
+from footfix.enforce.vertices import Vertices, depths, vertices_of
+from footfix.motion.clip import Bools, Floats, Skeleton
+from footfix.motion.kinematics import Pose
+from footfix.rig.rig import Rig
+
+_SINK = 0.0006  # [leg lengths] how deep a vertex may be: half a millimetre of a grown-up
+_LEFT = 0.001  # [leg lengths] deeper than that, up to which it is left
+_ON_ZERO = 0.03  # [leg lengths] from the file's zero plane, up to which the floor is that plane
+_ON_STEP = 0.03  # [leg lengths] by which a vertex in a step is raised at most
+_AROUND = 0.2  # [s] around a vertex that is in the floor, in which joints may go to bring it out
+_DEEP = 0.0025  # [leg lengths] a plant whose mesh is deeper does not stay as it is
+
+AllPins = tuple[tuple[Pins, ...], ...]
+
+
+def sunk(plants: Sequence[Footplant], rig: Rig, pose: Pose, lift: float, floors: Floors, near: float) -> Bools:
+    """Tell (N,) the plants in which the mesh of the foot is too deep in the floor to be left there.
+
+    Args:
+        plants: of the clip.
+        rig: its floor and meshes.
+        pose: of the clip as captured.
+        lift: [m] by which the figure is raised.
+        floors: the heights at which joints stand.
+        near: [m] a plant farther than this from the floor stands on a step of its own.
+    """
+    lowest = [low + lift for low in rig.lowest(pose)]
+    out = np.zeros(len(plants), np.bool_)
+    for plant in plants:
+        step = floors.plants[plant.id] - floors.rest[plant.effector]
+        level = rig.floor + (step if abs(step) >= near else 0.0)
+        out[plant.id] = level - float(lowest[plant.effector][plant.frames].min()) > _DEEP * rig.leg_length
+    return out
+
+
+def over_floor(pins: Sequence[tuple[Pins, ...]], rig: Rig, pose: Pose, steps: Sequence[Floats]) -> AllPins:
+    """Draw heel and toe of each leg no lower than where no vertex of their parts of the foot is below the floor.
+
+    How far the lowest vertex is below the joint that is held depends on how the foot is turned: as captured.
+
+    Args:
+        pins: of each leg: heel, toe, and others.
+        rig: its floor and meshes.
+        pose: of the clip as captured.
+        steps: of each leg (F,) [m] how much higher than the rig's floor that under the foot is.
+    """
+    held, lowest = effector_tracks(rig, pose), rig.lowest(pose)
+    out = [list(own) for own in pins]
+    for e, sole in enumerate(rig.soles):
+        at, own = int(sole.part == "toe"), out[sole.leg]
+        least = rig.floor + steps[sole.leg] + held[e][:, 1] - lowest[e] - _SINK * rig.leg_length
+        own[at] = replace(own[at], level=np.maximum(own[at].level, least))
+    return tuple(tuple(own) for own in out)
+
+
+def skins_of(
+    rig: Rig, legs: Sequence[LegTracks], pose: Pose, lift: float, steps: Sequence[Floats], skeleton: Skeleton
+) -> dict[int, Vertices]:
+    """Choose the vertices that are kept over the floor, by leg.
+
+    Args:
+        rig: its floor and meshes.
+        legs: as captured, raised by `lift`.
+        pose: of the clip as captured.
+        lift: [m] by which the figure is raised.
+        steps: of each leg (F,) [m] how much higher than the rig's floor that under the foot is.
+        skeleton: of the clip.
+    """
+    found = {}
+    for mesh in rig.meshes:
+        step = steps[mesh.leg]
+        lowest = rig.floor + step - _SINK * rig.leg_length
+        # A step is only where a foot once stood: what comes up to it or leaves it need not be over it.
+        own = mesh.lowest(pose) + lift + _ON_STEP * rig.leg_length
+        lowest = np.where(step > 0.0, np.maximum(np.minimum(lowest, own), rig.floor - _SINK * rig.leg_length), lowest)
+        found[mesh.leg] = vertices_of(mesh, legs[mesh.leg], pose, lift, lowest, skeleton)
+    return found
+
+
+def steps_of(rig: Rig, steps: Sequence[Floats]) -> list[Floats]:
+    """Leave out steps (F,) [m] down from a file's zero plane: what is below that is no floor, but a mesh in it."""
+    on_zero = abs(rig.floor) < _ON_ZERO * rig.leg_length
+    return [np.maximum(each, 0.0) if on_zero else each for each in steps]
+
+
+def too_deep(skins: Mapping[int, Vertices], legs: Sequence[LegTracks], leg_length: float) -> bool:
+    """Tell whether a vertex is too deep in the floor, in any frame, to be left there."""
+    return any(float(depths(own, legs[k]).max(initial=0.0)) > _LEFT * leg_length for k, own in skins.items())
+
+
+def deeper(fault: Floats, skins: Mapping[int, Vertices], legs: Sequence[LegTracks], frame_time: float) -> Floats:
+    """Add to faults (F,) [m] how deep vertices are in the floor: joints may go as far as that asks for.
+
+    Args:
+        fault: of the plants nearby.
+        skins: by leg.
+        legs: as captured.
+        frame_time: [s].
+    """
+    if not skins:
+        return fault
+    from scipy.ndimage import maximum_filter1d
+
+    around = 2 * max(1, round(_AROUND / frame_time)) + 1
+    for k, own in skins.items():
+        fault = np.maximum(fault, maximum_filter1d(depths(own, legs[k]), around, mode="nearest"))
+    return fault

@@ -1,0 +1,138 @@
+"""Which plants stay as they are, and how far those stray that are to be mended."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from footfix.enforce.footing import Footing
+from footfix.enforce.footplant import FEWEST, Footplant
+from footfix.enforce.leg import POINTS, LegTracks
+from footfix.enforce.pins import PinParams
+from footfix.enforce.standing_heights import Floors
+from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.contacts import PUT_TO_REST, runs
+from footfix.motion.segments import segments
+
+_RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
+_LASTS = 0.06  # [s] that it rests at a time
+_AROUND = 0.35  # [s] before and after a plant in which the figure is led to it
+_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
+
+
+def kept(
+    plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, frame_time: float,
+    leg_length: float, *, heights: bool, params: PinParams,
+) -> tuple[bool, ...]:  # fmt: skip
+    """Tell for each plant whether it stands well enough as it is.
+
+    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in three
+    tenths of its frames as only what a program has put to rest does, where `keep_rested` says so.
+
+    Args:
+        plants: of the clip.
+        legs: as captured.
+        ground: (F, 3) [m] displacement of the ground.
+        floors: from `floors`.
+        frame_time: [s].
+        leg_length: [m].
+        heights: whether heights count.
+        params: the tolerances.
+    """
+    found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
+    for e in {plant.effector for plant in plants}:
+        own = [plant for plant in plants if plant.effector == e]
+        point = POINTS.index(own[0].part)
+        track = legs[own[0].leg].place(point).T - ground
+        cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
+        still = _still(cores, track, level, leg_length, heights, params)
+        rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
+        for plant, keep in zip(own, (still | (rests & params.keep_rested)).tolist(), strict=True):
+            found[plant.id] |= keep
+    return tuple(found)
+
+
+def faults(
+    footing: Footing, legs: Sequence[LegTracks], frame_time: float, *, heights: bool, edge: float = PinParams.edge
+) -> Floats:
+    """Measure how far what is to be mended strays.
+
+    Args:
+        footing: the plants of the clip, and what they stand on.
+        legs: as captured.
+        frame_time: [s].
+        heights: whether heights count.
+        edge: [s] at both ends of a contact that are left out.
+
+    Returns:
+        (F,) [m] the farthest that any plant nearby slides from its median place, or is from its floor; infinite where
+        one is to be held whatever it costs.
+    """
+    ground = footing.ground
+    found = np.zeros(len(ground))
+    around = round(_AROUND / frame_time)
+    wanted = [plant for plant in footing.plants if _by_hand(plant) or not footing.keep[plant.id]]
+    for e in {plant.effector for plant in wanted}:
+        own = [plant for plant in wanted if plant.effector == e]
+        track = legs[own[0].leg].place(own[0].point).T - ground
+        middle, slides = _strays([core(plant, frame_time, edge) for plant in own], track)
+        for plant, slide, height in zip(own, slides.tolist(), middle[:, 1].tolist(), strict=True):
+            high = abs(height - footing.floors.plants[plant.id]) if heights else 0.0
+            fault = np.inf if _by_hand(plant) else max(slide, high)
+            near = slice(max(plant.start - around, 0), plant.end + around)
+            found[near] = np.maximum(found[near], fault)
+    return found
+
+
+def _by_hand(plant: Footplant) -> bool:
+    """Tell whether a plant is to be held whatever it costs, or somewhere else."""
+    return plant.force or plant.asked is not None
+
+
+def _strays(spans: Sequence[tuple[int, int]], track: Floats) -> tuple[Floats, Floats]:
+    """(S, 3) [m] the median place of a track (F, 3) in each span, and (S,) how far over the floor it goes from it."""
+    parts = segments(spans)
+    places = track[parts.frames]
+    middle = np.stack([parts.median(places[:, axis]) for axis in (0, 1, 2)], axis=1)
+    return middle, parts.largest(np.hypot(*(places - middle[parts.owner])[:, [0, 2]].T))
+
+
+def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:
+    """Cut the `edge` [s] off a plant's ends, in which the foot may still land or leave."""
+    trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - 3) // 2, 0))
+    return plant.start + trim, plant.end - trim
+
+
+def _still(
+    spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
+    params: PinParams,
+) -> Bools:  # fmt: skip
+    """(S,) whether a track (F, 3) [m] stays within the tolerance of one place, at its level [m], in each span."""
+    middle, slide = _strays(spans, track)
+    near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
+    rests = slide <= _RESTED * leg_length
+    return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
+
+
+def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
+    """(S,) whether a track (F, 3) [m] rests in each span as only what a program has put to rest does."""
+    parts = segments(spans)
+    step = np.full(len(parts.frames), np.inf)
+    step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
+    step[parts.starts] = np.inf
+    rest = _lasting(step <= PUT_TO_REST * leg_length * frame_time, parts.owner, frame_time)
+    count = parts.mean(rest.astype(np.float64)) * parts.lengths
+    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1))
+
+
+def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
+    """(N,) a mask, True only where it is True long enough in one stretch not to be a frame that was written twice."""
+    out = np.zeros_like(mask)
+    least = max(3, round(_LASTS / frame_time))
+    for start, end in runs(mask):
+        cuts = [start, *(start + 1 + np.flatnonzero(np.diff(owner[start:end]))).tolist(), end]
+        for a, b in pairwise(cuts):
+            out[a:b] = b - a >= least
+    return out

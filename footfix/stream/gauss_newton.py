@@ -1,0 +1,88 @@
+"""Rounds of Gauss-Newton on a window, whose first frames keep their state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import as_strided
+from scipy.linalg.lapack import dpbsv
+
+from footfix.enforce.costs import RATE
+from footfix.enforce.problem import Problem
+from footfix.enforce.solve import DAMPING, EPS, STATIC
+from footfix.enforce.terms import near
+from footfix.motion.clip import Floats, Ints, frozen
+from footfix.stream.legs import Legs, LegStates
+from footfix.stream.objective import Normal, normal
+from footfix.stream.pins import Stacked
+
+_LONGEST = 0.1  # [m, rad] that a state goes in a round
+_FIRST = 4.0  # times `EPS` in all rounds but the last
+
+
+@dataclass(frozen=True, eq=False)
+class Fixed:
+    """What is the same in all windows of so many frames.
+
+    Args:
+        near: (3, U, F) bands of NEAR.
+        free: which unknowns there are.
+        damping: (n,) of these.
+    """
+
+    near: Floats
+    free: Ints
+    damping: Floats
+
+    @classmethod
+    def of(cls, problem: Problem) -> Fixed:
+        """Work it out for a window."""
+        U, F = problem.unknowns, problem.frames
+        bands, _ = near(problem, np.zeros((U, F)), np.arange(U))
+        free = np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
+        s0, _ = problem.near()
+        return cls(frozen(bands), free, frozen(DAMPING * RATE * problem.frame_time / s0[free] ** 2))
+
+
+def descend(
+    problem: Problem, x: Floats, past: int, *, legs: Legs, pins: Stacked, fixed: Fixed, at: LegStates | None = None,
+    last: bool = True,
+) -> Floats:  # fmt: skip
+    """Take a round from a state.
+
+    Args:
+        problem: the window's.
+        x: (U, F) where to begin.
+        past: frames at the beginning that keep their state.
+        legs, pins: the problem's, stacked.
+        fixed: what is the same in all such windows.
+        at: the legs' points in that state, where they are known.
+        last: whether it is the last round.
+    """
+    eps = (EPS if last else _FIRST * EPS) * problem.frame_time
+    found = normal(problem, legs, pins, x, eps, STATIC, fixed.near, at)
+    out = x.copy()
+    out[fixed.free, past:] += np.clip(_step(found, fixed, past), -_LONGEST, _LONGEST)
+    return out
+
+
+def _step(found: Normal, fixed: Fixed, past: int) -> Floats:
+    """(n, F - past) the step of the free unknowns, by a banded Cholesky decomposition; none where there is none."""
+    gradient, main, next_ = found.gradient[past:], found.main[past:], found.next[past:]
+    own, bands = fixed.free, found.near[:, fixed.free, past:]
+    if len(own) < gradient.shape[1]:
+        gradient, main, next_ = gradient[:, own], main[:, own[:, None], own], next_[:, own[:, None], own]
+    F, U = gradient.shape
+    matrix = np.zeros((F, U, 2 * U + 1))  # column by column, from the diagonal down
+    size, unit = U * (2 * U + 1), matrix.itemsize
+    # row r of column c stands r - c after its diagonal; what is above the diagonal is zero, and falls on zeros
+    for blocks, after in ((main * np.tri(U), 0), (next_, U)):
+        n = len(blocks)
+        view = as_strided(matrix.reshape(-1)[after:], (n, U, U), (size * unit, 2 * U * unit, unit))
+        view[...] = blocks.swapaxes(1, 2)
+    matrix[..., 0] += bands[0].T + fixed.damping
+    matrix[..., U] += bands[1].T
+    matrix[..., 2 * U] += bands[2].T
+    _, step, wrong = dpbsv(matrix.reshape(F * U, 2 * U + 1).T, -gradient.reshape(-1), lower=1, overwrite_ab=1)
+    return np.asarray(step.reshape(F, U).T if wrong == 0 else np.zeros((U, F)))

@@ -1,0 +1,102 @@
+"""Toe joints that stand put exactly where they stand, in frames that are about to be shown.
+
+Rounds of least squares leave some tenths of a millimetre, more where a foot is about to leave. What is left is taken
+out by the leg alone, at the height there is, in the shortest way: x' = x + W J' (J W J')^-1 r. A plant that begins
+stands where its foot is by then: what is planned for it may be farther than a foot gets without a jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from footfix.enforce.leg import LEG, ROOT, TOE, K, W
+from footfix.enforce.papers.ease import ease_frames, gamma
+from footfix.motion.clip import Bools, Floats, frozen
+from footfix.motion.contacts import runs
+from footfix.stream.legs import POINTS, Legs, places_of, states_of
+
+_FARTHEST = 0.02  # [leg lengths] a toe that is farther off than this can't be held
+_FOOT = 0.1  # share in it of the foot's turn
+_ROUNDS = 2
+_SHORT = 0.003  # [leg lengths] one round leaves a hundredth of a millimetre of a way as short as that
+_LEAST = 1e-4  # [leg lengths] added to what can hardly be moved
+_EASE = 0.06  # [s] in which it ends after a foot has left
+_TOE = [TOE + POINTS * c for c in range(3)]  # rows of the toe joint in a Jacobian
+_MOVED = slice(0, K + 4)  # of a leg's unknowns: line, knee and foot
+
+
+def exact(
+    legs: Legs, x: Floats, place: Floats, asked: Bools, stands: Sequence[bool], leg_length: float, frame_time: float
+) -> Floats:
+    """Put the toe joints of planted feet where they stand.
+
+    Args:
+        legs: as captured, in the n frames that are about to be shown.
+        x: (U, n) their state.
+        place: (3, L, n) [m] where toe joints are to stand,
+        asked: (L, n) and when.
+        stands: of each leg whether its toe joint has stood already in the frame before these.
+        leg_length: [m].
+        frame_time: [s].
+
+    Returns:
+        (U, n) the state.
+    """
+    if not asked.any():
+        return x
+    L, n = asked.shape
+    root, own = x[:ROOT], x[ROOT:].reshape(L, LEG, n).swapaxes(0, 1)  # (8, L, n)
+    weights, change = np.ones(_MOVED.stop), np.zeros((_MOVED.stop, L, n))
+    weights[W] = _FOOT
+    at = states_of(legs, root, own)
+    place, near = _places(place, at.places[:, TOE], asked, stands, _FARTHEST * leg_length)
+    jacobian = at.jacobian[:, :, _TOE, ROOT : ROOT + _MOVED.stop]  # (L, n, 3, 7)
+    back = weights[:, None] * jacobian.swapaxes(2, 3)
+    square = jacobian @ back + (_LEAST * leg_length) ** 2 * np.eye(3)
+    back = back @ np.linalg.inv(square)  # (L, n, 7, 3)
+    off = place - at.places[:, TOE]
+    for k in range(_ROUNDS):
+        off *= near
+        off[1] = 0.0
+        change += (back @ off.transpose(1, 2, 0)[..., None])[..., 0].transpose(2, 0, 1)
+        if k == _ROUNDS - 1 or np.abs(off).max() < _SHORT * leg_length:
+            break
+        moved = own.copy()
+        moved[_MOVED] += change
+        off = place - places_of(legs, root, moved)[:, TOE]
+    _eased(change, asked, ease_frames(_EASE, frame_time))
+    out = np.array(own)
+    out[_MOVED] += change
+    return np.concatenate([root, out.swapaxes(0, 1).reshape(-1, n)])
+
+
+def _places(place: Floats, now: Floats, asked: Bools, stands: Sequence[bool], most: float) -> tuple[Floats, Bools]:
+    """Where toe joints (3, L, n) are to stand, and when (L, n): one that begins to stand does so where it is now."""
+    place, near = place.copy(), asked & (np.hypot(*(place - now)[::2]) < most)
+    for k, own in enumerate(asked):
+        for start, end in runs(own):
+            if start > 0 or not stands[k]:
+                place[:, k, start:end] += (now - place)[:, k, start, None]
+                near[k, start:end] = True
+    return place, near
+
+
+def _eased(change: Floats, asked: Bools, frames: int) -> None:
+    """Let a change (7, L, n) end some frames after a foot has left."""
+    if asked.all():
+        return
+    share = _shares(frames)
+    for k, own in enumerate(asked):
+        for _, end in runs(own):
+            after = int(np.argmax(np.append(own[end:], True)[:frames]))
+            after = after if own[end:][:frames].any() else min(frames, len(own) - end)
+            change[:, k, end : end + after] = change[:, k, end - 1, None] * share[:after]
+
+
+@lru_cache(maxsize=8)
+def _shares(frames: int) -> Floats:
+    """(frames,) what is left of a change in the frames after it."""
+    return frozen(gamma(np.arange(1, frames + 1) / (frames + 1)))
