@@ -1,4 +1,4 @@
-"""Glardon, Boulic & Thalmann's detector: a height threshold made for each plant of a gait cycle (G §4.2)."""
+"""Glardon, Boulic & Thalmann's detector: a height threshold of its own for each plant of a gait cycle (G §4.2)."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _RUN = ((1, 7), (1, 9), (12, 19), (13, 22))
 
 @dataclass(frozen=True, kw_only=True)
 class AdaptiveParams:
-    """G's one number, and how cycles are found.
+    """Parameters of the adaptive height threshold, and of the search for gait cycles.
 
     Args:
-        delta: between the lowest place (0) and the mean of the window's ends (1) (G eq. 8) [share].
-        smooth: [s] window over the heights.
-        cycles: what counts as a cycle.
+        delta: the threshold, from the lowest height (0) to the mean height at the window's ends (1) (G eq. 8) [share].
+        smooth: [s] smoothing window of the heights.
+        cycles: what counts as a gait cycle.
     """
 
     delta: float = 0.4
@@ -39,7 +39,7 @@ class AdaptiveParams:
 def adaptive(tracks: Tracks, params: AdaptiveParams, elsewhere: ThresholdParams) -> Finding:
     """Detect contacts by height within windows of the gait cycle (G §4.2).
 
-    Where there is no cycle, which a note says, Kim & Neff's detector answers with the parameters `elsewhere`.
+    Where no gait cycle is found, Kim & Neff's detector is used with the parameters `elsewhere`; a note says so.
     """
     mask = threshold(tracks, elsewhere).mask.copy()
     cyclic = np.zeros(len(tracks), dtype=np.bool_)
@@ -65,7 +65,7 @@ def _frames_of(cycles: list[Cycle], frames: int) -> Bools:
 
 
 def _with_ends(cycles: list[Cycle]) -> list[Cycle]:
-    """With one more before and after each stretch of cycles: plants that reach into the stretch begin there."""
+    """Add one cycle before and after each stretch: a plant that reaches into the stretch begins in it."""
     more = []
     starts, ends = {cycle.start for cycle in cycles}, {cycle.end for cycle in cycles}
     for cycle in cycles:
@@ -78,7 +78,7 @@ def _with_ends(cycles: list[Cycle]) -> list[Cycle]:
 
 
 def _plants(height: Floats, cycles: list[Cycle], row: int, delta: float) -> Bools:
-    """(F,) the plants of one joint."""
+    """Find the plants (F,) of one joint."""
     mask = np.zeros(len(height), dtype=np.bool_)
     for cycle in cycles:
         first, last = (_RUN if cycle.run else _WALK)[row]
@@ -98,7 +98,7 @@ def _plants(height: Floats, cycles: list[Cycle], row: int, delta: float) -> Bool
 
 
 def _where_not(cyclic: Bools, frame_time: float) -> tuple[Note, ...]:
-    """Notes on the stretches without a cycle."""
+    """Make notes on the stretches without a gait cycle."""
     return tuple(
         Note(
             "no-cycle",

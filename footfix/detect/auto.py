@@ -1,4 +1,4 @@
-"""The default detector: a small network weighs all evidence, and a path through the clip decides at once."""
+"""The default detector: a small network gives probabilities of contact, and a best path over the clip decides."""
 
 from __future__ import annotations
 
@@ -22,20 +22,21 @@ from footfix.motion.clip import Bools, Floats
 
 @dataclass(frozen=True, kw_only=True)
 class AutoParams:
-    """What the path through a clip costs, and what no foot does.
+    """Transition costs of the state path, and limits on planted feet.
 
     Args:
-        switch: what a landing or a leaving costs; dearer means fewer and longer contacts [nats].
-        roll: what a change between heel, flat and toe costs [nats].
-        rise: [leg lengths] a heel or toe that rises less between two contacts of one plant never left.
-        landing: [leg lengths] what goes farther in one frame, than at the slowest of a contact, lands or leaves yet.
-        highest: [leg lengths] over the floor ahead and behind, of the lowest point of a foot that may stand.
-        steep: [leg lengths] of height beyond it for each nat that standing costs.
-        stepping: when a foot that looks planted steps.
-        overtaking: when it goes ahead of the pelvis.
-        settling: how much of a step's ends is held.
-        kneeling: when feet are dragged.
-        doubts: when to tell what is doubtful.
+        switch: cost of a landing or a lift-off; a higher cost gives fewer and longer contacts [nats].
+        roll: cost of a change between heel, flat and toe contact [nats].
+        rise: [leg lengths] two contacts of one plant are joined if the heel or toe rises less than this in between.
+        landing: [leg lengths] a foot that moves this much farther in one frame than in the slowest frame of its
+            contact is still landing, or already leaving.
+        highest: [leg lengths] greatest height of a planted foot's lowest point over the floor ahead and behind.
+        steep: [leg lengths] height above `highest` that lowers the log odds of contact by one nat.
+        stepping: when a foot that looks planted is stepping.
+        overtaking: when a foot that moves ahead of the pelvis is swinging.
+        settling: how much of the start and end of a step belongs to a contact.
+        kneeling: when the feet of a kneeling figure are dragged.
+        doubts: when to write notes on doubtful results.
     """
 
     switch: float = 3.0
@@ -52,14 +53,14 @@ class AutoParams:
 
 
 PARTS, WAYS = ("heel", "toe"), ("ahead", "behind")
-CHUNK = 12_000  # grid steps that are weighed at a time, which bounds memory
-_MARGIN = 250  # grid steps beyond a chunk that its evidence may depend on
+CHUNK = 12_000  # grid steps evaluated at a time, which bounds memory
+_MARGIN = 250  # grid steps around a chunk on which its evidence may depend
 
 
 def auto(
     tracks: Tracks, params: AutoParams, network: Network | None = None, timing: Timing | None = None
 ) -> Finding:
-    """Detect contacts of heel and toe by all evidence (see `evidence.py`), decided over the whole clip.
+    """Detect contacts of heel and toe from all evidence (see `evidence.py`), decided over the whole clip.
 
     The confidence of a contact is its mean probability. On people and walkers the network had not seen, contacts
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
@@ -91,14 +92,14 @@ def auto(
 def _finished(
     parts: tuple[Bools, Bools], looks: tuple[Bools, Bools], foot: FootTracks, tracks: Tracks, params: AutoParams
 ) -> tuple[Bools, Bools]:  # fmt: skip
-    """The contacts (F,) of heel and toe: without gaps in which they do not rise, and without the ends of swings.
+    """Clean up the contacts (F,) of heel and toe: fill gaps in which they do not rise, leave out the ends of swings.
 
     Args:
-        parts: (F,) each in contact by all evidence.
-        looks: (F,) each by that of its own foot.
-        foot: its tracks.
-        tracks: those of the clip.
-        params: what no foot does.
+        parts: (F,) heel and toe in contact, by all evidence.
+        looks: (F,) heel and toe in contact, by the evidence of this foot alone.
+        foot: tracks of this foot.
+        tracks: tracks of the clip.
+        params: limits on planted feet.
     """
     size = tracks.leg_length
     down = []
@@ -122,7 +123,7 @@ def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = 
 def weighed(
     sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
-    """Compute the log probabilities (n, 4) of each foot by itself, and beside the other foot and the pelvis."""
+    """Compute each foot's log probabilities (n, 4), without and with regard to the other foot and the pelvis."""
     steps = len(sampled.tracks)
     answers: list[list[Floats]] = [[] for _ in 2 * sampled.tracks.feet]
     for first in range(0, steps, chunk):
@@ -139,9 +140,9 @@ def weighed(
 
 
 def grounded(answer: Floats, curves: Floats, params: AutoParams) -> Floats:
-    """Rule out that a foot stands while it is higher over the floor ahead and behind than any that stands.
+    """Rule out contact of a foot that is too high over the floor ahead and behind.
 
-    A foot that hops straight up moves little but upwards, as one does that is carried up with its floor.
+    A foot that hops straight up could be mistaken for a planted foot on a floor that rises.
     """
     over = curves[:, [COLUMNS.index(f"{part} over floor {way}") for part in PARTS for way in WAYS]]
     height = OWN["heel over floor ahead"] * np.sinh(over.min(axis=1))  # (n,) [leg lengths] of the lowest point
@@ -153,7 +154,7 @@ def grounded(answer: Floats, curves: Floats, params: AutoParams) -> Floats:
 
 
 def _parts(answer: Floats, frames: int, per_frame: float) -> tuple[Floats, Floats]:
-    """Probability (F,) that the heel is in contact at each frame, and the toe."""
+    """Get the probabilities (F,) that the heel and the toe are in contact at each frame."""
     at, grid = np.arange(frames) * per_frame, np.arange(len(answer))
     p = np.exp(answer)
     return np.interp(at, grid, p[:, HEEL] + p[:, FLAT]), np.interp(at, grid, p[:, FLAT] + p[:, TOE])

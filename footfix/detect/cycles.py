@@ -10,8 +10,8 @@ from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
-_AROUND = 0.5  # [s] before and after a moment, in which a foot that stands then is not lower
-_HALF = 0.52  # of a cycle: where feet stand for less than half there is a flight; one just over the floor counts, too
+_AROUND = 0.5  # [s] a planted foot is about as low as it gets within this time before and after
+_HALF = 0.52  # [share] of a cycle: feet planted for less than this are running (0.5 and a margin for low flight)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,12 +19,12 @@ class CycleParams:
     """What counts as a cycle.
 
     Args:
-        smooth: [s] window over the feet's distance.
+        smooth: [s] smoothing window of the distance between the feet.
         stride: [leg lengths] by which one foot must pass the other, and back.
-        shortest, longest: [s] a cycle lasts, at the least and at most.
-        lopsided: how far from the middle of the cycle the left foot may strike, of its length [share].
+        shortest, longest: [s] least and greatest duration of a cycle.
+        lopsided: how far from the middle of the cycle the left foot may strike, as a share of the cycle [share].
         uneven: how much longer a cycle may be than the one before it [factor].
-        low: [leg lengths] over its lowest, up to which a foot may stand.
+        low: [leg lengths] greatest height of a planted foot over its lowest height.
     """
 
     smooth: float = 0.15
@@ -42,8 +42,8 @@ class Cycle:
 
     Args:
         start, end: frames of a right strike and of the next.
-        run: whether it is run: each foot stands for less than half of it.
-        step: [leg lengths] from the one foot to the other, where they are farthest apart.
+        run: whether the figure runs: each foot is planted for less than half of the cycle.
+        step: [leg lengths] greatest distance between the feet.
     """
 
     start: float
@@ -56,7 +56,7 @@ def find_cycles(tracks: Tracks, left: FootTracks, right: FootTracks, params: Cyc
     """Find the cycles of a pair of legs.
 
     A foot strikes about when it is farthest from the pelvis in the direction of travel (J. A. Zeni et al.,
-    Gait & Posture 27, 2008), which needs no floor, and no root that tells the truth.
+    Gait & Posture 27, 2008), which works without a known floor and with a wrong root path.
     """
     forward = _travel(tracks, left, right)
     apart = np.sum((right.ankle - left.ankle)[:, ::2] * forward, axis=1) / tracks.leg_length
@@ -75,7 +75,7 @@ def find_cycles(tracks: Tracks, left: FootTracks, right: FootTracks, params: Cyc
 
 
 def _even(cycles: list[Cycle], uneven: float) -> list[Cycle]:
-    """Without those much longer than a neighbour that touches them: a pause is in there."""
+    """Leave out cycles that are much longer than an adjoining one: they contain a pause."""
 
     def paused(k: int) -> bool:
         length = cycles[k].end - cycles[k].start
@@ -87,11 +87,11 @@ def _even(cycles: list[Cycle], uneven: float) -> list[Cycle]:
 
 
 def _travel(tracks: Tracks, left: FootTracks, right: FootTracks) -> Floats:
-    """(F, 2) unit vectors in the ground plane: where the figure goes, forwards or backwards."""
+    """Find the direction of travel, (F, 2) unit vectors in the ground plane, walking forwards or backwards."""
     across = savgol((left.hip - right.hip)[:, ::2], tracks.frame_time, seconds=0.3, degree=1)
     forward = np.stack([-across[:, 1], across[:, 0]], axis=1)
     forward /= np.maximum(np.linalg.norm(forward, axis=1)[:, None], 1e-12)
-    # a foot is low while it goes against the way of the pelvis, whatever the root says
+    # a foot is low while it moves backwards relative to the pelvis, whatever the root does
     backing = 0.0
     for foot in (left, right):
         past = np.gradient(np.sum((foot.ankle - tracks.pelvis)[:, ::2] * forward, axis=1))
@@ -101,7 +101,7 @@ def _travel(tracks: Tracks, left: FootTracks, right: FootTracks) -> Floats:
 
 
 def zigzag(curve: Floats, least: float) -> list[int]:
-    """Find frames of highs and lows by turns, each at least `least` away from the one before."""
+    """Find the frames of alternating maxima and minima, each at least `least` from the one before."""
     slope = np.sign(np.diff(curve))
     extremes = np.flatnonzero(slope[1:] * slope[:-1] < 0.0) + 1
     candidates = [0, *extremes.tolist(), len(curve) - 1]
@@ -120,10 +120,10 @@ def zigzag(curve: Floats, least: float) -> list[int]:
 
 
 def _standing(tracks: Tracks, foot: FootTracks, forward: Floats, low: float) -> Floats:
-    """(F,) 1 where a foot stands: it goes backwards under the pelvis, and is about as low as it gets around then.
+    """Mark with 1 (F,) where a foot is planted: it moves backwards under the pelvis and is about at its lowest.
 
-    This needs no floor, and no root that tells the truth: on a treadmill, or under a root that is pinned, a foot that
-    stands moves.
+    This works without a known floor and with a wrong root path: on a treadmill, or under a fixed root, a planted foot
+    moves.
     """
     ahead = np.sum((foot.ankle - tracks.pelvis)[:, ::2] * forward, axis=1)
     backwards = np.gradient(savgol(ahead, tracks.frame_time, seconds=0.05, degree=2)) < 0.0

@@ -1,4 +1,4 @@
-"""Evidence for a contact, as curves without a scale, on a time grid of its own.
+"""Evidence of contact: features of each foot that do not depend on scale, on a time grid of fixed rate.
 
 Everything is in leg lengths and seconds, relative to the floor right there, to the pelvis or to the other
 foot, so that neither the unit, the size of the figure, where and which way it walks nor the height of the
@@ -17,7 +17,7 @@ from footfix.motion.smoothing import savgol
 
 STEP = 0.01  # [s] of the grid
 
-# What is said of each foot, in this order, and the unit in which each is squashed by asinh.
+# The features of each foot in order, each with the unit that it is divided by before asinh compresses it.
 OWN: dict[str, float] = {
     "heel over floor ahead": 0.02, "heel over floor behind": 0.02,
     "toe over floor ahead": 0.02, "toe over floor behind": 0.02,
@@ -31,7 +31,7 @@ OWN: dict[str, float] = {
     "reach": 0.1, "reach speed": 0.5,
     "over lower foot": 0.05,
 }  # fmt: skip
-# What the other foot of the pair is asked, of the above.
+# Those of the above features that are taken from the other foot of the pair, too.
 OTHER = (
     "heel over floor ahead", "toe over floor behind", "heel rise", "toe rise", "heel speed", "toe speed",
     "forward of pelvis", "forward speed past pelvis", "reach",
@@ -39,18 +39,18 @@ OTHER = (
 BODY: dict[str, float] = {"pelvis rise": 0.3, "pelvis lift": 5.0, "jitter": 2.0}
 
 
-# Windows [s]. The network is fitted to these: they are no settings.
+# Windows [s]. They are not settings, since the network is fitted to them.
 SMOOTH = 0.03  # smoothing before a clip is sampled down to the grid
 SPEED, LIFT = 0.05, 0.09  # first and second derivative
-FLOOR = 0.5  # how far ahead and behind the floor under a foot is looked for
-OWN_FLOOR = 1.0  # the same for each point by itself, which forgives a sole point that was guessed too high
+FLOOR = 0.5  # how far ahead and behind the floor under a foot is searched
+OWN_FLOOR = 1.0  # the same for each sole point alone, which allows for a sole point estimated too high
 BOTH = 0.8  # the same for the lower foot of a pair
-FACING = 0.25  # where the hips face
+FACING = 0.25  # the facing direction of the hips
 
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """Tracks in leg lengths on the grid, and what only the whole clip can say.
+    """Tracks in leg lengths on the time grid, with facts taken from the whole clip.
 
     Args:
         tracks: sampled every `STEP`.
@@ -66,7 +66,7 @@ class Sampled:
 
 
 def evidence(sampled: Sampled, part: slice = slice(None)) -> tuple[Floats, ...]:
-    """Compute for each foot its curves (n, len(COLUMNS)), in a part of the grid (as if the clip ended there)."""
+    """Compute each foot's features (n, len(COLUMNS)) in a part of the grid, as if the clip ended there."""
     feet = tuple(
         FootTracks(foot.side, foot.hip[part], foot.ankle[part], foot.heel[part], foot.toe[part])
         for foot in sampled.tracks.feet
@@ -129,7 +129,7 @@ def catmull_rom(x: Floats, step: float) -> Floats:
 
 
 def _body(pelvis: Floats, jitter: float) -> Floats:
-    """(len(BODY), n): how the pelvis rises and is accelerated, and how noisy the clip is."""
+    """Compute the features (len(BODY), n) of the pelvis' vertical motion and of the clip's noise."""
     height = pelvis[:, 1]
     rise = savgol(height, STEP, seconds=0.11, degree=2, derivative=1)
     lift = savgol(height, STEP, seconds=0.15, degree=2, derivative=2)
@@ -138,7 +138,7 @@ def _body(pelvis: Floats, jitter: float) -> Floats:
 
 
 def _jitter(tracks: Tracks) -> float:
-    """Noise of the ankles in thousandths of a leg: third differences where these are small."""
+    """Estimate the noise of the ankles in thousandths of a leg length, from third differences where they are small."""
     thirds = [np.abs(np.diff(foot.ankle[:, 1], 3)) for foot in tracks.feet]
     if not thirds or len(thirds[0]) == 0:
         return 0.0
@@ -148,7 +148,7 @@ def _jitter(tracks: Tracks) -> float:
 
 
 def _axes(foot: FootTracks, mate: FootTracks) -> tuple[Floats, Floats]:
-    """Unit vectors (n, 2) in the ground plane: where the hips face, and outward on this foot's side."""
+    """Find unit vectors (n, 2) in the ground plane: where the hips face, and outward on this foot's side."""
     outward = (foot.hip - mate.hip)[:, ::2]
     if foot is mate:
         outward = (foot.toe - foot.heel)[:, ::2] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
@@ -162,7 +162,7 @@ def _axes(foot: FootTracks, mate: FootTracks) -> tuple[Floats, Floats]:
 def _own(
     foot: FootTracks, pelvis: Floats, axes: tuple[Floats, Floats], pair: Floats
 ) -> Floats:
-    """(len(OWN), n) what is said of one foot, squashed."""
+    """Compute the features (len(OWN), n) of one foot, compressed by asinh."""
     heel, toe = foot.heel, foot.toe
     lowest = np.minimum(heel[:, 1], toe[:, 1])
     ahead, behind = floors(lowest, FLOOR)
@@ -191,7 +191,7 @@ def _own(
 
 
 def floors(height: Floats, seconds: float) -> tuple[Floats, Floats]:
-    """Find the lowest place (n,) within some seconds ahead, and behind, both with now."""
+    """Find the lowest value (n,) within some seconds ahead, and behind, each including the present step."""
     n = max(round(seconds / STEP), 1) + 1
     ahead, width = np.concatenate([height, np.full(n, np.inf)]), 1
     while width < n:  # the lowest of 2 w is the lower of two lowest of w

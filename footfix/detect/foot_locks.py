@@ -1,4 +1,4 @@
-"""Feet that a program put to rest and let go with a snap: the contact is as long as the rest."""
+"""Feet locked by another program and released with a jump: the contact ends with the lock."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from footfix.detect.tracks import Tracks
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import PUT_TO_REST, runs
 
-_SHARE, _FEWEST = 0.5, 5  # of a contact's steps, and at least so many
-_SNAP = 0.0114  # [leg lengths] in the one frame beside the rest: 1 cm of a grown-up; a foot that lifts is slower
+_SHARE, _FEWEST = 0.5, 5  # frames at rest in a locked contact: this share of it, and at least this many
+_SNAP = 0.0114  # [leg lengths] jump in one frame beside the lock: 1 cm for an adult; a foot that lifts is slower
 
 
 def let_go(mask: Bools, tracks: Tracks) -> Bools:
-    """End contacts where a foot that rests to the digit snaps away, or comes with a snap.
+    """Shorten contacts to the frames of a foot lock where the foot jumps into or out of the lock.
 
     Args:
         mask: (F, 2 legs) heel, then toe of each foot.
@@ -30,7 +30,7 @@ def let_go(mask: Bools, tracks: Tracks) -> Bools:
 
 
 def _rest(place: Floats, frame_time: float) -> tuple[int, int]:
-    """The frames of a contact (n, 3) [leg lengths] that are left of it, as a stretch; all where nothing snaps."""
+    """Find the frames `[first, last)` of a contact (n, 3) [leg lengths] that are kept; all where nothing jumps."""
     step = np.linalg.norm(np.diff(place, axis=0), axis=1)
     rests = np.flatnonzero(step <= PUT_TO_REST * frame_time)
     if len(rests) < max(_FEWEST, _SHARE * len(step)):

@@ -1,4 +1,4 @@
-"""Feet that carry nothing: who kneels, crawls or lies drags them."""
+"""Feet that bear no weight: a figure that kneels, crawls or lies drags them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from footfix.motion.smoothing import savgol
 
 @dataclass(frozen=True, kw_only=True)
 class KneelingParams:
-    """When a knee is down, and what a foot behind it may still do.
+    """When a knee is on the floor, and when the foot behind it is still in contact.
 
     Args:
-        low: [leg lengths] a knee this little over the lowest sole point is down.
-        still: [leg lengths/s] a sole point slower than this rests all the same.
-        least: [s] and rests this long.
-        smooth: [s] window of that speed.
+        low: [leg lengths] a knee less than this over the lowest sole point is on the floor.
+        still: [leg lengths/s] a sole point of such a leg that is slower than this is still in contact.
+        least: [s] if it stays that slow for at least this long.
+        smooth: [s] smoothing window of that speed.
     """
 
     low: float = 0.18
@@ -30,7 +30,7 @@ class KneelingParams:
 
 
 def carrying(mask: Bools, tracks: Tracks, foot: FootTracks, point: Floats, params: KneelingParams) -> Bools:
-    """Take out of a sole point's contacts (F,) those in which its leg's knee is down and the point moves."""
+    """Remove from a sole point's contacts (F,) those in which the knee is on the floor and the point moves."""
     if foot.knee is None or not mask.any():
         return mask
     lowest = np.min([sole[:, 1] for each in tracks.feet for sole in each.soles], axis=0)

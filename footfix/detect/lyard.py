@@ -1,4 +1,4 @@
-"""Lyard & Magnenat-Thalmann's detector: the sole point that could stay where it is (L §3.1)."""
+"""Lyard & Magnenat-Thalmann's detector: one static sole point at a time (L §3.1)."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from footfix.detect.tracks import GRAVITY, Finding, Tracks
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.smoothing import savgol
 
-_MOST_PAIRS = 1 << 18  # pairs of points that are looked at at once
+_MOST_PAIRS = 1 << 18  # pairs of points evaluated at a time, which bounds memory
 
 
 @dataclass(frozen=True, kw_only=True)
 class LyardParams:
-    """What L §3.1 leaves open, and where its assumption of a foot on the ground ends.
+    """Values that L §3.1 does not give, and limits of its assumption that a foot is on the ground.
 
     Args:
-        step: [s] over which the root's way is compared, L's one frame of motion "no more than 25 Hz".
+        step: [s] over which the root's motion is compared; L's one frame of motion at "no more than 25 Hz".
         smooth: [s] window of the speeds by which the point is picked (L §3.1.2: 5 frames).
-        still: [sqrt(g leg)] below this speed the root goes nowhere and the dot product means nothing; then
+        still: [sqrt(g leg)] below this speed the root stands still and the dot product means nothing; then
             every point slower than this is static.
         fall: [g] in flight the pelvis falls faster than this, and no sole point is low.
         low: [leg lengths] above the lowest place nearby; what is higher is not on the floor.
-        nearby: [s] how far to both sides that place is looked for.
+        nearby: [s] how far before and after that place is searched.
     """
 
     step: float = 0.04
@@ -57,7 +57,7 @@ def lyard(tracks: Tracks, params: LyardParams) -> Finding:
 
 
 def _points(tracks: Tracks) -> tuple[Floats, Ints]:
-    """(E, F, 3) [m] the points of the soles, and (E,) the effector that each belongs to: 2 x foot, + 1 for the toe."""
+    """Get the sole points (E, F, 3) [m], and the effector (E,) of each: 2 x foot, + 1 for the toe."""
     points, effectors = [], []
     for k, foot in enumerate(tracks.feet):
         if foot.mesh is None or foot.of_toe is None:
@@ -90,7 +90,7 @@ def _agreement(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Flo
 
 
 def _best_next(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Ints, Floats]:
-    """(F, E) the point that is best static next, by the last one (L §3.1.1), and |dR| (F,) [m]; in blocks of frames."""
+    """Find the best next static point (F, E) for each present one (L §3.1.1), and |dR| (F,) [m], in blocks of frames."""
     size = max(1, _MOST_PAIRS // len(points) ** 2)
     best, ways = [], []
     for k in range(0, len(first), size):
@@ -101,10 +101,10 @@ def _best_next(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Int
 
 
 def _follow(best: Ints, speeds: Floats, feet: Ints) -> Ints:
-    """(F,) the static point of each frame: the first by speed alone, each next by what the last one allows.
+    """Find the static point (F,) of each frame: the first by speed alone, each later one from the one before.
 
-    The dot product says which foot that is on (L §3.1.1); of that foot it is the point of least speed (L §3.1.2), and
-    that one leads on.
+    The dot product says which foot it is on (L §3.1.1); of that foot it is the slowest point (L §3.1.2), from which
+    the next one is found.
     """
     own = [np.where((feet == k)[:, None], speeds, np.inf) for k in range(int(feet.max()) + 1)]
     slowest = np.stack([np.argmin(each, axis=0) for each in own])  # (feet, F)
@@ -117,7 +117,7 @@ def _follow(best: Ints, speeds: Floats, feet: Ints) -> Ints:
 
 
 def _in_flight(points: Floats, tracks: Tracks, params: LyardParams) -> Bools:
-    """(F,) nothing is low, and the pelvis falls freely or everything is far up."""
+    """Mark flight (F,): no sole point is low, and the pelvis falls freely or all points are high up."""
     lowest = points[:, :, 1].min(axis=0)
     reach = max(round(params.nearby / tracks.frame_time), 1)
     padded = np.pad(lowest, reach, mode="edge")

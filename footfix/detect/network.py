@@ -1,7 +1,7 @@
-"""The small temporal network that weighs the evidence: what each foot does at each moment, as probabilities.
+"""The small neural network that turns evidence into probabilities of each foot's state at each time.
 
-Two layers of a dozen units that look a third of a second ahead and behind. Its numbers stand in `weights.txt`,
-made by `benchmarks/fit_auto.py`.
+It has two layers of a dozen units and sees a third of a second ahead and behind. Its weights are in `weights.txt`,
+written by `benchmarks/fit_auto.py`.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 
-# The states of a foot, in the order of the network's answers.
+# The states of a foot, in the order of the network's outputs.
 SWING, HEEL, FLAT, TOE = range(4)
 
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """The numbers of the network.
+    """The weights of the network.
 
     Args:
-        taps: (T,) grid steps ahead of now (before it, where negative) at which evidence is looked at.
+        taps: (T,) grid steps after the present (before it, where negative) at which evidence is sampled.
         mean, spread: (E,) by which evidence is centred and scaled.
         hidden: (T, E, H) and its bias (H,).
         mixing: (H, M) and its bias (M,).
@@ -39,7 +39,7 @@ class Network:
     answer_bias: Floats
 
     def logits(self, evidence: Floats) -> Floats:
-        """Compute the log probabilities (n, 4) of the states from evidence (n, E); the ends are held."""
+        """Compute the log probabilities (n, 4) of the states from evidence (n, E), constant beyond its ends."""
         n, reach = len(evidence), max(abs(tap) for tap in self.taps)
         seen = np.pad((evidence - self.mean) / self.spread, ((reach, reach), (0, 0)), mode="edge")
         total = np.broadcast_to(self.hidden_bias, (n, len(self.hidden_bias))).copy()

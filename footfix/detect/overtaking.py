@@ -1,8 +1,8 @@
-"""Feet that go ahead of a pelvis that travels: they swing, however low they pass.
+"""Feet that move ahead of a travelling pelvis: they are swinging, however low they pass.
 
-Over a foot that stands the pelvis goes ahead; over one that swings it falls behind. Neither the height of a foot nor
-skate changes this: where the way of the root is scaled or drifts, the planted foot is taken along by as much. On a
-belt, and where a figure sways on the spot, nothing is told: there the pelvis does not travel for long.
+The pelvis moves ahead of a planted foot and falls behind a swinging one. Neither the height of a foot nor skate
+changes this: where the root path is scaled or drifts, the planted foot moves along with it. On a belt, and where a
+figure sways on the spot, the rule does not apply, since the pelvis does not travel for long.
 """
 
 from __future__ import annotations
@@ -20,15 +20,14 @@ from footfix.motion.smoothing import savgol
 
 @dataclass(frozen=True, kw_only=True)
 class OvertakingParams:
-    """When a foot that looks planted goes ahead of the pelvis.
+    """When a foot that looks planted moves ahead of the pelvis, and so is swinging.
 
     Args:
-        least: [leg lengths/s] by how much faster than the pelvis a foot goes the pelvis' way that swings as likely as
-            not, of a pelvis that hardly travels.
-        share: [factor] how much more for each leg length/s at which the pelvis travels.
-        travels: [leg lengths/s] at which a pelvis travels as likely as not.
-        lasting: [s] over which it travels, not sways.
-        sharp: [factor] how steeply the odds rise with the speed; they are its power.
+        least: [leg lengths/s] forward speed over the pelvis at which swing has probability 0.5, pelvis nearly still.
+        share: [factor] increase of that speed for each leg length/s of the pelvis' speed.
+        travels: [leg lengths/s] speed at which the pelvis is travelling with probability 0.5.
+        lasting: [s] window of that speed, long enough to average swaying out.
+        sharp: [factor] exponent of the speed in the odds.
     """
 
     least: float = 0.15
@@ -41,27 +40,27 @@ class OvertakingParams:
 def overtaking(
     answers: tuple[Floats, ...], pelvis: Floats, now: Floats, each: Sequence[Floats], params: OvertakingParams
 ) -> tuple[Floats, ...]:  # fmt: skip
-    """The log probabilities (n, 4) of each foot, given where it goes beside the pelvis.
+    """Update each foot's log probabilities (n, 4) by its motion relative to the pelvis.
 
     Args:
         answers: for each foot (n, 4) log probabilities.
         pelvis: (n, 2) [leg lengths] places over the ground.
-        now: (n, 2) [leg lengths/s] its velocity.
-        each: for each foot (n, 2, 2) [leg lengths/s] those of heel and toe.
-        params: when a foot goes ahead.
+        now: (n, 2) [leg lengths/s] velocity of the pelvis.
+        each: for each foot (n, 2, 2) [leg lengths/s] velocities of heel and toe.
+        params: when a foot moves ahead of the pelvis.
     """
     lasting = savgol(pelvis, STEP, seconds=params.lasting, degree=1, derivative=1)
     return tuple(stands(answer, ahead(foot, now, lasting, params)) for answer, foot in zip(answers, each, strict=True))
 
 
 def ahead(foot: Floats, now: Floats, lasting: Floats, params: OvertakingParams) -> Floats:
-    """(n,) the probability that a foot swings since it goes ahead of a pelvis that travels.
+    """Compute the probability (n,) that a foot is swinging because it moves ahead of a travelling pelvis.
 
     Args:
         foot: (n, 2, 2) [leg lengths/s] velocity over the ground of heel and toe.
         now: (n, 2) [leg lengths/s] of the pelvis.
-        lasting: (n, 2) [leg lengths/s] the same over a while.
-        params: when a foot goes ahead.
+        lasting: (n, 2) [leg lengths/s] of the pelvis, over the longer window.
+        params: when a foot moves ahead of the pelvis.
     """
     travel = np.linalg.norm(lasting, axis=1)
     way = lasting / np.maximum(travel, 1e-9)[:, None]

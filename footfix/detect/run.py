@@ -1,4 +1,4 @@
-"""detect(clip, rig, params): one detector over a clip, or over its motion range alone."""
+"""Run one detector over a clip, or over its motion range alone."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from footfix.rig.rounds import Rounds, rounds_of
 Method = Literal["auto", "threshold", "adaptive", "lyard"]
 METHODS: tuple[Method, ...] = get_args(Method)
 
-# Outside these a frame time is a slip (milliseconds for seconds), and would ask for absurd amounts of work.
+# A frame rate outside these is a mistake (milliseconds for seconds), and would cause absurd amounts of work.
 _SLOWEST, _QUICKEST, _ASSUMED = 2.0, 2000.0, 30.0  # [fps]
 
 
@@ -47,7 +47,7 @@ class DetectParams:
 
 
 def detect(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Contacts:
-    """Find when heel and toe of each foot are planted; frames that lead in and out of the motion are left out.
+    """Find when heel and toe of each foot are planted; frames before and after the motion range are left out.
 
     Args:
         clip: in metres, y up.
@@ -65,14 +65,14 @@ def detect(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Conta
 
 
 def detect_over(clip: Clip, rig: Rig, params: DetectParams, thin: DuplicateFrames, rounds: Rounds | None) -> Contacts:
-    """Find the contacts of a clip that is all motion on the frames that are not repeated, and of a cycle on rounds.
+    """Find the contacts of a clip without lead-in frames, leaving out repeated frames; a cycle as several rounds.
 
     Args:
         clip: F frames in metres, y up.
         rig: its legs and sole points.
         params: which detector.
-        thin: which of its frames repeat the one before.
-        rounds: of the others, where the clip is a cycle.
+        thin: which of the frames repeat the one before.
+        rounds: of the other frames, where the clip is a cycle.
     """
     if rounds:
         return thin.contacts_back(rounds.contacts_back(detect_contacts(rounds.clip, rig, params)))
@@ -80,7 +80,7 @@ def detect_over(clip: Clip, rig: Rig, params: DetectParams, thin: DuplicateFrame
 
 
 def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams()) -> Contacts:
-    """Find when heel and toe of each foot are planted, in a clip that is all motion.
+    """Find when heel and toe of each foot are planted, in a clip without lead-in frames.
 
     Args:
         clip: in metres, y up.
@@ -92,9 +92,9 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
     """
     pose = rig.pose(clip)
     gait = gait_in_place(rig, pose, clip.frame_time)
-    if gait is not None:  # planted feet stand on a ground that passes: over that they are looked at
+    if gait is not None:  # a gait in place: planted feet move with the ground, so motion relative to it counts
         pose = rig.pose(carried(clip, rig, gait.passed))
-    # Legs that stand on their toes have no heel that bears: the network knows them by soles that are estimated.
+    # Legs that stand on their toes have no heel that bears weight: the network is fitted to estimated soles there.
     tracks = tracks_of(clip, rig, pose, mesh=params.method == "lyard", watched=params.method == "auto")
     finding = find(tracks, params)
     # detectors answer heel, toe for each leg; the rig may list its sole points in another order
@@ -105,7 +105,7 @@ def detect_contacts(clip: Clip, rig: Rig, params: DetectParams = DetectParams())
 
 
 def find(tracks: Tracks, params: DetectParams) -> Finding:
-    """Detect contacts on tracks alone."""
+    """Detect contacts from tracks alone."""
     if len(tracks) < 2:
         return Finding(np.zeros((len(tracks), 2 * len(tracks.feet)), dtype=np.bool_))
     if not _SLOWEST <= 1.0 / tracks.frame_time <= _QUICKEST:

@@ -1,8 +1,8 @@
-"""Feet that have all but landed, or hardly left: a contact is held over the last of the way there, and the first away.
+"""Feet that have almost landed, or just begun to leave: contacts are extended over these frames.
 
-What tells a step from a stand leaves the end of a step out of the contact it leads to. A foot that looks planted there
-by all other evidence, and has next to nothing left to go, is held already: else what was found wrong with its place
-would come out as a skid of its landing.
+The tests for slow steps leave the end of a step out of the contact that follows. A foot that looks planted there by
+all other evidence, and has almost no distance left to go, counts as in contact already: otherwise the correction of
+its place would show as a slide while it lands.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from footfix.motion.contacts import runs
 
 @dataclass(frozen=True, kw_only=True)
 class SettlingParams:
-    """How much of a step counts as a stand at each of its ends.
+    """How much of a step counts as contact at its start and end.
 
     Args:
-        farthest: [leg lengths] left to go, or gone, at most,
-        share: [factor] no more than this of the way from one contact to the next,
-        within: [s] and no longer than this.
+        farthest: [leg lengths] greatest distance left to go, or gone already,
+        share: [factor] and at most this share of the distance from one contact to the next,
+        within: [s] and for at most this long.
     """
 
     farthest: float = 0.015
@@ -31,14 +31,14 @@ class SettlingParams:
 
 
 def settled(part: Bools, looks: Bools, place: Floats, frame_time: float, params: SettlingParams) -> Bools:
-    """Hold a part of a foot (F,) in the frames beside its contacts in which it looks planted and hardly moves on.
+    """Extend contacts of a part of a foot (F,) over adjoining frames in which it looks planted and hardly moves.
 
     Args:
         part: (F,) heel, or toe, in contact.
-        looks: (F,) the same as it looks by itself.
+        looks: (F,) the same by the evidence of this foot alone.
         place: (F, 2) [leg lengths] over the ground.
         frame_time: [s].
-        params: how much that is.
+        params: how far contacts are extended.
     """
     out, found, most = part.copy(), runs(part), round(params.within / frame_time)
     for k, (start, end) in enumerate(found):

@@ -1,13 +1,12 @@
-"""Feet that step though they look planted: what a foot does by itself is no skate.
+"""Feet that step slowly though they look planted: motion of one foot alone is a step, not skate.
 
-Skate is common to the figure: a root that drifts, or whose way is scaled, takes every planted foot along, and so
-does a treadmill. Two planted feet therefore go the same way at the same speed, whatever the root does. Where two
-feet that look planted part, one of them steps: the one that is the faster over the floor.
+Skate is common to the figure: a root that drifts, or whose path is scaled, moves every planted foot alike, and so
+does a treadmill. Two planted feet therefore have the same velocity, whatever the root does. Where two feet that look
+planted move apart, one of them is stepping: the one that moves faster over the floor.
 
-Slow steps are told from what feet do at rest by their length: a foot that goes from one rest to another, planted all
-the while as it seems, has stepped where it ends far from where it began, more than it creeps at rest. A step lasts
-from rest to rest, also where only its middle is quick, or high. Under a pelvis that travels, and in clips that shake,
-a foot that rests may creep.
+Slow steps differ from the small motion of resting feet by their length: a foot that seems planted all the time has
+stepped if it comes to rest farther from its last rest than creeping explains. A step lasts from rest to rest, even
+if only its middle is fast, or high. Under a travelling pelvis, and in noisy clips, a resting foot may creep.
 """
 
 from __future__ import annotations
@@ -30,20 +29,20 @@ WINDOW = 0.09  # [s] over which velocities are taken
 
 @dataclass(frozen=True, kw_only=True)
 class SteppingParams:
-    """When two feet that look planted part.
+    """When two feet that look planted move apart, and so one of them is stepping.
 
     Args:
-        parting: [leg lengths/s] at which two feet of a figure that stands still part as likely as not.
-        travel: [factor] how much more for each leg length/s at which the pelvis travels over the foot that stands.
-        noise: [factor] how much more for each leg length/s at which the foot moves where it rests, within some time
-            before or after, whichever is worse: on a belt and in clips that shake feet are never still.
-        rest: [s] that such a rest lasts at least.
-        within: [s] that it is looked for, before and after.
-        length: [leg lengths] of a step from rest to rest that is one as likely as not, of a foot that is still at rest.
-        creeping: [factor] how much longer for each leg length that the foot would go meanwhile as it does at rest.
-        still: [leg lengths/s] a foot that parts from the other more slowly than this rests,
-        calm: [factor] or than so many times as fast as it moves where it rests.
-        sharp: [factor] how steeply the odds rise with the speed; they are its power.
+        parting: [leg lengths/s] speed between the feet at which one steps with probability 0.5, figure standing still.
+        travel: [factor] increase of that speed for each leg length/s of the pelvis' speed over the planted foot.
+        noise: [factor] increase of that speed for each leg length/s at which the foot moves in the rests before and
+            after, the faster of the two: on a belt and in noisy clips feet are never still.
+        rest: [s] least duration of such a rest.
+        within: [s] how far before and after a rest is searched.
+        length: [leg lengths] distance from rest to rest that is a step with probability 0.5, foot still at rest.
+        creeping: [factor] increase of that distance for each leg length that the foot would creep in the same time.
+        still: [leg lengths/s] a foot that moves away from the other more slowly than this is at rest,
+        calm: [factor] or more slowly than this many times its speed in its rests.
+        sharp: [factor] exponent of the speed in the odds.
     """
 
     parting: float = 0.15
@@ -61,18 +60,18 @@ class SteppingParams:
 def stepping(
     answers: tuple[Floats, ...], mates: Sequence[int], pelvis: Floats, each: Sequence[Floats], params: SteppingParams
 ) -> tuple[Floats, ...]:  # fmt: skip
-    """The log probabilities (n, 4) of each foot, given what the other of its pair does.
+    """Update each foot's log probabilities (n, 4) by its motion relative to the other foot of its pair.
 
-    Two planted feet part with a probability a, by their speeds; it is this foot that steps with a probability r, by
-    which is the faster and the less likely to stand. So it stands with a probability p (1 - q a r), of its own p and
-    the other's q.
+    The two feet move apart with probability a, and the stepping foot is this one with probability r: the faster one,
+    and the one less likely to be planted. With p the probability that this foot is planted before, and q that of the
+    other, it is planted with probability p (1 - q a r).
 
     Args:
         answers: for each foot (n, 4) log probabilities.
         mates: for each foot the other one of its pair.
         pelvis: (n, 2) [leg lengths/s] velocity over the ground.
-        each: for each foot (n, 2, 2) [leg lengths/s] those of heel and toe.
-        params: when two feet part.
+        each: for each foot (n, 2, 2) [leg lengths/s] velocities of heel and toe.
+        params: when two feet move apart.
     """
     speeds = [slowest(velocity) for velocity in each]
     rests = [resting_speed(speed, params) for speed in speeds]
@@ -101,22 +100,22 @@ def stepping(
 
 
 def from_rest_to_rest(leaves: Floats, creeps: Floats, planted: Floats) -> list[tuple[int, int]]:
-    """Find the stretches [start, end) in which a foot leaves the other, and rests before and after.
+    """Find the stretches [start, end) in which a foot moves away from the other, and rests before and after.
 
     Args:
-        leaves: (n,) [leg lengths/s] by how much faster it leaves the other than one at rest.
-        creeps: (n,) [leg lengths/s] how much faster still it may be at rest, unless it looks planted all the while.
-        planted: (n,) how likely it looks planted.
+        leaves: (n,) [leg lengths/s] its speed away from the other, less that of a foot at rest.
+        creeps: (n,) [leg lengths/s] further speed allowed at rest, unless it looks planted all the time.
+        planted: (n,) probability that it is planted.
 
     Returns:
-        Stretches in which it looks planted all the while, then others; some may lie within others.
+        Stretches in which it looks planted all the time, then others; some may lie within others.
     """
     stretches = [(a, b) for a, b in runs(leaves > 0.0) if planted[a:b].min() > 0.5] + runs(leaves > creeps)
     return [(a, b) for a, b in stretches if a > 0 and b < len(leaves) and min(planted[a - 1], planted[b]) > 0.5]
 
 
 def whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:
-    """The probability that a foot with velocities (n, 2, 2) steps meanwhile: by how far it leaves the other behind."""
+    """Compute the probability that a foot with velocities (n, 2, 2) steps, from its distance gained on the other."""
     ways = [velocity.sum(axis=0, keepdims=True) * STEP for velocity in (one, other)]  # (1, 2, 2) [leg lengths]
     far = parting(ways[0], ways[1])
     even = params.length + params.creeping * rest * len(one) * STEP
@@ -130,9 +129,9 @@ def _log_ratio(a: Floats, b: Floats | float) -> Floats:
 
 
 def resting_speed(speed: Floats, params: SteppingParams) -> Floats:
-    """(n,) at most how fast a foot of some speed (n,) is while it rests, before or after, whichever is worse.
+    """Estimate the speed (n,) that a resting foot reaches before or after each moment; the larger of the two.
 
-    Where a clip ends too soon for a rest before or after, the other one says; infinite where there is neither.
+    Where the clip is too short for a rest on one side, the other side counts; infinite where there is neither.
     """
     steps = max(round(params.rest / STEP), 1)
     if len(speed) <= steps:
@@ -146,17 +145,17 @@ def resting_speed(speed: Floats, params: SteppingParams) -> Floats:
 
 
 def likely(speed: Floats, even: Floats | float, sharp: float) -> Floats:
-    """(n,) the probability of what is as likely as not at a speed `even`; the odds rise with the power `sharp`."""
+    """Evaluate a logistic in log speed (n,): 0.5 at `even`, odds growing as speed ** sharp."""
     return _probability(sharp * _log_ratio(speed, even))
 
 
 def _probability(odds: Floats) -> Floats:
-    """(n,) of log odds (n,)."""
+    """Convert log odds (n,) to probabilities (n,)."""
     return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
 
 
 def stands(answer: Floats, steps: Floats) -> Floats:
-    """Tell log probabilities (..., 4) of a foot that steps with a probability (...) though it looks planted."""
+    """Lower the contact states of log probabilities (..., 4) by the probability (...) that the foot is stepping."""
     out = answer.copy()
     out[..., HEEL:] += np.log1p(-np.minimum(steps, 1.0 - 1e-6))[..., None]
     planted = np.logaddexp.reduce(out[..., HEEL:], axis=-1)
@@ -165,28 +164,28 @@ def stands(answer: Floats, steps: Floats) -> Floats:
 
 
 def velocities_of(tracks: Tracks, part: slice = slice(None)) -> tuple[Floats, list[Floats]]:
-    """(n, 2) [leg lengths/s] over the ground of the pelvis, and (n, 2, 2) of heel and toe of each foot."""
+    """Compute velocities over the ground [leg lengths/s]: pelvis (n, 2), heel and toe of each foot (n, 2, 2)."""
     return velocity_of(tracks.pelvis[part, ::2]), [velocities(foot, part) for foot in tracks.feet]
 
 
 def velocities(foot: FootTracks, part: slice = slice(None)) -> Floats:
-    """(n, 2, 2) [leg lengths/s] over the ground, of heel and toe."""
+    """Compute the velocities of heel and toe over the ground, (n, 2, 2) [leg lengths/s]."""
     both = np.stack([foot.heel[part, ::2], foot.toe[part, ::2]], axis=1)
     return velocity_of(both)
 
 
 def velocity_of(places: Floats) -> Floats:
-    """(n, ...) [leg lengths/s] of places on the grid."""
+    """Compute the velocities (n, ...) [leg lengths/s] of positions on the grid."""
     return np.asarray(savgol(places, STEP, seconds=WINDOW, degree=2, derivative=1))
 
 
 def slowest(velocity: Floats) -> Floats:
-    """(n,) speed of the point between heel and toe that is slowest; it is what a sole that rolls or turns rests on."""
+    """Compute the speed (n,) of the slowest point between heel and toe, on which a rolling or turning sole rests."""
     return _to_segment(np.zeros_like(velocity[:, 0]), velocity)
 
 
 def parting(one: Floats, other: Floats) -> Floats:
-    """(n,) least speed at which a point of one sole leaves a point of the other behind, of velocities (n, 2, 2)."""
+    """Compute the least relative speed (n,) of any point of one sole and any of the other, velocities (n, 2, 2)."""
     ends = [_to_segment(one[:, k], other) for k in (0, 1)] + [_to_segment(other[:, k], one) for k in (0, 1)]
     along, across = one[:, 1] - one[:, 0], other[:, 1] - other[:, 0]
     apart = other[:, 0] - one[:, 0]
@@ -202,7 +201,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
 
 
 def _to_segment(point: Floats, ends: Floats) -> Floats:
-    """(n,) distance of points (n, 2) from segments (n, 2, 2)."""
+    """Measure the distance (n,) of points (n, 2) from segments (n, 2, 2)."""
     along = ends[:, 1] - ends[:, 0]
     off = point - ends[:, 0]
     share = np.clip(np.sum(off * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-12), 0.0, 1.0)

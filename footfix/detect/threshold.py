@@ -17,12 +17,12 @@ class ThresholdParams:
     """What counts as low and slow (K §5.1).
 
     Args:
-        height: of a sole point's own vertical range, above its lowest place (K: 0.1 to 0.2) [share].
-        speed: bound on its speed, of the mean speed of the body (K gives no number) [share].
-        least_speed: [sqrt(g leg)] the bound is never lower than this; a body that stands has no speed.
-        smooth: [s] window of the smoothing (K: 12 frames at 120 fps).
-        degree: of its polynomial (K) [count].
-        vote: N_f, of the neighbouring plant's length (K: a quarter) [share].
+        height: height up to which a sole point is low, as a share of its vertical range (K: 0.1 to 0.2) [share].
+        speed: speed up to which it is slow, as a share of the body's mean speed (K gives no number) [share].
+        least_speed: [sqrt(g leg)] that speed is never less than this, since a standing body has no speed.
+        smooth: [s] smoothing window (K: 12 frames at 120 fps).
+        degree: degree of the smoothing polynomial (K) [count].
+        vote: N_f, as a share of the neighbouring plant's length (K: a quarter) [share].
     """
 
     height: float = 0.15
@@ -53,7 +53,7 @@ def _low_and_slow(point: Floats, bound: float, tracks: Tracks, params: Threshold
     height = savgol(point[:, 1], tracks.frame_time, **window)  # type: ignore[arg-type]
     velocity = savgol(point, tracks.frame_time, derivative=1, **window)  # type: ignore[arg-type]
     low = height.min() + params.height * np.ptp(height)
-    # A foot that never leaves the floor has no range to speak of: what it has is noise.
+    # The vertical range of a foot that never leaves the floor is only noise.
     low = max(low, height.min() + 0.01 * tracks.leg_length)
     return np.asarray((height <= low) & (np.linalg.norm(velocity, axis=1) <= bound))
 

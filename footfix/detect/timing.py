@@ -1,13 +1,13 @@
-"""When a foot lands and when it leaves, to a few milliseconds: by how it is braked, and by how it tips.
+"""Landing and lift-off times to a few milliseconds, from the ankle's deceleration and the foot's pitch.
 
-The ankle of a foot that comes down is braked by the floor, whichever part of the foot meets it. A foot that
-pushes off tips over its toe quicker and quicker; it is slowed down as its load goes, and swung back once it is
-free. So the vertical acceleration of the ankle, and the angular acceleration of the foot's pitch, take the same
-course in everyone who walks, runs or jumps, and the plates' first and last 20 N lie at one place of it. Neither
-knows of skate along the floor, of the height of the floor or of guessed sole points that are a little off.
+The floor brakes the ankle of a landing foot, whichever part of the foot meets it. A foot that pushes off pitches
+over its toe faster and faster; its pitch slows as the load goes, and swings back once the foot is free. So the
+vertical acceleration of the ankle, and the angular acceleration of the foot's pitch, have the same shape in everyone
+who walks, runs or jumps, and a force plate's first and last 20 N lie at a fixed point of it. Neither depends on skate
+along the floor, on the height of the floor, or on small errors of estimated sole points.
 
-The path says which foot lands and leaves about when; a line through the acceleration around then says how much
-later it is, twice over. Its few numbers are fitted to plates by `benchmarks/fit_timing.py`.
+The state path gives approximate event times; a linear fit to the acceleration around each refines it, in two passes.
+The coefficients are fitted to force plates by `benchmarks/fit_timing.py`.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from footfix.detect.viterbi import Stretch
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 
-LOOKS = 2  # the second look is from where the first one led
-SHARE = 0.05  # of a plant's time that its start and end are moved at most
+LOOKS = 2  # passes of refinement; the second starts at the result of the first
+SHARE = 0.05  # of a plant's duration: the farthest that its start and end are moved
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """How much later than a moment something happens, by a curve around that moment.
+    """Predict how long after a time an event follows, from a curve around it.
 
     Args:
-        taps: (T,) grid steps after the moment (before it, where negative) at which the curve is looked at.
+        taps: (T,) grid steps after that time (before it, where negative) at which the curve is sampled.
         weights: (T,) [grid steps per unit of the curve].
         bias: [grid steps].
-        farthest: [grid steps] that the path is wrong at most.
+        farthest: [grid steps] greatest error of the state path.
     """
 
     taps: tuple[int, ...]
@@ -47,13 +47,13 @@ class Line:
         return np.array(self.taps, dtype=np.float64)
 
     def later(self, curve: Floats, at: float) -> float:
-        """[grid steps] from a moment to what happens; 0 where the clip shows too little of either side."""
+        """Predict the time from `at` to the event [grid steps]; 0 where the clip is too short on either side."""
         if not -self.taps[0] <= at <= len(curve) - 1 - self.taps[-1]:
             return 0.0
         return float(self.bias + _seen(curve, at + self._taps) @ self.weights)
 
     def finds(self, curve: Floats, about: float, most: float = np.inf) -> float:
-        """[grid steps] when that happens which is said to happen about then, at most so far from it."""
+        """Refine an event time [grid steps] by at most `most`."""
         at, most = about, min(most, self.farthest)
         for _ in range(LOOKS):
             at = min(max(at + self.later(curve, at), about - most), about + most)
@@ -62,14 +62,14 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Timing:
-    """What tells when feet land, by `braking`, and when they leave, by `tipping`."""
+    """The linear fits that refine landings, from `braking`, and lift-offs, from `tipping`."""
 
     landing: Line
     leaving: Line
 
 
 def seen(curve: Floats, at: Floats, taps: tuple[int, ...]) -> Floats:
-    """(m, T) a curve (n,) at some steps about each of some moments (m,) [grid steps], all of them within it."""
+    """Sample a curve (n,) at `taps` around each time (m,) [grid steps], all within the curve: (m, T)."""
     return _seen(curve, at[:, None] + np.array(taps))
 
 
@@ -80,12 +80,12 @@ def _seen(curve: Floats, places: Floats) -> Floats:
 
 
 def braking(sampled: Sampled, k: int) -> Floats:
-    """(n,) [leg lengths/s^2] the upward acceleration of one foot's ankle."""
+    """Compute the upward acceleration of one foot's ankle, (n,) [leg lengths/s^2]."""
     return savgol(sampled.tracks.feet[k].ankle[:, 1], STEP, seconds=LIFT, degree=2, derivative=2)
 
 
 def tipping(sampled: Sampled, k: int) -> Floats:
-    """(n,) [rad/s^2] the angular acceleration of one foot's pitch, positive where the toe is swung up."""
+    """Compute the angular acceleration of one foot's pitch, (n,) [rad/s^2], positive where the toe swings up."""
     foot, (forward, _) = sampled.tracks.feet[k], sampled.axes[k]
     along = foot.toe - foot.heel
     pitch = np.unwrap(np.arctan2(along[:, 1], np.sum(along[:, ::2] * forward, axis=1)))  # (n,) [rad]
@@ -93,20 +93,20 @@ def tipping(sampled: Sampled, k: int) -> Floats:
 
 
 def timed(found: list[Stretch], sampled: Sampled, k: int, timing: Timing) -> list[Stretch]:
-    """The stretches of one foot, each plant from when it lands to when it leaves.
+    """Refine when each plant of one foot starts and ends.
 
-    A plant never starts before the last one ended or after its own first part, and so for its end.
+    A start stays after the end of the plant before and within the plant's first part; an end likewise.
     """
     return timed_by(found, braking(sampled, k), tipping(sampled, k), timing)
 
 
 def timed_by(found: list[Stretch], brakes: Floats, tips: Floats, timing: Timing) -> list[Stretch]:
-    """The same by the accelerations (n,) of one foot's `braking` and `tipping` that are known."""
+    """Do the same from accelerations (n,) already computed by `braking` and `tipping`."""
     out = list(found)
     first = 0
     for last in range(len(found)):
         if last + 1 < len(found) and found[last + 1].start == found[last].end:
-            continue  # the plant rolls on
+            continue  # the same plant goes on, with another part of the foot
         start, end = found[first].start, found[last].end
         most = SHARE * (end - start)
         if start > -np.inf:

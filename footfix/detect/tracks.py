@@ -1,4 +1,4 @@
-"""What all detectors look at: the tracks of sole points, hips and pelvis, over the motion range."""
+"""The input of all detectors: tracks of sole points, hips and pelvis over the motion range."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class FootTracks:
     Args:
         side: "left", "right", or the leg's own name.
         hip, ankle, heel, toe: (F, 3) [m] tracks in the world, y up.
-        knee: the same, None where it is not looked at.
-        mesh: (V, F, 3) [m] the same of the vertices of its sole, where they are looked at.
+        knee: the same; None where detectors do not need it.
+        mesh: (V, F, 3) [m] tracks of the vertices of its sole, for detectors that use them.
         of_toe: (V,) which of these belong to the toe, the others to the heel.
     """
 
@@ -39,13 +39,13 @@ class FootTracks:
 
     @property
     def soles(self) -> tuple[Floats, Floats]:
-        """Heel and toe."""
+        """Get the tracks of heel and toe."""
         return self.heel, self.toe
 
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """What detectors look at.
+    """The input of detectors.
 
     Args:
         pelvis: (F, 3) [m] track of the joint the legs hang from.
@@ -64,12 +64,12 @@ class Tracks:
 
     @property
     def froude_speed(self) -> float:
-        """[m/s] sqrt(g l): walking speeds of large and small figures are alike in this unit."""
+        """Compute sqrt(g l) [m/s]; walking speeds of large and small figures are alike in this unit."""
         return float(np.sqrt(GRAVITY * self.leg_length))
 
 
 class Finding(NamedTuple):
-    """What a detector found: for each foot heel, then toe, in the order of the rig's legs."""
+    """The result of a detector: for each foot heel, then toe, in the order of the rig's legs."""
 
     mask: Bools  # (F, 2 legs)
     confidence: Floats | None = None  # (F, 2 legs), averaged over each contact
@@ -84,8 +84,8 @@ def tracks_of(
     Args:
         clip: in metres, y up.
         rig: its legs and soles.
-        pose: of it, where that is known.
-        mesh: whether the vertices of soles are looked at, too, where the rig has some.
+        pose: of the clip, where it is already known.
+        mesh: whether to track the vertices of soles, too, where the rig has some.
         watched: whether heel and toe are those of `rig.watched`.
     """
     pose = rig.pose(clip) if pose is None else pose

@@ -1,4 +1,4 @@
-"""What a detector doubts about a clip: its frame rate, and where heel and toe could be either way."""
+"""Doubtful results of detection: an implausible frame rate, and stretches that may be contact or not."""
 
 from __future__ import annotations
 
@@ -13,36 +13,36 @@ from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 from footfix.notes import Note
 
-_LEG = 0.88  # [m] of a usual adult: what a clip's own unit says is not asked
+_LEG = 0.88  # [m] leg length of an average adult, assumed whatever the clip's own unit says
 _WALK_RATIO = 0.4  # [m s] step length times step duration, walking; running is not far from it
 _GRAVITY = 9.81  # [m/s^2]
-_OFF = 0.1  # [leg lengths] over the floor: a foot that is higher is off it
-_FEWEST = 6  # frames of a leap
-_HOP = 0.03  # [m] by which the pelvis rises and falls in one, and
-_PARABOLA = 0.08  # of that is how near to a parabola it stays
-_PACE = 0.5  # [s] over which velocities are taken where their rhythm counts: much longer than noise lasts
+_OFF = 0.1  # [leg lengths] a foot higher over the floor than this is off it
+_FEWEST = 6  # least number of frames of a jump
+_HOP = 0.03  # [m] least rise and fall of the pelvis in a jump
+_PARABOLA = 0.08  # greatest deviation of the pelvis from a parabola, as a share of that rise
+_PACE = 0.5  # [s] window of velocities from which the pace is computed: long enough to average noise out
 _RATES = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 150.0, 200.0, 240.0, 250.0, 300.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class DoubtParams:
-    """When to speak.
+    """Thresholds of the notes on frame rate and unsure contacts.
 
     Args:
-        quick, slow: how many times longer than usual for their length steps may last, at the least and at
-            most [factor].
-        floating: who falls no faster than this while both feet are off the floor falls in slow motion [g].
-        slow_fall: how many times longer steps last, at the least, of somebody who comes down that slowly [factor].
-        slow_few: the same, of fewer cycles than say something by themselves [factor].
-        dull: feet whose motion is slower than this, as its accelerations stand to its speeds, move in slow motion [Hz],
-        travelling: if they are as quick as this now and then [m/s]
-        long: and the clip lasts so long [s].
-        stride: steps of that are no shorter than this [m].
-        shortest, longest: [s] cycles between these are plausible whatever the length of the steps.
-        cycles: fewer than this many say nothing [count].
-        uneven: nor do cycles that usually differ by more than this, of their length [share].
-        unsure: [s] a stretch that could be contact or not is told from this length on.
-        most: stretches told of one foot [count].
+        quick, slow: least and greatest plausible duration of steps, relative to the usual one for their
+            length [factor].
+        floating: a fall with both feet off the floor that is no faster than this is slow motion [g].
+        slow_fall: least duration of steps, relative to the usual one, that is slow motion if falls are, too [factor].
+        slow_few: the same where there are fewer than `cycles` gait cycles [factor].
+        dull: feet move in slow motion if their accelerations relative to their speeds give a lower frequency [Hz],
+        travelling: provided that they sometimes exceed this speed [m/s]
+        long: and the clip lasts at least this long [s].
+        stride: shortest steps for which slow falls are considered [m].
+        shortest, longest: [s] gait cycles between these are plausible whatever the length of the steps.
+        cycles: least number of gait cycles to judge by [count].
+        uneven: cycles whose lengths typically differ by more than this are not judged [share].
+        unsure: [s] shortest stretch of unsure contact that is reported.
+        most: greatest number of such stretches reported for one foot [count].
     """
 
     quick: float = 0.4
@@ -63,7 +63,7 @@ class DoubtParams:
 
 
 def frame_rate(tracks: Tracks, params: DoubtParams) -> tuple[Note, ...]:
-    """Note where steps or leaps can't last as long as the declared frame rate says."""
+    """Make a note if steps or jumps are implausibly long or short at the declared frame rate."""
     falls = _falls(tracks)
     if len(falls) and np.median(falls) <= params.floating:
         slowness = float(np.median(falls)) ** -0.5
@@ -91,9 +91,9 @@ def frame_rate(tracks: Tracks, params: DoubtParams) -> tuple[Note, ...]:
 
 
 def _pace(tracks: Tracks) -> tuple[float, float]:
-    """[Hz] how quickly feet speed up and slow down, whatever the size of their motion, and [m/s] how quick they get.
+    """Measure how quickly feet change speed, whatever the size of their motion [Hz], and their top speed [m/s].
 
-    It is the quotient of accelerations and velocities, root mean squares, which is 2 pi f of a foot that swings at f.
+    The root mean square acceleration over the root mean square velocity is 2 pi f for a foot that swings at f.
     """
     speeds, squares = [], []
     for foot in tracks.feet:
@@ -112,7 +112,7 @@ def _pace(tracks: Tracks) -> tuple[float, float]:
 
 
 def _implausible(tracks: Tracks, what: str, slowness: float) -> Note:
-    """The note that a motion is so many times slower than any is."""
+    """Make the note that the motion is implausibly slow or fast."""
     likely = slowness / tracks.frame_time
     rate = min(_RATES, key=lambda each: abs(np.log(each / likely)))
     text = f"{what}; the motion looks as if it were made at about {rate:.0f} fps"
@@ -120,7 +120,7 @@ def _implausible(tracks: Tracks, what: str, slowness: float) -> Note:
 
 
 def _falls(tracks: Tracks) -> Floats:
-    """[g] the acceleration downwards of every leap: both feet are off the floor, and the pelvis flies a parabola."""
+    """Measure the downward acceleration [g] in every jump: feet off the floor, and the pelvis on a parabola."""
     points = np.stack([point[:, 1] for foot in tracks.feet for point in (foot.heel, foot.toe)])
     lowest = points.min(axis=0) / tracks.leg_length
     height = _LEG * tracks.pelvis[:, 1] / tracks.leg_length  # [m]
@@ -138,7 +138,7 @@ def _falls(tracks: Tracks) -> Floats:
 
 
 def _slow_fall(tracks: Tracks) -> float:
-    """[g] how quickly the pelvis comes to fall: the second centile over the clip."""
+    """Measure the downward acceleration of the pelvis [g]: the second percentile over the clip."""
     height = savgol(_LEG * tracks.pelvis[:, 1] / tracks.leg_length, tracks.frame_time, seconds=0.2, degree=2)
     k = max(1, round(0.05 / tracks.frame_time))
     if len(height) <= 2 * k:
@@ -148,7 +148,7 @@ def _slow_fall(tracks: Tracks) -> float:
 
 
 def _slowness(tracks: Tracks, left: FootTracks, right: FootTracks, params: DoubtParams) -> float | None:
-    """How many times longer than usual the steps last, if that is implausible."""
+    """Compute the duration of steps relative to the usual one, if it is implausible."""
     wide = CycleParams(smooth=0.04, shortest=0.0, longest=np.inf)
     cycles = find_cycles(tracks, left, right, wide)
     if not cycles:
@@ -170,13 +170,13 @@ def _slowness(tracks: Tracks, left: FootTracks, right: FootTracks, params: Doubt
 
 
 def unsure(planted: Floats, tracks: Tracks, side: str, params: DoubtParams) -> tuple[Note, ...]:
-    """Note the longest stretches in which a foot may be planted or not.
+    """Make notes on the longest stretches in which it is unsure whether a foot is planted.
 
     Args:
         planted: (F,) probability that heel or toe is in contact.
         tracks: of the clip.
         side: which foot.
-        params: when to speak.
+        params: thresholds of the notes.
     """
     between = runs((planted > 0.2) & (planted < 0.8))
     long = [(a, b) for a, b in between if (b - a) * tracks.frame_time >= params.unsure]

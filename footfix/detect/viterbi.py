@@ -1,4 +1,4 @@
-"""From probabilities to intervals: the best path through the states of a foot, over the whole clip at once."""
+"""Viterbi decoding: from probabilities to the best path through the states of a foot over the whole clip."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.motion.segments import segments as laid_out
 
-_SLOW, _BRAKED = 0.25, 0.4  # of the steps of a contact, the slowest; of the farthest step, one that is short again
-EARLY = 0.4  # grid steps: plates, the more so filtered ones, tell of a landing a little before the joints do
+_SLOW, _BRAKED = 0.25, 0.4  # quantile of a contact's steps that is slow; share of the longest step that is short
+EARLY = 0.4  # grid steps: force plates, even more so filtered ones, report a landing a little before the joints show it
 
 
 class Stretch(NamedTuple):
-    """A foot in one state, from and to a time in grid steps; the ends of the clip are infinitely far."""
+    """A foot in one state from one time to another [grid steps]; infinite at the ends of the clip."""
 
     start: float
     end: float
@@ -25,16 +25,16 @@ class Stretch(NamedTuple):
 
 
 def stretches(logits: Floats, switch: float, roll: float, *, since: float = 0.0) -> list[Stretch]:
-    """Decide what a foot does, stretch by stretch.
+    """Find the planted stretches of a foot by the best path through its states.
 
     Args:
         logits: (n, 4) log probabilities of the states.
-        switch: nats that landing or leaving costs.
-        roll: nats that a change between heel, flat and toe costs.
-        since: [grid steps] plants that end before that are not wanted.
+        switch: cost of a landing or a lift-off [nats].
+        roll: cost of a change between heel, flat and toe [nats].
+        since: [grid steps] plants that end before this are left out.
 
     Returns:
-        The planted stretches in order; those that touch are one plant that rolls.
+        The planted stretches in order; adjoining ones are one plant that rolls from heel to toe.
     """
     stands = np.logaddexp(np.logaddexp(logits[:, HEEL], logits[:, FLAT]), logits[:, TOE])
     planted = stands - logits[:, SWING]  # (n,) log odds
@@ -49,7 +49,7 @@ def stretches(logits: Floats, switch: float, roll: float, *, since: float = 0.0)
 
 
 def _rolling(logits: Floats, first: int, start: float, end: float, roll: float) -> list[Stretch]:
-    """One plant in its stretches of heel, flat and toe."""
+    """Split one plant into its stretches of heel, flat and toe."""
     parts = segments(logits, roll)
     times = [start]
     for (_, at, state), (_, _, following) in pairwise(parts):
@@ -70,8 +70,8 @@ def crossing(score: Floats, at: int) -> float:
 def segments(score: Floats, switch: float) -> list[tuple[int, int, int]]:
     """Find the path of greatest total score (n, S), each change of state costing `switch`: `[start, end)` and state.
 
-    A change pays only where the best state changes, so that the dynamic programme runs over stretches of
-    one best state, not over steps; where one of these is given up, its neighbours share it at the best step.
+    The path changes only where the best state does, so the dynamic programme runs over stretches of one best state,
+    not over steps; where the path skips such a stretch, its neighbours divide it at the best step.
     """
     best = np.argmax(score, axis=1)
     edges = (np.flatnonzero(best[1:] != best[:-1]) + 1).tolist()
@@ -97,7 +97,7 @@ def segments(score: Floats, switch: float) -> list[tuple[int, int, int]]:
 
 
 def _disputed(best: list[int], first: list[int], k: int, one: int, other: int) -> tuple[int, int]:
-    """The runs [lower, upper) about the k-th change that are best in neither of its two states."""
+    """Find the runs [lower, upper) around the k-th change whose best state is neither of its two states."""
     begin, end = first[k - 1], first[k + 1] if k + 1 < len(first) else len(best)
     lower = upper = first[k]
     while lower > begin and best[lower - 1] != one:
@@ -108,7 +108,7 @@ def _disputed(best: list[int], first: list[int], k: int, one: int, other: int) -
 
 
 def _viterbi(rows: list[list[float]], switch: float) -> list[int]:
-    """The best path (n,) through states (n, S), a change costing `switch`; of so few, lists are quicker than arrays."""
+    """Find the best path (n,) through states (n, S); a change costs `switch`. Lists are faster here."""
     value, came = rows[0], []
     for row in rows[1:]:
         top = max(value)
@@ -124,8 +124,8 @@ def _viterbi(rows: list[list[float]], switch: float) -> list[int]:
 def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, Bools]:
     """Mark the frames in which heel and toe (F,) are in contact, each frame being `per_frame` grid steps.
 
-    A contact starts with the first frame after the landing and ends before the first after the leaving; a frame
-    that a landing misses by less than `EARLY`, and less than half a frame, counts as after it.
+    A contact starts with the first frame after the landing and ends before the first after the lift-off; a frame less
+    than `EARLY`, and less than half a frame, before the landing counts as after it.
     """
     early = min(EARLY, 0.5 * per_frame)
     heel, toe = np.zeros(frames, dtype=np.bool_), np.zeros(frames, dtype=np.bool_)
@@ -138,13 +138,13 @@ def masks(found: list[Stretch], frames: int, per_frame: float) -> tuple[Bools, B
 
 
 def resting(part: Bools, planted: Bools, height: Floats, rise: float) -> Bools:
-    """Keep a part of a foot (F,) down all along where it seems to leave and come back but does not rise.
+    """Fill gaps in the contacts of a part of a foot (F,) in which it does not rise.
 
     Args:
         part: (F,) heel, or toe, in contact.
         planted: (F,) the foot is in contact.
         height: (F,) of the part.
-        rise: in the same unit; less than this over where it left and came back is no rise.
+        rise: in the same unit; a gap is filled if the part rises less than this above both sides.
     """
     out = part.copy()
     for a, b in runs(planted & ~part):
@@ -155,7 +155,7 @@ def resting(part: Bools, planted: Bools, height: Floats, rise: float) -> Bools:
 
 
 def landed(part: Bools, step: Floats, farthest: float) -> Bools:
-    """Leave frames out at both ends of contacts in which a part of a foot (F,) still goes far in one frame.
+    """Leave out frames at both ends of contacts in which a part of a foot (F,) still moves far per frame.
 
     At few frames a second the frame in which a foot comes down may be one of the quickest of its swing. Where it is,
     the contact begins once the foot is braked. At the clip's own ends nothing lands or leaves.
@@ -163,7 +163,7 @@ def landed(part: Bools, step: Floats, farthest: float) -> Bools:
     Args:
         part: (F,) heel, or toe, in contact.
         step: (F - 1,) from each frame to the next, over the ground.
-        farthest: in the same unit; what goes so much farther than the contact does at its slowest has not landed.
+        farthest: in the same unit; a step this much longer than the contact's slow ones is not contact.
     """
     out = part.copy()
     found = [(a, b) for a, b in runs(part) if b - a > 1]

@@ -1,4 +1,4 @@
-"""The numbers that detection uses, read once from the table beside this module.
+"""The fitted weights of detection, read once from the table beside this module.
 
 `weights.txt` is written by `benchmarks/fit_auto.py`: sections of whole numbers, each headed by its name in brackets.
 The numbers of the network are thousandths, those of the timing ten-thousandths; taps are grid steps.
@@ -35,7 +35,7 @@ def network() -> Network:
 
 @cache
 def timing() -> Timing:
-    """Read the fitted lines that tell when feet land and leave."""
+    """Read the fitted coefficients that refine landing and lift-off times."""
     table = _fitted()
     return Timing(landing=_line(table, "landing"), leaving=_line(table, "leaving"))
 
