@@ -70,7 +70,7 @@ def _points(tracks: Tracks) -> tuple[Floats, Ints]:
 
 
 def _smooth_speeds(points: Floats, tracks: Tracks, params: LyardParams) -> Floats:
-    """(E, F) [m/s] the mean over a window."""
+    """Average the points' speeds over a window, (E, F) [m/s]."""
     speeds = np.linalg.norm(np.gradient(points, tracks.frame_time, axis=1), axis=-1)
     return savgol(speeds.T, tracks.frame_time, seconds=params.smooth, degree=0).T
 
@@ -90,7 +90,7 @@ def _agreement(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Flo
 
 
 def _best_next(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Ints, Floats]:
-    """Find the best next static point (F, E) for each present one (L §3.1.1), and |dR| (F,) [m], in blocks of frames."""
+    """Find the best next static point (F, E) for each present one (L §3.1.1), and |dR| (F,) [m]; block by block."""
     size = max(1, _MOST_PAIRS // len(points) ** 2)
     best, ways = [], []
     for k in range(0, len(first), size):

@@ -1,4 +1,4 @@
-"""The linear system at a state, and what pulls at a leg's points, carried over to the unknowns: J' W J and J' f."""
+"""Assembly of the linear system at a state: derivatives by points converted to unknowns, J' W J and J' f."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from footfix.enforce.leg import LEG, TIP, B, K, Q, W
 from footfix.enforce.leg_state import LegState
 from footfix.motion.clip import Floats, Ints
 
-_CACHE = 2048  # frames times unknowns whose arrays stay in the cache
+_CACHE = 2048  # frames times unknowns whose arrays fit the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +54,13 @@ def product(bands: Floats, x: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Pull:
-    """What a point's terms ask of it, as derivatives by its place.
+    """Derivatives of a point's terms with respect to its place.
 
     Args:
         cost: of the point.
         force: (3, F) [1/m] gradient.
-        stiff: (3, F) [1/m^2] second derivatives in each frame.
-        step: (3, F - 1) [1/m^2] and between each frame and the next, with the sign turned round.
+        stiff: (3, F) [1/m^2] second derivative in each frame.
+        step: (3, F - 1) [1/m^2] minus the second derivative between each frame and the next.
     """
 
     cost: float
@@ -71,7 +71,7 @@ class Pull:
 
 @dataclass(frozen=True, eq=False)
 class Pulled:
-    """A leg in a state, and what pulls at its points.
+    """A leg in a state, and the derivatives of its points' terms.
 
     Args:
         at: the leg.
@@ -85,7 +85,7 @@ class Pulled:
 
 
 def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
-    """Carry what pulls at the points of some legs over to n unknowns: J' f and J' W J.
+    """Convert derivatives by points of some legs to derivatives by n unknowns: J' f and J' W J.
 
     Args:
         legs: each in a state; of one system.
@@ -110,7 +110,7 @@ def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
             moved = _of_leg(leg.at, after, own[..., : after.stop - start])  # (8, 3 P, f)
             J[: after.stop - start, row : row + len(moved[0]), leg.columns] = moved.transpose(2, 1, 0)
             row += len(moved[0])
-        now, then = J[:count], J[1 : count + 1]  # after the clip's last frame there is none: its step counts nothing
+        now, then = J[:count], J[1 : count + 1]  # after the clip's last frame there is none: its step counts as zero
         gradient[:, frames] = (force[:, frames].T[:, None] @ now)[:, 0].T
         np.multiply(stiff[:, frames].T[..., None], now, out=right[:count, :, 0])
         np.multiply(step[:, frames].T[..., None], then, out=right[:count, :, 1])
@@ -119,7 +119,7 @@ def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
 
 
 def _constant(legs: Sequence[Pulled], n: int, frames: int) -> Floats:
-    """(f, 3 P, n) how places move with n unknowns, as far as it is the same everywhere: by the root's shift."""
+    """Make the part of the points' Jacobian that is constant, (f, 3 P, n): that of the root's shift."""
     points, first = sum(len(leg.pulls) for leg in legs), legs[0].columns.start
     out = np.zeros((frames, points, 3, n))
     out[..., :first] = np.eye(3)[:, :first]
@@ -127,7 +127,7 @@ def _constant(legs: Sequence[Pulled], n: int, frames: int) -> Floats:
 
 
 def _of_leg(at: LegState, frames: slice, out: Floats) -> Floats:
-    """(8, 3 P, f) how the places of a leg's points move with its unknowns; `out` (8, P, 3, f) is where to put it."""
+    """Compute the Jacobian of a leg's points by its unknowns, (8, 3 P, f), into `out` (8, P, 3, f)."""
     ankle = at.ankle[..., frames]
     out[Q], out[K] = ankle[:, :3].swapaxes(0, 1)[:, None], ankle[:, 3]
     (a0, a1, a2), by_turn = at.turn[..., frames], out[W]

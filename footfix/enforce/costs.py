@@ -1,50 +1,50 @@
-"""What each departure from the capture costs: the standard deviations of the objective's terms (`terms`)."""
+"""Costs of changes to the capture, as standard deviations of the objective's terms (see `terms`)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-# r of the objective: the standard deviations below are those of independent frames, so many a second
+# r of the objective: the standard deviations below are for this many independent frames a second
 RATE = 60.0
-UPRIGHT = 0.05  # weight of slip up and down against slip over the floor: a foot rolls
-NOISY = 3.0  # times a cost's acceleration that noise may add to it, if it may be quick motion, too
+UPRIGHT = 0.05  # weight of vertical slip relative to horizontal slip; low, since a foot rolls
+NOISY = 3.0  # greatest acceleration allowed for noise, as a multiple of the default, if it may be quick motion
 STATIC = 0.03  # [leg lengths/s] of slip up to which static friction holds
-GROWN = 0.9  # [m] leg length of the figure whose accelerations the defaults are
+GROWN = 0.9  # [m] leg length at which the acceleration defaults hold
 
-# Bounds, as standard deviations of what is beyond them.
+# Soft bounds, as standard deviations of the excess.
 FLOOR, PLACE, FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
 KNEE, SPEED, FAR_TURN = 0.3, 0.15, 0.5  # [degrees]
-TOES = 1.15  # times as far as other joints toes bend for what is not noticed,
-TOES_FREE = 1.3  # and up to so many times as much; then more and more, as far as they may for twice as much
+TOES = 1.15  # toes may bend this many times as far as other joints for faults below `noticed`,
+TOES_FREE = 1.3  # and for faults up to this multiple of it; then more, up to their limit at twice `noticed`
 CUT, CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 
 @dataclass(frozen=True, kw_only=True)
 class CostParams:
-    """What each departure from the capture costs: standard deviations, each of which costs as much as another.
+    """Costs of changes to the capture, as standard deviations: a change of one costs the same in every term.
 
     Args:
-        slide: cost of slide; more holds more, at the price of the joints' speed [1/leg length].
-        root: of the root over the floor [leg lengths].
-        root_height: of the root up and down [leg lengths].
-        root_acceleration: of the root's acceleration [leg lengths/s^2].
-        root_farthest: beyond this the root hardly goes [leg lengths].
-        line: of the line from hip to ankle [degrees].
+        slide: cost of slide; a higher cost holds more plants, but the joints turn faster [1/leg length].
+        root: of the root's horizontal shift [leg lengths].
+        root_height: of the root's vertical shift [leg lengths].
+        root_acceleration: of the acceleration of the root's shift [leg lengths/s^2].
+        root_farthest: soft bound on the root's shift [leg lengths].
+        line: of the direction from hip to ankle [degrees].
         knee: of the knee's flexion [degrees].
-        foot: of the foot in the world [degrees].
+        foot: of the foot's orientation in the world [degrees].
         toes: of the toes' bend [degrees].
-        line_acceleration: of that line's acceleration [degrees/s^2].
-        knee_acceleration: of that of the knee's flexion [degrees/s^2].
-        foot_acceleration: of that of the foot [degrees/s^2].
-        toes_acceleration: of that of the toes' bend [degrees/s^2].
-        line_farthest: beyond this the line from hip to ankle hardly turns [degrees].
-        ankle_farthest: beyond this the foot hardly turns against the shank, and the knee hardly bends [degrees].
-        toes_farthest: beyond this the toes hardly bend [degrees].
-        noticed: a fault that viewers notice: 21 mm of a grown-up (Prazak & O'Sullivan 2011) [leg lengths].
-        unnoticed_turn: farther than this a joint hardly turns for a smaller fault; for more, in proportion; toes as far
-            as they may for twice as much [degrees].
-        speed: by which a joint may turn faster than captured [degrees/s].
-        level: of a plant from its floor, in a tenth of a second [leg lengths].
+        line_acceleration: of the angular acceleration of the line from hip to ankle [degrees/s^2].
+        knee_acceleration: of the angular acceleration of the knee's flexion [degrees/s^2].
+        foot_acceleration: of the angular acceleration of the foot [degrees/s^2].
+        toes_acceleration: of the angular acceleration of the toes' bend [degrees/s^2].
+        line_farthest: soft bound on the turn of the line from hip to ankle [degrees].
+        ankle_farthest: soft bound on the foot's turn relative to the shank, and on the change of flexion [degrees].
+        toes_farthest: soft bound on the change of the toes' bend [degrees].
+        noticed: smallest fault that viewers notice: 21 mm for an adult (Prazak & O'Sullivan 2011) [leg lengths].
+        unnoticed_turn: bound on joint turn for faults below `noticed`; grows in proportion above it; toes reach their
+            own bound at twice `noticed` [degrees].
+        speed: greatest increase of a joint's speed over the captured one [degrees/s].
+        level: of a plant's distance from its floor, for a tenth of a second [leg lengths].
     """
 
     slide: float = 11000.0

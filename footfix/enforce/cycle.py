@@ -1,4 +1,4 @@
-"""A cycle's contacts are enforced on rounds laid end to end; the clip that is cut out of them is closed at its seam."""
+"""Enforce the contacts of a cyclic clip: repeat the cycle, correct it, and cut out one round with a closed seam."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from footfix.notes import Note
 from footfix.rig.rig import Rig
 from footfix.rig.rounds import Rounds
 
-_CLOSED = 0.001  # [m] between the last frame and the first: with less they are one
+_CLOSED = 0.001  # [m] if the last frame is nearer to the first than this, they are the same pose
 
 
 def plants_back(found: tuple[Footplant, ...], rounds: Rounds, contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
-    """Say of each contact of a clip what became of it among the rounds.
+    """Report for each contact of a clip the outcome found in the repeated rounds.
 
     Args:
-        found: the plants of all rounds; a stand that the seam cuts is one of them.
+        found: the plants of all rounds; a plant across the seam is one plant there.
         rounds: of the clip.
-        contacts: of the clip, of which those at either side of the seam are two.
+        contacts: of the clip, where a plant across the seam is two contacts.
         rig: its sole points.
 
     Returns:
@@ -61,16 +61,16 @@ def _back(plain: Footplant, own: list[Footplant], rounds: Rounds, contact: Conta
 def correction_back(found: Correction, rounds: Rounds) -> Correction:
     """Cut the correction of all rounds to the clip, closed at its seam.
 
-    The rounds' corrections are alike, but not the same to the digit. From the clip's first frame to its last, its own
-    is led over to that of the round before, whose end is where the clip begins. Where the clip's own ends are apart,
-    its last frame needs another correction than its first: a foot that stands over the seam is held in both.
+    The rounds' corrections are nearly, but not exactly, the same. From the clip's first frame to its last, its own
+    correction is blended into that of the round before, which ends where the clip begins. Where the clip's own ends
+    differ, its last frame needs another correction than its first: a foot planted across the seam is held in both.
     """
     within, n = rounds.within, rounds.cycle.frames
     before = slice(within.start - n, within.stop - n)
     shift, rotations = found.root_shift[within], found.rotations[within]
     turns = [rounds.whole.rotation(joint) for joint in found.joints]
     if len(shift) > n and _open(rounds)[0] > _CLOSED:
-        return replace(found, root_shift=shift, rotations=rotations)  # its ends are as much alike as they were
+        return replace(found, root_shift=shift, rotations=rotations)  # both ends get the same correction
     u = np.arange(len(shift)) / n
     u = u * u * (3.0 - 2.0 * u)
     earlier = rotation.rotate(rotation.about_vertical(rounds.cycle.yaw), found.root_shift[before])
@@ -85,7 +85,7 @@ def correction_back(found: Correction, rounds: Rounds) -> Correction:
 
 
 def _between(a: Floats, b: Floats) -> Floats:
-    """The rotations that lead from some to others, both (n, 4), in the frame of the first."""
+    """Compute the rotations from some to others, both (n, 4), in the frame of the first."""
     return rotation.multiply(rotation.inverse(a), b)
 
 
@@ -102,7 +102,7 @@ def cycle_note(rounds: Rounds) -> Note:
 
 
 def _open(rounds: Rounds) -> tuple[float, str]:
-    """[m] how far the joint that is farthest in the last frame is from its place in the first, of the root; and it."""
+    """Find the joint farthest apart, seen from the root, in the first and last frame: distance [m] and name."""
     ends = rounds.whole.frames(np.array([0, len(rounds.whole) - 1]))
     pose = forward(ends)
     place, turn = pose.position(rounds.root), pose.rotation(rounds.root)

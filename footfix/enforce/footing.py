@@ -1,4 +1,4 @@
-"""Footing: the plants of a clip, what they stand on, and which of them are as they should be."""
+"""Footing: the plants of a clip, the floors they stand on, and which of them need no correction."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ class Footing:
     """The plants of a clip of F frames, and what they stand on.
 
     Args:
-        plants: what is to stand.
+        plants: the plants to hold.
         floors: the heights that joints stand at.
         ground: (F, 3) [m] displacement of the ground.
-        keep: for each plant whether it stands well enough as it is.
-        by_hand: for each plant whether its ends are certain.
+        keep: for each plant whether it needs no correction.
+        by_hand: for each plant whether it was given, not detected, so that its ends are certain.
     """
 
     plants: tuple[Footplant, ...]

@@ -1,4 +1,4 @@
-"""Footplants: one contact of one effector each, where it stands, and what became of it."""
+"""Footplants: one contact of one effector, its target place, and the outcome of holding it."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from footfix.rig.rig import Rig
 Outcome = Literal["pinned", "partly", "released", "kept"]
 
 _BY_HAND = ("labels", "known")  # methods whose contacts were given, not detected
-FEWEST = 3  # frames of a plant: fewer tell no stance from a foot that passes
+FEWEST = 3  # frames of a plant; fewer may be a foot that only passes
 
 
 @dataclass(frozen=True)
 class Footplant:
-    """A contact, the same value from detection to the report.
+    """A contact to be held, with its target and outcome.
 
     Args:
-        id: its place among the plants of a clip, by effector, then time.
+        id: its index among the plants of a clip, by effector, then time.
         effector: index among `Rig.soles`.
         name: name of the sole point, `left_heel`.
         leg: index among `Rig.legs`.
         part: "heel" or "toe".
         start, end: frames `[start, end)` of the whole contact.
         confidence: of the detection, 0 to 1.
-        force: it is held whatever it costs.
-        asked: (x, y, z) [m] where the labels ask for it to stand.
-        target: (x, y, z) [m] where it stands after all.
-        outcome: "kept" (it stood well enough), "pinned" (it stands), "partly" (it stands in some of its frames,
-            and slides in others), "released" (it slides in most of them, for the reason given).
-        reason: for a person, where it does not stand throughout.
+        force: whether it is held at any cost.
+        asked: (x, y, z) [m] the place requested by labels.
+        target: (x, y, z) [m] the place where it is held.
+        outcome: "kept" (left as captured), "pinned" (held throughout), "partly" (held in some of its frames, sliding
+            in others), "released" (sliding in most of them, for the reason given).
+        reason: in words, where it is not held throughout.
         residual: [m] farthest horizontal distance from its target over the whole contact.
-        held: the frames in which it stands, as stretches `[start, end)`.
+        held: the frames in which it is held, as stretches `[start, end)`.
     """
 
     id: int
@@ -60,28 +60,28 @@ class Footplant:
 
     @property
     def frames(self) -> slice:
-        """Its frames as a slice."""
+        """Get its frames as a slice."""
         return slice(self.start, self.end)
 
     @property
     def point(self) -> int:
-        """Its place among the points of a foot (`leg.POINTS`)."""
+        """Get its index among the points of a foot (`leg.POINTS`)."""
         return POINTS.index(self.part)
 
 
 def footplants(
     contacts: Contacts, rig: Rig, legs: Sequence[LegTracks], farthest: float
 ) -> tuple[tuple[Footplant, ...], tuple[Note, ...]]:
-    """Make a footplant of each contact; forbidden ones are none.
+    """Make a footplant of each contact, except forbidden ones.
 
-    Places that contacts ask for are left out where a foot can't be brought there: labels come from other versions of
-    a clip, too, on another path, or of a figure of another size.
+    Requested places that the foot can't reach are ignored: labels may come from another version of the clip, with
+    another path or a figure of another size.
 
     Args:
         contacts: as detected or given, the effectors in the order of `rig.soles`.
         rig: its sole points.
         legs: as captured.
-        farthest: [leg lengths] a place that is asked for farther away is not taken, unless forced.
+        farthest: [leg lengths] a requested place farther away than this is ignored, unless forced.
 
     Returns:
         The footplants by effector, then time, and a note where a place was left out.
@@ -108,7 +108,7 @@ def footplants(
 
 
 def given(contacts: Contacts, plant: Footplant) -> bool:
-    """Tell whether somebody gave a contact, so that its ends are certain."""
+    """Tell whether a contact was given, not detected, so that its ends are certain."""
     return plant.force or (contacts.method in _BY_HAND and plant.confidence >= 1.0)
 
 

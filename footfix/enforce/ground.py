@@ -1,7 +1,7 @@
-"""The ground that plants stand on, where that is not simply the floor of the world.
+"""The ground that plants stand on: a treadmill's belt, or the floor under a figure that floats or is sunk.
 
-A treadmill's belt carries planted feet along, and a clip that floats or is sunk as a whole stands too high or too
-low by the same amount everywhere.
+A belt carries planted feet along; the plants of a clip that floats or is sunk are all too high or too low by the same
+amount.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from footfix.notes import Note
 from footfix.rig.gait import Gait, gait_in_place
 from footfix.rig.rig import Rig
 
-_MOST = 0.7  # of their time plants must go with the belt,
-OUTLIERS = 2  # and no more than so many one after the other may not
-_NEAR_GAIT = 0.6  # of its speed, by which feet that are planted in a gait in place may differ from it
+_MOST = 0.7  # [share] plants must move with the belt for this share of their time,
+OUTLIERS = 2  # and at most this many in a row may not
+_NEAR_GAIT = 0.6  # greatest deviation of planted feet from the ground's velocity in a gait in place, as a share of it
 
 
 @dataclass(frozen=True, kw_only=True)
 class GroundParams:
-    """What makes a ground.
+    """When the ground is a moving belt, and when the whole figure is raised or lowered.
 
     Args:
-        belt: planted feet that all move so fast, in a figure that stays, are on a belt [leg lengths/s].
-        belt_spread: by how much of the belt's speed they may differ from it [share].
-        belt_plants: plants in a row that make a belt, where the figure is not on it all the time [count].
-        belt_walk: these move at least as fast [leg lengths/s].
-        lift: all plants are off the floor by this, for the whole figure to be raised or lowered [leg lengths].
-        agree: how many of the plants must agree, within half of that [share].
+        belt: planted feet of a figure in place that all move at least this fast are on a belt [leg lengths/s].
+        belt_spread: greatest deviation of their velocity, as a share of the belt's speed [share].
+        belt_plants: least number of such plants in a row, where the figure is on the belt for part of the clip [count].
+        belt_walk: least speed of these plants [leg lengths/s].
+        lift: the whole figure is raised or lowered if its plants are off the floor by at least this [leg lengths].
+        agree: share of the plants that must agree within half of that [share].
     """
 
     belt: float = 0.15
@@ -66,7 +66,7 @@ class Drift:
 
 
 def belt(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: GroundParams) -> Floats:
-    """Find how far the ground under planted feet has moved on purpose, as a treadmill's belt does.
+    """Find the motion of a treadmill's belt under planted feet.
 
     It has one velocity for as long as the figure is on the belt, which it may get on and off.
 
@@ -75,7 +75,7 @@ def belt(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: Gr
         pose: F frames of `rig.joints()`.
         contacts: when each sole point is planted.
         frame_time: [s].
-        params: what makes a belt.
+        params: when the ground is a belt.
 
     Returns:
         (F, 3) [m], zeros on a floor at rest.
@@ -90,7 +90,7 @@ def belt(rig: Rig, pose: Pose, contacts: Contacts, frame_time: float, params: Gr
 
 
 def _of_gait(drifts: Sequence[Drift], gait: Gait) -> Floats:
-    """(3,) [m/s] the velocity of the ground under a gait in place: that of most planted feet which go with it."""
+    """Find the ground's velocity under a gait in place (3,) [m/s]: that of most planted feet that move with it."""
     speed = float(np.linalg.norm(gait.velocity))
     along = np.array([float(np.linalg.norm(each.velocity - gait.velocity)) < _NEAR_GAIT * speed for each in drifts])
     return usual_step(drifts, along) if along.any() else gait.velocity
@@ -127,7 +127,7 @@ def _velocity(drifts: Sequence[Drift], rig: Rig, pose: Pose, frame_time: float, 
 
 
 def usual_step(drifts: Sequence[Drift], along: Bools) -> Floats:
-    """Find (3,) [m/s] the step that most plants on the belt make: of a cleaned clip, the very speed of its belt."""
+    """Find the velocity of most plants on the belt (3,) [m/s]; in a cleaned clip, exactly the speed of its belt."""
     steps = np.concatenate([drift.steps for drift, goes in zip(drifts, along.tolist(), strict=True) if goes])
     return np.asarray(np.median(steps, axis=0) * [1.0, 0.0, 1.0])
 
@@ -157,9 +157,9 @@ def _centre(drifts: Sequence[Drift]) -> Floats:
 
 
 def go_along(drifts: Sequence[Drift], travel: Floats, least: float, params: GroundParams) -> Bools | None:
-    """Tell (N,) which of these plants go along with what is their common velocity, `least` [m/s] or more.
+    """Mark (N,) the plants that move with their common velocity, `least` [m/s] or more.
 
-    None where not most of them do, or the hips, which go on by `travel` (3,) [m/s], don't stay.
+    None where fewer than most of them do, or where the hips, with velocity `travel` (3,) [m/s], don't stay in place.
     """
     common = _centre(drifts)
     speed = float(np.linalg.norm(common))
@@ -170,7 +170,7 @@ def go_along(drifts: Sequence[Drift], travel: Floats, least: float, params: Grou
 
 
 def belt_notes(ground: Floats, frame_time: float) -> tuple[Note, ...]:
-    """Say that a ground (F, 3) [m] moves, and how fast."""
+    """Make a note that the ground (F, 3) [m] moves, and how fast."""
     step = np.linalg.norm(np.diff(ground, axis=0), axis=1)
     moves = step > 0.0
     if not np.any(moves):
@@ -182,10 +182,10 @@ def belt_notes(ground: Floats, frame_time: float) -> tuple[Note, ...]:
 
 
 def lift(lacks: Floats, leg_length: float, params: GroundParams) -> float:
-    """Find by how much the whole figure is to be raised: what all its plants lack to their floor, if they agree.
+    """Find by how much to raise the whole figure: the common height error of its plants, if they agree.
 
     Args:
-        lacks: (N,) [m] of each plant.
+        lacks: (N,) [m] height error of each plant.
         leg_length: [m].
         params: how many must agree.
 

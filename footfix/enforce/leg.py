@@ -26,7 +26,7 @@ Q, K, W, B = slice(0, 3), 3, slice(4, 7), 7  # within a leg's eight
 POINTS = ("heel", "toe", "ankle", "tip")
 HEEL, TOE, ANKLE, TIP = range(4)
 
-STRAIGHT = 0.4  # [sine] up to this bend the captured leg is too straight to say about which axis its knee flexes
+STRAIGHT = 0.4  # [sine] up to this bend a captured leg is too straight to show the axis of its knee
 _STRETCHED = 3.6  # [degrees] of flexion: two equal bones at 99.95 % of their length
 _WHITE = -0.7  # correlation of neighbouring fourth differences: -0.8 in white noise, above 0 in motion
 _STRAIGHTEST = 1.0  # [percentile] of a clip's flexion that counts as its straightest knee
@@ -34,13 +34,13 @@ _STRAIGHTEST = 1.0  # [percentile] of a clip's flexion that counts as its straig
 
 @dataclass(frozen=True, eq=False)
 class LegCalibration:
-    """What is measured of a leg on the whole clip.
+    """Properties of a leg measured over the whole clip.
 
     Args:
         knee_axis: (3,) about which the knee flexes, in the hip joint's frame.
-        straightest: [rad] flexion of the knee where it is straightest, but for outliers.
+        straightest: [rad] least flexion of the knee, without outliers.
         toe_hinge: (3,) about which the toes turn up, in the ankle's frame.
-        noise: [rad] of the line from hip to ankle, the knee, and the foot.
+        noise: [rad] noise of the line from hip to ankle, the knee, and the foot.
     """
 
     knee_axis: Floats
@@ -50,7 +50,7 @@ class LegCalibration:
 
     @property
     def least(self) -> float:
-        """[rad] the straightest that a knee may become that was not captured straighter."""
+        """Get the least flexion [rad] allowed for a knee that was not captured straighter."""
         return max(self.straightest, float(np.radians(_STRETCHED)))
 
 
@@ -65,7 +65,7 @@ class LegTracks:
         thigh, shank: (3, F) [m] from hip to knee, and from knee to ankle.
         axis: (3, F) about which the knee flexes.
         flexion: (F,) [rad] of the knee, 0 where it is straight, negative where it bends backwards.
-        least: (F,) [rad] the straightest that the knee may become.
+        least: (F,) [rad] least flexion allowed.
         reach: (3, F) coefficients c of D(k)^2 = c0 + c1 cos k + c2 sin k, the distance from hip to ankle [m^2].
         points: heel and toe (and tip, where the toes have one), (3, F) [m] each: heel and toe from the ankle, the
             tip from the toe. The ankle is a point, too.
@@ -110,7 +110,7 @@ class LegTracks:
 
 
 def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
-    """Measure what enforcement needs to know of each leg over the whole clip.
+    """Measure the properties of each leg that enforcement needs, over the whole clip.
 
     Args:
         rig: its legs.
@@ -140,17 +140,17 @@ def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
 
 
 def _lying(track: Floats) -> Floats:
-    """A track (F, 3) as (3, F), each component contiguous."""
+    """Transpose a track (F, 3) to (3, F), each component contiguous."""
     return np.ascontiguousarray(track.T)
 
 
 @dataclass(frozen=True)
 class Noise:
-    """What is new in every frame of a track.
+    """The frame-to-frame noise of a track.
 
     Args:
         sigma: its standard deviation along one axis.
-        white: whether that is all that the track's quickest changes are.
+        white: whether the track's fastest changes are all noise.
     """
 
     sigma: float
@@ -160,14 +160,14 @@ class Noise:
 def noise_of(track: Floats) -> Noise:
     """Estimate the noise of a track (F, D).
 
-    By the median of fourth differences, in which motion hardly shows and steps and strikes, being few, don't count.
-    Quick motion shows a little; it is told by neighbouring differences, which are less unlike than those of noise.
+    It is the median of fourth differences, in which motion hardly shows; steps and strikes are too few to change it.
+    Quick motion shows a little; it is recognised by neighbouring differences, which alternate less than in noise.
     Source: the difference-based estimator of J. von Neumann et al., Annals of Mathematical Statistics 12 (1941).
     """
     if len(track) < 9:
         return Noise(0.0, False)
     fourth = np.diff(track, n=4, axis=0)
-    # 0.6745: of a normal distribution; 70 = 1 + 16 + 36 + 16 + 1 times a frame's variance
+    # 0.6745: median absolute value of a normal distribution; 70 = 1 + 16 + 36 + 16 + 1 times a frame's variance
     deviation = np.median(np.abs(fourth), axis=0) / 0.6745
     ahead, behind = fourth[1:], fourth[:-1]
     alike = float(np.median(dot(ahead, behind))) / max(float(np.median(dot(ahead, ahead))), 1e-300)
@@ -227,13 +227,13 @@ def raise_leg(leg: LegTracks, lift: float | Floats) -> LegTracks:
 def knee_axis(thigh: Floats, shank: Floats, usual: Floats) -> Floats:
     """Find the axis about which a knee flexes, at right angles to the thigh.
 
-    Where the leg is bent it is the normal of the captured leg's plane. Where it is straight the normal means
-    nothing, and the axis the knee has on the whole, fixed in the thigh, leads over. Through a straight leg the
-    normal swings round: only as much of it counts as lies along the usual axis.
+    Where the leg is bent it is the normal of the captured leg's plane. Where it is straight that normal is undefined,
+    and the knee's mean axis, fixed in the thigh, is used. As a leg passes through straight the normal flips: only its
+    component along the mean axis counts.
 
     Args:
         thigh, shank: (F, 3) [m] from hip to knee, and from knee to ankle.
-        usual: (F, 3) unit axis that the knee has on the whole, in the world.
+        usual: (F, 3) mean unit axis of the knee over the clip, in the world.
 
     Returns:
         (F, 3) unit axis in the world.
@@ -248,19 +248,19 @@ def knee_axis(thigh: Floats, shank: Floats, usual: Floats) -> Floats:
 
 
 def _flexion(thigh: Floats, shank: Floats, axis: Floats) -> Floats:
-    """(F,) [rad] how far the knee is bent about its axis (F, 3)."""
+    """Compute the knee's flexion (F,) [rad] about its axis (F, 3)."""
     in_plane = shank - dot(shank, axis)[:, None] * axis
     return np.arctan2(dot(axis, cross_rows(thigh, in_plane)), dot(thigh, in_plane))
 
 
 def _points(clip: Clip, rig: Rig, pose: Pose, k: int) -> tuple[tuple[Floats, ...], bool]:
-    """Heel and toe seen from the ankle, the tip seen from the toe, (F, 3) [m] each, and whether the toes bend."""
+    """Compute heel and toe from the ankle, and the tip from the toe, (F, 3) [m] each, and whether the toes bend."""
     leg, skeleton = rig.legs[k], clip.skeleton
     ankle = pose.position(leg.ankle)
     heel, ball = (pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles if sole.leg == k)
     if leg.toe is None:
         return (heel - ankle, ball - ankle), False
-    # G §4: the effector is the metatarsal joint itself, which is what the skin of the toes hangs on
+    # G §4: the effector is the metatarsal joint itself, to which the skin of the toes is bound
     toe, offset = pose.position(leg.toe), tip_of(skeleton, rig, k)
     if offset is None:
         return (heel - ankle, toe - ankle), False

@@ -1,4 +1,4 @@
-"""A leg in a state: where its sole points go, how they move with the unknowns, and how its joints turn.
+"""A leg in a state: the places of its sole points, their derivatives, and the turns of its joints.
 
 Arrays have their components first and frames last, as in `leg`.
 """
@@ -17,16 +17,16 @@ from footfix.motion.kinematics import Pose
 
 @dataclass(frozen=True, eq=False)
 class LegState:
-    """Sole points of a leg in a state, and how they move.
+    """Sole points of a leg in a state, and their derivatives.
 
     A point p moves by  dp = dd + ankle (dq, dk) + (turn dw) x arm + hinge db,  the last for the tip alone.
 
     Args:
         places: for each point (3, F) [m] in the world.
         arms: for each point (3, F) [m] from the ankle; none for the ankle itself.
-        ankle: (3, 4, F) [m/rad] the ankle by q and k.
-        turn: (3, 3, F) [rad/rad] the foot's turn in the world by w.
-        hinge: (3, F) [m/rad] the tip by b; none where the toes have no tip.
+        ankle: (3, 4, F) [m/rad] derivative of the ankle with respect to q and k.
+        turn: (3, 3, F) [rad/rad] derivative of the foot's turn in the world with respect to w.
+        hinge: (3, F) [m/rad] derivative of the tip with respect to b; none where the toes have no tip.
     """
 
     places: tuple[Floats, ...]
@@ -37,7 +37,7 @@ class LegState:
 
 
 def state_of(leg: LegTracks, root: Floats, x: Floats) -> LegState:
-    """Put the sole points of a leg where a state has them, and tell how they move with it.
+    """Compute the sole points of a leg in a state, and their derivatives.
 
     ankle = hip + d + exp(q) line D(k),   point = ankle + exp(w) p,   tip = ankle + exp(w) (p + R(hinge, b) t)
 
@@ -63,7 +63,7 @@ def state_of(leg: LegTracks, root: Floats, x: Floats) -> LegState:
 
 
 def places_of(leg: LegTracks, root: Floats, x: Floats) -> tuple[Floats, ...]:
-    """Put the sole points of a leg where a state has them, (3, F) [m] each; arguments as of `state_of`."""
+    """Compute the sole points of a leg in a state, (3, F) [m] each; arguments as of `state_of`."""
     k, (c0, c1, c2) = x[K], leg.reach
     distance = np.sqrt(np.maximum(c0 + c1 * np.cos(k) + c2 * np.sin(k), 1e-12))
     at = leg.hip + root + rotated(exponential(x[Q]), leg.line) * distance
@@ -72,7 +72,7 @@ def places_of(leg: LegTracks, root: Floats, x: Floats) -> tuple[Floats, ...]:
 
 
 def _arms(leg: LegTracks, foot: Floats, b: Floats) -> tuple[tuple[Floats | None, ...], Floats | None]:
-    """From the ankle to each point (3, F) [m], and from the toe joint to the tip, of a foot turned by (3, 3, F)."""
+    """Compute vectors from ankle to points, and from toe joint to tip, (3, F) [m], of a foot turned by (3, 3, F)."""
     heel, toe = (rotated(foot, each) for each in leg.points[:2])
     if len(leg.points) == 2:
         return (heel, toe, None), None
@@ -127,7 +127,7 @@ def rotated(matrix: Floats, v: Floats) -> Floats:
 
 
 def local_rotations(clip: Clip, pose: Pose, leg: LegTracks, x: Floats) -> dict[int, Floats]:
-    """Compute new local rotations (F, 4) of hip, knee, ankle and toe joint; what lies between them keeps its own.
+    """Compute new local rotations (F, 4) of hip, knee, ankle and toe joint; joints between them keep theirs.
 
     Args:
         clip: as captured.
@@ -150,7 +150,7 @@ def local_rotations(clip: Clip, pose: Pose, leg: LegTracks, x: Floats) -> dict[i
 
 
 def leg_turns(leg: LegTracks, x: Floats) -> tuple[Floats, Floats]:
-    """Compute what turns thigh and knee together about the hip, and the shank about the knee before, both (F, 4)."""
+    """Compute the turn of the leg about the hip, and that of the shank about the knee before it, both (F, 4)."""
     bend = rotation.from_rotation_vector((x[K] * leg.axis).T)
     reached = leg.thigh.T + rotation.rotate(bend, leg.shank.T)
     # the line from hip to ankle keeps its direction while the knee bends
@@ -159,7 +159,7 @@ def leg_turns(leg: LegTracks, x: Floats) -> tuple[Floats, Floats]:
 
 
 def _local(pose: Pose, joint: int, parent: int, above: Floats | None, turn: Floats) -> Floats:
-    """(F, 4) the local rotation of a joint that is turned in the world, below a parent that is turned by `above`."""
+    """Compute the local rotation (F, 4) of a joint turned in the world, whose parent is turned by `above`."""
     world = rotation.multiply(turn, pose.rotation(joint))
     if parent < 0:
         return rotation.normalize(world)

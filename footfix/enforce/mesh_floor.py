@@ -1,4 +1,4 @@
-"""What the mesh of a foot asks of its pins: where a skin is given, no vertex of it goes below the floor."""
+"""Adjust pins to the mesh of the foot, so that no vertex of a given skin goes below the floor."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from footfix.motion.clip import Bools, Floats, Skeleton
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
-_SINK = 0.0006  # [leg lengths] how deep a vertex may be: half a millimetre of a grown-up
-_LEFT = 0.001  # [leg lengths] deeper than that, up to which it is left
-_ON_ZERO = 0.03  # [leg lengths] from the file's zero plane, up to which the floor is that plane
+_SINK = 0.0006  # [leg lengths] greatest depth of a vertex: half a millimetre for an adult
+_LEFT = 0.001  # [leg lengths] a vertex up to this much deeper is not corrected
+_ON_ZERO = 0.03  # [leg lengths] a floor within this distance of the file's zero plane is that plane
 _ON_STEP = 0.03  # [leg lengths] by which a vertex in a step is raised at most
-_AROUND = 0.2  # [s] around a vertex that is in the floor, in which joints may go to bring it out
-_DEEP = 0.0025  # [leg lengths] a plant whose mesh is deeper does not stay as it is
+_AROUND = 0.2  # [s] before and after a vertex is in the floor, in which joints may turn to bring it out
+_DEEP = 0.0025  # [leg lengths] a plant whose mesh is deeper than this is corrected
 
 AllPins = tuple[tuple[Pins, ...], ...]
 
 
 def sunk(plants: Sequence[Footplant], rig: Rig, pose: Pose, lift: float, floors: Floors, near: float) -> Bools:
-    """Tell (N,) the plants in which the mesh of the foot is too deep in the floor to be left there.
+    """Mark the plants (N,) in which the mesh of the foot is too deep in the floor to be left there.
 
     Args:
         plants: of the clip.
@@ -48,9 +48,9 @@ def sunk(plants: Sequence[Footplant], rig: Rig, pose: Pose, lift: float, floors:
 
 
 def over_floor(pins: Sequence[tuple[Pins, ...]], rig: Rig, pose: Pose, steps: Sequence[Floats]) -> AllPins:
-    """Draw heel and toe of each leg no lower than where no vertex of their parts of the foot is below the floor.
+    """Raise the target heights of heel and toe so that no vertex of their parts of the foot is below the floor.
 
-    How far the lowest vertex is below the joint that is held depends on how the foot is turned: as captured.
+    The distance from the held joint down to the lowest vertex depends on the foot's orientation, taken as captured.
 
     Args:
         pins: of each leg: heel, toe, and others.
@@ -92,7 +92,7 @@ def skins_of(
 
 
 def steps_of(rig: Rig, steps: Sequence[Floats]) -> list[Floats]:
-    """Leave out steps (F,) [m] down from a file's zero plane: what is below that is no floor, but a mesh in it."""
+    """Leave out steps (F,) [m] below a file's zero plane: a mesh below it is in the floor, not on a lower one."""
     on_zero = abs(rig.floor) < _ON_ZERO * rig.leg_length
     return [np.maximum(each, 0.0) if on_zero else each for each in steps]
 
@@ -103,7 +103,7 @@ def too_deep(skins: Mapping[int, Vertices], legs: Sequence[LegTracks], leg_lengt
 
 
 def deeper(fault: Floats, skins: Mapping[int, Vertices], legs: Sequence[LegTracks], frame_time: float) -> Floats:
-    """Add to faults (F,) [m] how deep vertices are in the floor: joints may go as far as that asks for.
+    """Raise faults (F,) [m] to the depth of vertices in the floor, so that joints may turn far enough to correct it.
 
     Args:
         fault: of the plants nearby.

@@ -1,4 +1,4 @@
-"""The objective of a clip, linearised at a state: the terms of all its points, joints and unknowns put together."""
+"""The objective of a clip, linearised at a state: the sum of the terms of all points, joints and unknowns."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from footfix.motion.clip import Floats
 
 
 def posture(problem: Problem, x: Floats) -> tuple[LegState, ...]:
-    """Put all legs where a state (U, F) has them."""
+    """Compute all legs in a state (U, F)."""
     return tuple(state_of(leg, x[:ROOT], x[problem.columns(k)]) for k, leg in enumerate(problem.legs))
 
 
@@ -32,7 +32,7 @@ def systems(
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
-        root: whether the root is an unknown. Where it is not, the legs have nothing to do with each other.
+        root: whether the root is an unknown. Where it is not, the legs are independent of each other.
         at: the legs in that state, from `posture`, where they are known.
 
     Returns:
@@ -53,7 +53,7 @@ def objective(
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
         static: times as much as sliding what hardly moves is held.
-        root: whether what the root costs by itself counts.
+        root: whether to include the root's own cost.
         at: the legs in that state, from `posture`, where they are known.
     """
     rows = np.arange(0 if root else ROOT, len(x))
@@ -74,7 +74,7 @@ def objective(
 def _system(
     problem: Problem, legs: Sequence[int], x: Floats, at: Sequence[LegState], eps: float, static: float, root: bool
 ) -> System:
-    """Some legs, with the root or by themselves."""
+    """Assemble the system of some legs, with the root's unknowns or without."""
     rows = np.concatenate([np.arange(ROOT if root else 0), *(np.arange(len(x))[problem.columns(k)] for k in legs)])
     first, pulled = len(rows) - LEG * len(legs), []
     for n, k in enumerate(legs):

@@ -1,4 +1,4 @@
-"""What became of each footplant, read from the solution."""
+"""The outcome of each footplant, read from the solution."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 from footfix.rig.rig import Rig
 
-_STANDS = 0.05  # [leg lengths/s] of slip: what moves less stands
-_PINNED = 0.0055  # [leg lengths] a plant that strays no farther, but where the foot lands or leaves, is pinned
-_MOST = 0.5  # of its frames: a plant that stands in fewer is released
-_NOTICED = 30.0  # [degrees/s] less of a knee than this is no reason
-_EASE = 0.1  # [s] in which a foot that was held would come back to its way
+_STANDS = 0.05  # [leg lengths/s] a point that slips less than this stands
+_PINNED = 0.0055  # [leg lengths] a plant that strays no farther, except at its ends, is pinned
+_MOST = 0.5  # [share] a plant that stands in a smaller share of its frames is released
+_NOTICED = 30.0  # [degrees/s] a smaller knee speed is not given as a reason
+_EASE = 0.1  # [s] in which a held foot would return to its captured path
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,24 +34,24 @@ class CorrectedLeg:
 
     @classmethod
     def of_state(cls, leg: LegTracks, root: Floats, x: Floats) -> CorrectedLeg:
-        """Make the leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
+        """Place the leg in a state: shift of the root (3, F) [m] and its own unknowns (8, F)."""
         places = places_of(leg, root, x)
         return cls(leg.hip + root, places[ANKLE], places[HEEL], places[TOE])
 
     @classmethod
     def of_tracks(cls, leg: LegTracks) -> CorrectedLeg:
-        """Make the leg as it is."""
+        """Place the leg as captured."""
         return cls(leg.hip, leg.ankle, leg.place(HEEL), leg.place(TOE))
 
     def point(self, plant: Footplant) -> Floats:
-        """Compute (3, F) [m] what a plant holds."""
+        """Compute the point that a plant holds, (3, F) [m]."""
         return self.heel if plant.part == "heel" else self.toe
 
 
 def outcomes(
     footing: Footing, legs: Sequence[LegTracks], after: Sequence[CorrectedLeg], rig: Rig, frame_time: float
 ) -> tuple[Footplant, ...]:
-    """Say of each plant whether it was kept, stands, stands in part, or slides.
+    """Determine the outcome of each plant: kept, pinned, partly, or released.
 
     Args:
         footing: the plants as asked for, and what they stand on.
@@ -71,7 +71,7 @@ def outcomes(
         strays = np.hypot(*(track - place)[:, [0, 2]].T)
         far = float(strays.max())
         x, y, z = (place + ground[(plant.start + plant.end) // 2]).tolist()
-        y -= footing.floors.rest[plant.effector] - rig.floor  # a plant stands where its sole does
+        y -= footing.floors.rest[plant.effector] - rig.floor  # from the joint to its sole
         inner = core(plant, frame_time)
         within = strays[inner[0] - plant.start : inner[1] - plant.start].max()
         kept, turns = footing.keep[plant.id] and plant.asked is None, legs[plant.leg].turns
@@ -91,7 +91,7 @@ def _outcome(keep: bool, still: Bools, within: float, leg_length: float, turns: 
     if not (keep or turns):
         return "released", "the file has no rotation channels for a joint of this leg"
     share = float(still.mean()) if len(still) else 0.0
-    # No millimetres here: those of the measures stand beside the reason, and they are of what is seen.
+    # No millimetres here: the report gives those of the measures, of the visible points, beside the reason.
     held = np.count_nonzero(still)
     if keep or share >= _MOST:
         return "kept" if keep else "partly", f"at rest in {held} of {len(still)} frames"
@@ -99,8 +99,8 @@ def _outcome(keep: bool, still: Bools, within: float, leg_length: float, turns: 
 
 
 def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats, frame_time: float) -> str:
-    """Say what holding a plant throughout would ask of its knee; `strays` (n, 3) [m] from its place."""
-    ease = max(1, round(_EASE / frame_time)) + 1  # frames, in the last of which nothing is left to lack
+    """Say what holding a plant throughout would demand of its knee; `strays` (n, 3) [m] from its place."""
+    ease = max(1, round(_EASE / frame_time)) + 1  # frames; in the last one the foot is back on its path
     first, last = max(plant.start - ease, 0), min(plant.end + ease, after.ankle.shape[1])
     lacks = np.zeros((last - first, 3))  # [m] what would bring the foot to its place
     lacks[plant.start - first : plant.end - first] = -strays * [1.0, 0.0, 1.0]

@@ -1,4 +1,4 @@
-"""How footplants are enforced: the parameters of all of its steps."""
+"""Parameters of footplant enforcement, for all of its steps."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ class EnforceParams:
     """How footplants are enforced.
 
     Args:
-        method: "ik" bends the legs, "root" moves the root alone, "both" gives the root what planted feet share and
-            the legs the rest.
-        solver: "whole_clip" is one least squares, "glardon" and "kim_neff" the papers' own ways.
-        cycle: whether the last frame leads to the first, over a closed seam: "find", "yes" or "no"; "likely" is content
-            with ends that nearly meet, in place, as in animations of games. For glTF files "find" means that.
-        heights: "floor" draws plants to their floor, "keep" leaves them the height they have.
+        method: "ik" bends the legs, "root" moves the root alone, "both" moves the root by what planted feet have in
+            common and bends the legs for the rest.
+        solver: "whole_clip" is one least-squares problem, "glardon" and "kim_neff" are the methods of these papers.
+        cycle: whether the clip is a cycle, whose last frame leads to its first: "find", "yes" or "no"; "likely" also
+            accepts ends that nearly meet, in place, as in game animations. For glTF files "find" means "likely".
+        heights: "floor" moves plants to their floor, "keep" leaves them at their captured height.
         strength: how much of the correction is applied, 0 to 1 [share].
-        pins: when a plant is corrected, and what of it is held.
-        costs: what each departure from the capture costs.
-        ground: belts, and figures that float or are sunk.
-        style: how planted feet stand otherwise than captured.
-        glardon: the solver of that name.
-        kim_neff: the solver of that name.
-        root: method "root".
+        pins: when a plant is corrected, and how firmly its points are held.
+        costs: the cost of each change to the capture.
+        ground: treadmill belts, and figures that float above the floor or sink into it.
+        style: changes to how planted feet stand.
+        glardon: parameters of the solver "glardon".
+        kim_neff: parameters of the solver "kim_neff".
+        root: parameters of the method "root".
     """
 
     method: Literal["ik", "root", "both"] = "ik"

@@ -1,6 +1,6 @@
-"""Pins: what is to stand in which frames, how surely, and how high its floor is.
+"""Pins: in which frames a point of a foot is held, with what weight, and how high its floor is.
 
-A pin belongs to a point of the foot: the heel, the toe joint, or the tip of the toes. Contacts say when it stands.
+Each pin belongs to a point of the foot: heel, toe joint, ankle, or the tip of the toes. Contacts say when it is held.
 """
 
 from __future__ import annotations
@@ -18,28 +18,28 @@ from footfix.enforce.standing_heights import floor_steps, nominal
 from footfix.motion.clip import Bools, Floats
 from footfix.rig.rig import Rig
 
-_FORCED = 100.0  # times as much as others that contacts count which are held whatever it costs
-_KEPT = 0.04  # how much the place of a plant that is kept counts, against one that was asked for
+_FORCED = 100.0  # weight of a forced contact, relative to a detected one
+_KEPT = 0.04  # weight of the captured place of a kept plant, relative to a requested place
 
 
 @dataclass(frozen=True, kw_only=True)
 class PinParams:
-    """When a plant is corrected, and what of it is held.
+    """When a plant is corrected, and how firmly its points are held.
 
     Args:
-        keep_slide: a plant that slides no farther (2 mm of a grown-up) and is as near to its floor as below stays as
-            it is [leg lengths].
-        keep_height: distance from its floor up to which it may stay as it is [leg lengths].
-        keep_rested: whether a plant that a program has put to rest in three tenths of its frames stays as it is, too.
-        edge: time at both ends of a detected contact in which the foot may still land or leave [s].
-        edge_weight: weight of a pin at the outermost frame of these, of its own [share].
-        ankle: weight of the ankle against that of the toe joint, while heel and toe stand [share].
-        bare_ankle: the same of a foot without toe joint, whose heel and toe are guessed [share].
-        tip: weight of the toes' tip against that of the toe joint [share].
-        near: a plant nearer than this to the floor stands on it, else on a step of its own [leg lengths].
-        sink: how deep a point may be in the floor, if it was not captured deeper [leg lengths].
-        turning: a foot that turns over the floor at this rate is held half as much [rad/s].
-        asked: a place that labels ask for farther away is not taken, unless forced [leg lengths].
+        keep_slide: a plant that slides no farther than this (2 mm for an adult), and is within `keep_height` of its
+            floor, stays as captured [leg lengths].
+        keep_height: greatest distance from its floor at which a plant may stay as captured [leg lengths].
+        keep_rested: whether a plant that another program has locked in 30 % of its frames stays as captured, too.
+        edge: time at the start and end of a detected contact in which the foot may still be landing or leaving [s].
+        edge_weight: weight of a pin at the very start and end of a contact, relative to its middle [share].
+        ankle: weight of the ankle relative to the toe joint, while heel and toe are planted [share].
+        bare_ankle: the same for a foot without toe joint, whose heel and toe are estimated [share].
+        tip: weight of the toes' tip relative to the toe joint [share].
+        near: a plant within this distance of the floor stands on it, any other on a step of its own [leg lengths].
+        sink: greatest depth of a point below the floor, unless it was captured deeper [leg lengths].
+        turning: rate of turn about the vertical at which a foot is held with half the weight [rad/s].
+        asked: farthest place requested by labels that is used; others are ignored, unless forced [leg lengths].
     """
 
     keep_slide: float = 0.0022
@@ -58,17 +58,17 @@ class PinParams:
 
 @dataclass(frozen=True, eq=False)
 class Pins:
-    """What one point of a foot is to do, over F frames.
+    """The constraints on one point of a foot, over F frames.
 
     Args:
-        hold: (F - 1,) how much a metre of slip from each frame to the next counts, 1 for a sure contact.
-        slip: (3, F - 1) [m] the slip that is none: the ground's own, or the captured one of a plant that is kept.
+        hold: (F - 1,) weight of slip from each frame to the next, 1 for a contact of confidence 1.
+        slip: (3, F - 1) [m] motion that does not count as slip: the ground's own, or a kept plant's as captured.
         stands: (F,) whether it is planted.
-        level: (F,) [m] the height it is drawn to while it is planted.
-        draw: (F,) how much that counts, 0 or more.
-        lowest: (F,) [m] how low it may be.
+        level: (F,) [m] target height while it is planted.
+        draw: (F,) weight of that height, 0 or more.
+        lowest: (F,) [m] least allowed height.
         spans: the frames `[start, end)` of each plant that is to be held.
-        place, placed: (3, F) [m] where labels or a style want it, and (F,) in which frames.
+        place, placed: (3, F) [m] target place from labels or a style, and (F,) its weight.
     """
 
     hold: Floats
@@ -82,7 +82,7 @@ class Pins:
     spans: tuple[tuple[int, int], ...] = ()
 
     def let_slide(self, spans: Sequence[tuple[int, int]]) -> Pins:
-        """Let some plants go: nothing holds or draws them any more."""
+        """Release some plants: set their weights to zero."""
         hold, draw = self.hold.copy(), self.draw.copy()
         for start, end in spans:
             hold[start : end - 1] = draw[start:end] = 0.0
@@ -92,7 +92,7 @@ class Pins:
 def pins(
     footing: Footing, leg: LegTracks, k: int, rig: Rig, frame_time: float, *, heights: bool, params: PinParams
 ) -> tuple[Pins, ...]:
-    """Lay out what each point of a leg's foot is to do.
+    """Make the pins of a foot's points.
 
     Args:
         footing: the plants of the clip, and what they stand on.
@@ -115,13 +115,13 @@ def pins(
     alike = held_alike(heel.hold, toe.hold, both, share)
     heel, toe = (replace(each, hold=hold) for each, hold in zip((heel, toe), alike, strict=True))
     ankle = _ankle(heel, toe, footing, leg, k, params.bare_ankle if rig.legs[k].toe is None else params.ankle)
-    # while heel and toe stand, the tip counts as the ankle does at the other side of the toe joint
+    # while heel and toe are planted, the tip has the same weight as the ankle
     tips = [replace(tip, hold=np.where(both, params.ankle * toe.hold, tip.hold)) for tip in tips]
     return (heel, toe, ankle, *tips)
 
 
 def _both(footing: Footing, k: int, frames: int) -> Bools:
-    """Mark the steps (F - 1,) in which heel and toe stand by contacts that were detected."""
+    """Mark the steps (F - 1,) in which heel and toe are both planted by detected contacts."""
     own = footing.of_leg(k)
     heel, toe = stands(own, frames, k + 1)[k]
     both = heel & toe
@@ -131,7 +131,7 @@ def _both(footing: Footing, k: int, frames: int) -> Bools:
 
 
 def _ankle(heel: Pins, toe: Pins, footing: Footing, leg: LegTracks, k: int, weight: float) -> Pins:
-    """The ankle's pin: it stands while heel and toe do, as surely as the less sure of them."""
+    """Make the ankle's pin: planted while heel and toe are, with the lesser weight of the two."""
     frames = len(leg.flexion)
     slides = np.zeros(frames, dtype=np.bool_)
     for plant in footing.of_leg(k):
@@ -149,7 +149,7 @@ def _pin(
     footing: Footing, leg: LegTracks, k: int, point: int, step: Floats, rig: Rig, frame_time: float, heights: bool,
     params: PinParams,
 ) -> Pins:  # fmt: skip
-    """The pin of a heel, a toe joint, or a tip, which stands while its toe joint does; `step` (F,) [m] of the floor."""
+    """Make the pin of a heel, a toe joint, or a tip (planted while its toe joint is); `step` (F,) [m] of the floor."""
     part, tip = POINTS[min(point, TOE)], point == TIP
     own, frames = [plant for plant in footing.of_leg(k) if plant.part == part], len(leg.flexion)
     track = leg.place(point)  # (3, F) [m]
@@ -169,7 +169,7 @@ def _pin(
     if not heights or tip:
         draw[:] = 0.0
         slip[1] = np.diff(track[1])
-    if not leg.turns:  # the root is not to follow a leg that can't
+    if not leg.turns:  # the root must not move to serve a leg that can't turn
         hold[:] = draw[:] = placed[:] = 0.0
     lowest = np.minimum(track[1], usual + step - params.sink * rig.leg_length)
     unsure = [p for p in own if not (footing.keep[p.id] or p.force or footing.by_hand[p.id]) and p.end - p.start >= 2]
@@ -179,7 +179,7 @@ def _pin(
 def _weights(
     own: Sequence[Footplant], footing: Footing, frames: int, frame_time: float, share: float, params: PinParams
 ) -> tuple[Floats, Floats, Bools]:
-    """How much slip of plants counts (F - 1,), how much their level (F,), and when they stand (F,)."""
+    """Compute the weights of slip (F - 1,) and of height (F,), and mark the planted frames (F,)."""
     hold, draw, stand = np.zeros(frames - 1), np.zeros(frames), np.zeros(frames, dtype=np.bool_)
     for plant in own:
         a, b = plant.start, plant.end
@@ -194,9 +194,9 @@ def _weights(
 def _places(
     own: Sequence[Footplant], footing: Footing, track: Floats, step: Floats, floor: float, draw: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """At what level plants stand (F,), and where, (3, F) [m], how surely (F,): what is kept, or was asked for.
+    """Compute the target height (F,) [m], place (3, F) [m] and its weight (F,), of kept plants and requested places.
 
-    A level that was asked for is a place, and draws no more: `draw` is set to none there.
+    A requested place includes its height: there the weight `draw` of the height is set to zero.
     """
     level, place, placed = track[1].copy(), np.zeros_like(track), np.zeros(track.shape[1])
     for plant in own:
@@ -214,9 +214,9 @@ def _places(
 
 
 def _ramp(start: int, end: int, frames: int, frame_time: float, params: PinParams) -> Floats:
-    """(n - 1,) weights of a contact's steps, less where the foot lands or leaves; not so at the clip's own ends.
+    """Compute weights (n - 1,) of a contact's steps, lower where the foot lands or leaves; not at the clip's ends.
 
-    The step in the middle counts in full, however few there are: at 30 fps a run's stance is of two steps.
+    The middle step has full weight even in short contacts: at 30 fps a plant of a run may be two steps long.
     """
     steps = np.arange(end - start - 1)
     soft = max(1, round(params.edge / frame_time))

@@ -1,8 +1,8 @@
-"""Feet that turn on the floor turn about the end they turned about.
+"""Weights of heel and toe of feet that turn on the floor, so that they keep their captured pivot.
 
-Heel and toe of a foot that turns slip by w r and w (l - r), if it turns at a rate w about a point r from the heel. Held
-alike, their sum is w l wherever that point is, so that only nearness to the capture says where; held unlike, the foot
-would always turn about the end that is held more.
+Heel and toe of a foot that turns at a rate w about a pivot r from the heel slip by w r and w (l - r). With equal
+weights their sum is w l wherever the pivot is, so that it stays where it was captured; with unequal weights the foot
+would always turn about the end with the greater weight.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ _SMOOTH = 0.09  # [s] window of the rate
 
 
 def held_alike(heel: Floats, toe: Floats, both: Bools, share: Floats) -> tuple[Floats, Floats]:
-    """Hold heel and toe as surely as the surer of them while both stand.
+    """Give heel and toe the greater of their weights while both are planted.
 
     Args:
-        heel, toe: (F - 1,) how much a metre of slip counts.
+        heel, toe: (F - 1,) weights of slip.
         both: (F - 1,) whether both stand.
-        share: (F - 1,) what is left of it where the foot turns.
+        share: (F - 1,) factor on the weight, less than 1 where the foot turns.
     """
     surer = np.maximum(heel, toe) * share
     return np.where(both, surer, heel), np.where(both, surer, toe)
 
 
 def share_held(leg: LegTracks, both: Bools, frame_time: float, turning: float) -> Floats:
-    """Compute what is left (F - 1,) of the hold on a foot that turns by itself: skate takes heel and toe along alike.
+    """Compute a factor (F - 1,) on the weights that falls as the foot turns: skate moves heel and toe alike.
 
     Args:
         leg: as captured.
         both: (F - 1,) whether heel and toe stand.
         frame_time: [s].
-        turning: [rad/s] the rate at which half is left.
+        turning: [rad/s] the rate of turn at which the factor is 0.5.
     """
     return np.where(both, 1.0 / (1.0 + (turn_rate(leg, frame_time) / turning) ** 2), 1.0)
 

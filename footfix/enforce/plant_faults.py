@@ -1,4 +1,4 @@
-"""Which plants stay as they are, and how far those stray that are to be mended."""
+"""Faults of plants: which need no correction, and how far the others stray from their place."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import PUT_TO_REST, runs
 from footfix.motion.segments import segments
 
-_RESTED = 0.0005  # [leg lengths] what strays no farther over a whole plant was put to rest, too
-_LASTS = 0.06  # [s] that it rests at a time
-_AROUND = 0.35  # [s] before and after a plant in which the figure is led to it
-_RESTING = 0.3  # of its frames in which a plant rests whose other frames are left as they are, too
+_RESTED = 0.0005  # [leg lengths] a plant that strays less than this throughout was locked by a program, too
+_LASTS = 0.06  # [s] least duration of a lock
+_AROUND = 0.35  # [s] before and after a plant, in which the correction fades in and out
+_RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them
 
 
 def kept(
@@ -28,8 +28,8 @@ def kept(
 ) -> tuple[bool, ...]:  # fmt: skip
     """Tell for each plant whether it stands well enough as it is.
 
-    It does if it slides by no more than the tolerance and is as near to its floor, or if it rests in three
-    tenths of its frames as only what a program has put to rest does, where `keep_rested` says so.
+    It does if its slide and its distance from the floor are within the tolerances, or, where `keep_rested` is set, if
+    a program has locked it in 30 % of its frames.
 
     Args:
         plants: of the clip.
@@ -57,7 +57,7 @@ def kept(
 def faults(
     footing: Footing, legs: Sequence[LegTracks], frame_time: float, *, heights: bool, edge: float = PinParams.edge
 ) -> Floats:
-    """Measure how far what is to be mended strays.
+    """Measure how far the plants that need correction stray.
 
     Args:
         footing: the plants of the clip, and what they stand on.
@@ -67,8 +67,8 @@ def faults(
         edge: [s] at both ends of a contact that are left out.
 
     Returns:
-        (F,) [m] the farthest that any plant nearby slides from its median place, or is from its floor; infinite where
-        one is to be held whatever it costs.
+        (F,) [m] the farthest that any plant nearby slides from its median place, or is from its floor; infinite near
+        forced plants.
     """
     ground = footing.ground
     found = np.zeros(len(ground))
@@ -87,12 +87,12 @@ def faults(
 
 
 def _by_hand(plant: Footplant) -> bool:
-    """Tell whether a plant is to be held whatever it costs, or somewhere else."""
+    """Tell whether a plant is forced, or has a requested place."""
     return plant.force or plant.asked is not None
 
 
 def _strays(spans: Sequence[tuple[int, int]], track: Floats) -> tuple[Floats, Floats]:
-    """(S, 3) [m] the median place of a track (F, 3) in each span, and (S,) how far over the floor it goes from it."""
+    """Find the median place (S, 3) [m] of a track (F, 3) in each span, and its farthest horizontal distance (S,)."""
     parts = segments(spans)
     places = track[parts.frames]
     middle = np.stack([parts.median(places[:, axis]) for axis in (0, 1, 2)], axis=1)
@@ -100,7 +100,7 @@ def _strays(spans: Sequence[tuple[int, int]], track: Floats) -> tuple[Floats, Fl
 
 
 def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:
-    """Cut the `edge` [s] off a plant's ends, in which the foot may still land or leave."""
+    """Cut `edge` [s] off both ends of a plant, in which the foot may still be landing or leaving."""
     trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - 3) // 2, 0))
     return plant.start + trim, plant.end - trim
 
@@ -109,7 +109,7 @@ def _still(
     spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
     params: PinParams,
 ) -> Bools:  # fmt: skip
-    """(S,) whether a track (F, 3) [m] stays within the tolerance of one place, at its level [m], in each span."""
+    """Tell (S,) whether a track (F, 3) [m] stays near one place and its level [m] in each span."""
     middle, slide = _strays(spans, track)
     near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
     rests = slide <= _RESTED * leg_length
@@ -117,7 +117,7 @@ def _still(
 
 
 def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
-    """(S,) whether a track (F, 3) [m] rests in each span as only what a program has put to rest does."""
+    """Tell (S,) whether a track (F, 3) [m] is so still in each span that a program must have locked it."""
     parts = segments(spans)
     step = np.full(len(parts.frames), np.inf)
     step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
@@ -128,7 +128,7 @@ def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, l
 
 
 def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
-    """(N,) a mask, True only where it is True long enough in one stretch not to be a frame that was written twice."""
+    """Keep of a mask (N,) the stretches long enough not to be a duplicate frame."""
     out = np.zeros_like(mask)
     least = max(3, round(_LASTS / frame_time))
     for start, end in runs(mask):

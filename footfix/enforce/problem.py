@@ -1,6 +1,6 @@
-"""One clip's problem: the legs as captured, what their points are to do, and how much each unknown may change.
+"""The optimisation problem of a clip: the legs as captured, the pins of their points, and the costs of unknowns.
 
-What is minimised is in `terms`, how its parts are put together in `objective`, how it is solved in `solve`.
+The terms are in `terms`, their sum in `objective`, its minimisation in `solve`.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class Problem:
         frame_time: [s].
         leg_length: [m].
         costs: the standard deviations.
-        noise: (U,) [m, rad] how much of each unknown's capture is new in every frame,
-        white: (U,) and whether that is all there is to its quickest changes.
-        root_moves: whether the root may.
-        fault: (F,) [m] how far what is to stand nearby slides, or is from its floor.
+        noise: (U,) [m, rad] standard deviation of the capture's frame-to-frame noise,
+        white: (U,) and whether the fastest changes are all noise.
+        root_moves: whether the root may move.
+        fault: (F,) [m] how far plants nearby slide, or are from their floor.
         cut: whether a T-pose was cut off before the first frame, and after the last.
         onward: whether the motion goes on after the last frame, in a stream.
         skins: vertices of the foot of some legs, by the leg's index.
@@ -59,7 +59,7 @@ class Problem:
         return ROOT + LEG * len(self.legs)
 
     def columns(self, leg: int) -> slice:
-        """Get the place of a leg's eight unknowns in a state."""
+        """Get the slice of a leg's eight unknowns in a state."""
         return slice(ROOT + LEG * leg, ROOT + LEG * (leg + 1))
 
     def free(self) -> Bools:
@@ -74,10 +74,10 @@ class Problem:
 
     @cached_property
     def farthest(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Bounds of how far line, knee, ankle and toes turn freely, each (F,) [rad]: the larger the fault, the farther.
+        """Compute the bounds on the turns of line, knee, ankle and toes, each (F,) [rad]; they grow with the fault.
 
-        They go in proportion to it. Toes bend as far as they may for a fault twice as large as what is noticed: while
-        the heel rises, toe joint and tip both stand only if they do.
+        They grow in proportion. Toes reach their own bound at a fault twice as large as viewers notice: while the heel
+        rises, toe joint and tip can both be held only if the toes bend.
         """
         c = self.costs
         seen = np.maximum(self.fault / (c.noticed * self.leg_length), 1.0)
@@ -101,13 +101,13 @@ class Problem:
         ])  # fmt: skip
         # motions of similar figures: accelerations of joints go with 1 / size, those of places are the same
         s2 *= GROWN / size
-        # what the capture's own noise accelerates is not held to: second differences have 1 + 4 + 1 times its variance
+        # accelerations of the capture's noise need not be kept: second differences have 1 + 4 + 1 times its variance
         noise = np.sqrt(6.0) * self.noise / self.frame_time**2
         return s0, np.hypot(s2, np.where(self.white, noise, np.minimum(noise, NOISY * s2)))
 
     @cached_property
     def near_bands(self) -> Floats:
-        """The matrix of NEAR and CUT, (3, U, F): its main diagonal, and the first and second one below, in frames."""
+        """Compute the matrix of NEAR and CUT, (3, U, F): its main, first lower and second lower diagonal, in frames."""
         s0, s2 = self.near()
         dt, F = self.frame_time, self.frames
         calm = RATE * dt / s2**2 / dt**4
@@ -130,7 +130,7 @@ class Problem:
 
 
 def _onward(bands: Floats, s0: Floats, s2: Floats, dt: float) -> None:
-    """Add what the way back from the last frame's state x and speed v costs, where nothing is planted any more.
+    """Add the cost-to-go of returning to the capture after the last frame (state x, speed v), with no more plants.
 
     The least integral of r ((x / s0)^2 + (x'' / s2)^2) from then on is r (s2/s0 p x^2 + 2 x v / (s0 s2) + p v^2),
     p = sqrt(2 / (s0 s2)) / s2. Source: the linear-quadratic regulator of a double integrator (Riccati's equation).

@@ -1,4 +1,4 @@
-"""What enforcement found in the motion range, put back among all frames of the clip."""
+"""Restore all frames: extend enforcement results from the motion range to the whole clip."""
 
 from __future__ import annotations
 
@@ -18,10 +18,9 @@ _REST = 1e-3  # [rad] root mean square over the joints: frames that differ by le
 
 
 def put_back(found: Enforcement, clip: Clip, crop: Crop) -> Enforcement:
-    """Put an enforcement of the motion range back among all frames.
+    """Extend an enforcement of the motion range to all frames.
 
-    A T-pose before or after the motion stays as it is; frames that lead from it to the motion lead over to what is
-    corrected in it.
+    A T-pose before or after the motion is unchanged; in the transition frames beside it the correction fades in or out.
 
     Args:
         found: on the frames of `crop` alone.
@@ -43,7 +42,7 @@ def put_back(found: Enforcement, clip: Clip, crop: Crop) -> Enforcement:
 
 
 def repeated(found: Enforcement, thin: DuplicateFrames) -> Enforcement:
-    """Put an enforcement of the frames that are not repeated back among all: what was the same stays the same.
+    """Extend an enforcement from unrepeated frames to all frames, so that repeated frames stay repeated.
 
     Args:
         found: on the frames that `thin` keeps.
@@ -62,7 +61,7 @@ def repeated(found: Enforcement, thin: DuplicateFrames) -> Enforcement:
 
 
 def _repeated(plant: Footplant, thin: DuplicateFrames) -> Footplant:
-    """The plant over all frames."""
+    """Number the plant's frames among all frames."""
     held = tuple((thin.first(start), thin.first(end)) for start, end in plant.held)
     return replace(plant, start=thin.first(plant.start), end=thin.first(plant.end), held=held)
 
@@ -74,7 +73,7 @@ def _moved(plant: Footplant, by: int) -> Footplant:
 
 
 def _correction(found: Correction, clip: Clip, crop: Crop) -> Correction:
-    """Lead the first and last change of the motion over to what stands before and after it."""
+    """Fade the correction of the motion's first and last frame out over the transition frames beside it."""
     start, end = crop.start, crop.end
     shift = np.zeros((crop.frames, 3))  # [m]
     shift[crop.within] = found.root_shift
@@ -95,7 +94,7 @@ def _correction(found: Correction, clip: Clip, crop: Crop) -> Correction:
 
 
 def _way_over(clip: Clip, rest: int, motion: int, between: slice) -> Floats:
-    """Measure how far on the way from a rest pose to the motion each frame between them is, from 0 to 1."""
+    """Measure how far each transition frame is from the rest pose towards the motion, from 0 to 1."""
 
     def far(other: int) -> Floats:  # [rad] from another frame, root mean square over the joints
         turns = rotation.multiply(clip.rotations[between], rotation.inverse(clip.rotations[[other]]))

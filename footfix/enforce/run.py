@@ -1,4 +1,4 @@
-"""Enforcement: contacts in, footplants and a correction out."""
+"""Enforce contacts: from contacts to footplants and a correction."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from footfix.rig.rounds import Rounds, rounds_of
 
 @dataclass(frozen=True, eq=False)
 class Enforcement:
-    """What enforcement yields.
+    """The result of enforcement.
 
     Args:
-        plants: every contact, where it stands and what became of it.
-        correction: what is to change in the clip.
-        notes: what a person should know.
-        ground: (F, 3) [m] how far the ground under planted feet has moved on purpose, as on a treadmill.
+        plants: every contact with its target place and outcome.
+        correction: the changes to the clip.
+        notes: for the user.
+        ground: (F, 3) [m] intended motion of the ground under planted feet, as on a treadmill.
     """
 
     plants: tuple[Footplant, ...]
@@ -55,9 +55,9 @@ def enforce(
         clip: F frames, metres, y up, all of them motion.
         rig: its legs, soles and floor.
         contacts: when each sole point is planted; the effectors in the order of `rig.soles`.
-        params: method and measures.
+        params: method and parameters.
         cut: whether frames of a T-pose were cut off before the first frame, and after the last.
-        leave: whether every plant stays as it is: the clip is what enforcement made of another.
+        leave: whether to change nothing, because the clip is already the result of enforcement.
 
     Returns:
         The footplants, the correction, and notes. A clip that needs nothing gets a correction of zeros.
@@ -91,7 +91,7 @@ def _followers_note(followers: Sequence[Follower], clip: Clip) -> tuple[Note, ..
 def _by_paper(
     clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]
 ) -> tuple[Correction, list[CorrectedLeg]]:
-    """The correction by a paper's own way, and the legs as it leads them."""
+    """Compute the correction by a paper's method, and the corrected legs."""
     way: Callable[..., Correction]
     own: GlardonParams | KimNeffParams | LyardRootParams
     if params.method == "root":
@@ -117,7 +117,7 @@ def _by_paper(
 
 
 def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
-    """A share of a correction, 0 to 1."""
+    """Scale a correction by 0 to 1."""
     if strength == 1.0:
         return done
     captured = [clip.rotation(joint) for joint in done.joints]
@@ -127,7 +127,7 @@ def _weakened(done: Correction, clip: Clip, strength: float) -> Correction:
 
 
 def _as_cycle(rounds: Rounds, rig: Rig, contacts: Contacts, params: EnforceParams, leave: bool) -> Enforcement:
-    """The enforcement of a cycle, on rounds of it laid end to end."""
+    """Enforce the contacts of a cycle on repeated rounds of it."""
     found = enforce(rounds.clip, rig, rounds.contacts(contacts), replace(params, cycle="no"), leave=leave)
     return Enforcement(
         plants_back(found.plants, rounds, contacts, rig),

@@ -18,24 +18,24 @@ from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
 
 EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
-_EPS_FIRST = 0.06  # [m/s] in the first round
-_SHRINK = 0.35  # of it from round to round
-_COARSE, _MIDDLE = 30.0, 60.0  # [Hz] of the frames on which the root is solved for: many rounds, then one
-_ROUNDS, _FINE_ROUNDS = 7, 3  # on the coarse frames, and on all of them before the last
-_ALONE_ROUNDS = 10  # where all frames are as few as coarse ones
-_FINE_FIRST = 40.0  # times `EPS` in the first of the finer rounds
-STATIC, _LAST = 8.0, 3  # times as much as kinetic friction static friction is, in so many last rounds
-_STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] of slip that stands, in this share of a plant's frames at least
-_HALVINGS = 3  # of a step that would raise the objective
-_BLOCK = 256  # frames
-DAMPING = 1.0  # of NEAR's own weight, on each step
+_EPS_FIRST = 0.06  # [m/s] the same in the first round
+_SHRINK = 0.35  # factor by which it shrinks from round to round
+_COARSE, _MIDDLE = 30.0, 60.0  # [Hz] frame rates at which the root is solved for: many rounds, then one
+_ROUNDS, _FINE_ROUNDS = 7, 3  # rounds on the coarse frames, and on all frames before the last round
+_ALONE_ROUNDS = 10  # rounds where the clip's own frame rate is no higher than the coarse one
+_FINE_FIRST = 40.0  # slip threshold in the first of the finer rounds, as a multiple of `EPS`
+STATIC, _LAST = 8.0, 3  # static over kinetic friction, and in how many final rounds
+_STANDS, _SETTLED = 0.03, 0.3  # [leg lengths/s] a plant is held if it slips less than this in this share of its frames
+_HALVINGS = 3  # most halvings of a step that would raise the objective
+_BLOCK = 256  # frames handled at a time, so that they stay in the cache
+DAMPING = 1.0  # damping of each step, as a multiple of NEAR's weight
 
 
 def solve(problem: Problem) -> Floats:
     """Find the state (U, F) with the least objective: first on few frames a second, then on more, then on all.
 
-    The root is slow: it is solved for on the coarse frames, together with the legs. On all frames it stays as it is,
-    and each leg is solved for by itself.
+    The root's correction changes slowly: it is solved for on the coarse frames, together with the legs. On all frames
+    it is fixed, and each leg is solved for by itself.
     """
     x = np.zeros((problem.unknowns, problem.frames))
     if problem.frames <= 8 * _every(problem, _COARSE) or _every(problem, _COARSE) == 1:
@@ -50,7 +50,7 @@ def solve(problem: Problem) -> Floats:
 
 
 def _every(problem: Problem, rate: float) -> int:
-    """Which frame out of how many is looked at, for so many a second [Hz]."""
+    """Compute how many frames apart samples at a rate [Hz] are."""
     return max(1, round(1.0 / problem.frame_time / rate))
 
 
@@ -94,7 +94,7 @@ def descend(
         first: [m/s] slip below which SLIP is a parabola in the first round; it shrinks to `EPS`.
         last: how many of the rounds are with static friction, which is more than that of a sliding foot.
         root: whether the root is an unknown.
-        fixed: (F,) frames that keep their state, as a stream's past does.
+        fixed: (F,) frames whose state is fixed, such as a stream's past.
     """
     eps, free = first, problem.free()
     at: Sequence[LegState] = ()
@@ -106,7 +106,7 @@ def descend(
         found = systems(problem, x, here, static=static, root=root, at=at)
         step = _step(problem, found, free, fixed)
         cost = sum(each.cost for each in found)
-        for _ in range(_HALVINGS):  # one-sided terms may come in along the way
+        for _ in range(_HALVINGS):  # one-sided terms may become active along the step
             then = posture(problem, x + step)
             if objective(problem, x + step, here, static=static, root=root, at=then) <= cost:
                 break
@@ -117,7 +117,7 @@ def descend(
 
 
 def settled(problem: Problem, x: Floats) -> Problem:
-    """Let go of what slides in most of its frames: static friction holds what stands, and nothing else."""
+    """Release plants that slide in most of their frames, so that static friction holds only those that stand."""
     most = _STANDS * problem.leg_length * problem.frame_time
     pins = []
     for k, (leg, own) in enumerate(zip(problem.legs, problem.pins, strict=True)):
@@ -132,7 +132,7 @@ def settled(problem: Problem, x: Floats) -> Problem:
 
 
 def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools | None) -> Floats:
-    """(U, F) the Gauss-Newton step, by banded Cholesky decompositions."""
+    """Compute the Gauss-Newton step (U, F) by banded Cholesky decompositions."""
     step = np.zeros((problem.unknowns, problem.frames))
     s0, _ = problem.near()
     for each in found:
@@ -144,7 +144,7 @@ def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools |
 
 
 def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
-    """(n, F) the step of those unknowns of a system that are free."""
+    """Compute the step (n, F) of the free unknowns of a system."""
     from scipy.linalg import solveh_banded  # slow to load, and not every command solves anything
 
     U, F = len(own), system.gradient.shape[1]
@@ -158,7 +158,7 @@ def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> F
 
 
 def _bands(system: System, own: Ints, damping: Floats) -> Floats:
-    """(F, n, 2 n + 1) the lower triangle of the matrix of a system's free unknowns, column by column.
+    """Lay out the lower triangle of the matrix of a system's free unknowns by columns, (F, n, 2 n + 1).
 
     A column has 2 n + 1 numbers from its diagonal down. So those of a frame, one after the other, are its blocks with
     itself and its successor as they are, row by row, but for what is left of the diagonal: there is NEAR's last band.
@@ -182,7 +182,7 @@ def _bands(system: System, own: Ints, damping: Floats) -> Floats:
 
 
 def _hold(bands: Floats, right: Floats, fixed: Bools) -> None:
-    """Take the frames that keep their state out of a system."""
+    """Remove the frames with a fixed state from a system."""
     F, U, width = bands.shape
     row = np.arange(F * U)[:, None] + np.arange(width)[None]
     of = np.minimum(row // U, F - 1)

@@ -1,4 +1,4 @@
-"""The height at which each joint of a foot stands: on the floor, or on a step of its own."""
+"""The height of each joint of a planted foot: on the floor, or on a step of its own."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from footfix.rig.rig import Rig
 
 @dataclass(frozen=True, eq=False)
 class Floors:
-    """How high each sole point's joint is while it stands on the floor.
+    """Heights of the joints of planted feet.
 
     Args:
         rest: (E,) [m] usual height of the toe joint, or of the heel, at rest.
         tips: (legs,) [m] usual height of the toes' tip while the foot lies flat.
-        plants: for each plant, by its id, the height [m] its joint stands at.
+        plants: for each plant, by its id, the target height [m] of its joint.
     """
 
     rest: Floats
@@ -57,9 +57,9 @@ def floors(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, nea
 
 
 def height(own: float, rest: float, floor: float, near: float) -> float:
-    """[m] the height a plant stands at: its own on a step, the usual one of its joint near that.
+    """Choose the target height of a plant [m]: the usual one of its joint if it is near that, else its own, on a step.
 
-    Where a joint usually is below the rig's floor, no plant that came in higher is drawn below the floor with it.
+    Where a joint is usually below the rig's floor, plants captured higher are not moved below the floor.
     """
     if abs(own - rest) >= near:
         return own
@@ -74,12 +74,12 @@ def nominal(rig: Rig, effector: int) -> float:
 
 
 def lacks(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig) -> Floats:
-    """Measure what each plant's joint lacks to the height at which its sole is on the rig's floor, (N,) [m]."""
+    """Measure each plant's height error: wanted minus captured, (N,) [m]."""
     return np.array([nominal(rig, p.effector) for p in plants]) - _heights(plants, legs)
 
 
 def _heights(plants: Sequence[Footplant], legs: Sequence[LegTracks]) -> Floats:
-    """(N,) [m] the median height of each plant's joint."""
+    """Measure the median height of each plant's joint, (N,) [m]."""
     found = np.zeros(len(plants))
     for e in {plant.effector for plant in plants}:
         own = [k for k, plant in enumerate(plants) if plant.effector == e]
@@ -89,7 +89,7 @@ def _heights(plants: Sequence[Footplant], legs: Sequence[LegTracks]) -> Floats:
 
 
 def floor_steps(plants: Sequence[Footplant], floors: Floors, frames: int, near: float) -> Floats:
-    """(F,) [m] how much higher than the rig's the floor under a foot is: between plants, the lower of the two."""
+    """Compute the height of the floor under a foot over the rig's, (F,) [m]; between plants, the lower of the two."""
     step = np.zeros(frames)
     steps = [floors.plants[p.id] - floors.rest[p.effector] for p in plants]
     by_plant = sorted((p.start, p.end, up if abs(up) >= near else 0.0) for p, up in zip(plants, steps, strict=True))

@@ -19,11 +19,11 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 @dataclass(frozen=True, kw_only=True)
 class StyleParams:
-    """How planted feet stand otherwise than captured.
+    """Changes to how planted feet stand.
 
     Args:
-        toe_out: leg name -> how far the foot turns outwards, about the heel [degrees].
-        offset: sole point name -> outwards, up and forwards, as the foot stands [leg lengths].
+        toe_out: leg name -> turn of the foot outwards about the heel [degrees].
+        offset: sole point name -> shift outwards, up and forwards, seen from the foot [leg lengths].
     """
 
     toe_out: Mapping[str, float] = field(default_factory=dict)
@@ -33,7 +33,7 @@ class StyleParams:
 def styled(
     plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig, floors: Floors, params: StyleParams
 ) -> tuple[Footplant, ...]:
-    """Ask for other places of planted feet.
+    """Request changed places of planted feet.
 
     Args:
         plants: of the clip.
@@ -44,7 +44,7 @@ def styled(
     """
     if not params.toe_out and not params.offset:
         return tuple(plants)
-    # a place is asked for as that of the sole, which is so much below its joint
+    # asked places are of the sole, which lies below its joint
     soles = [floors.plants[p.id] - (floors.rest[p.effector] - rig.floor) for p in plants]
     return tuple(_moved(p, legs[p.leg], rig, float(soles[p.id]), params) for p in plants)
 

@@ -1,4 +1,4 @@
-"""What is to stand where in a clip: its legs as captured, its footplants, their floors and the ground."""
+"""The input of the solvers: legs as captured, footplants, their floors and the ground."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from footfix.rig.rig import Rig
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What is to stand where.
+    """The input of the solvers for one clip.
 
     Args:
         pose: of the clip, from `pose_of`.
         calibration: what was measured of each leg on the whole clip.
         legs: as captured, raised by `lift`.
-        footing: what is to stand, and on what.
+        footing: the plants and their floors.
         lift: [m] by which the whole figure is raised.
-        notes: what a person should know.
+        notes: for the user.
     """
 
     pose: Pose
@@ -44,12 +44,12 @@ class Task:
 
 
 def pose_of(clip: Clip, rig: Rig) -> Pose:
-    """Compute forward kinematics of all that enforcement looks at."""
+    """Compute forward kinematics of all joints that enforcement needs."""
     return forward(clip, posed_joints(clip.skeleton, rig))
 
 
 def posed_joints(skeleton: Skeleton, rig: Rig) -> tuple[int, ...]:
-    """List the joints that enforcement looks at: the rig's and what its legs hang from."""
+    """List the joints that enforcement needs: the rig's, and those its legs hang from."""
     joints = set(rig.joints())
     for leg in rig.legs:
         hinged = [leg.hip, leg.knee, leg.ankle] + ([] if leg.toe is None else [leg.toe])
@@ -58,12 +58,12 @@ def posed_joints(skeleton: Skeleton, rig: Rig) -> tuple[int, ...]:
 
 
 def ground_of(clip: Clip, rig: Rig, contacts: Contacts, params: GroundParams) -> Floats:
-    """Find how far the ground under planted feet has moved on purpose, (F, 3) [m]; zeros on a floor at rest."""
+    """Find the intended motion of the ground under planted feet (a belt), (F, 3) [m]; zeros on a floor at rest."""
     return grounds.belt(rig, rig.pose(clip), contacts, clip.frame_time, params)
 
 
 def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> Task:
-    """What is to stand where in a clip of F frames, by its contacts."""
+    """Make the task of a clip of F frames from its contacts."""
     pose = pose_of(clip, rig)
     calibration = calibrate(rig, pose, clip)
     legs = tracks(clip, rig, pose, calibration)

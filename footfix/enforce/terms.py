@@ -3,14 +3,14 @@
 Unknowns of frame t (see `leg`):  d of the root;  q, k, w, b of each leg;  x = (d, q, k, w, b, q, k, w, b, ...).
 
 Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near the capture, and near its accelerations
-           + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    what stands does not move: friction, c a metre
-           + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   what stands is drawn to its floor
+           + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    planted points do not move: friction, c a metre
+           + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   planted points are at their floor's height
            + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor (see `vertices`, too)
            + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
            + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
-           + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay near; y = d, q, k, w - q, b
-           + 1/2 sum_t r dt |(p - place) / sp|^2              PLACE   what was asked for
-           + 1/2 |x / sc|^2 at a cut                          CUT     after a T-pose the correction starts small
+           + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay within bounds; y = d, q, k, w - q, b
+           + 1/2 sum_t r dt |(p - place) / sp|^2              PLACE   requested places
+           + 1/2 |x / sc|^2 at a cut                          CUT     beside a cut-off T-pose the correction is small
 
 SLIP is an L1 norm: where holding costs more than sliding, the foot slides there, and only there. It is solved by
 reweighting (Weiszfeld): 1/2 c h |s|^2 / (|s_before| + eps), a bound from above that touches at s_before.
@@ -54,14 +54,14 @@ def near(problem: Problem, x: Floats, rows: Ints) -> tuple[Floats, float]:
 
 
 def point_terms(problem: Problem, pin: Pins, place: Floats, eps: float, static: float) -> Pull:
-    """Evaluate SLIP, LEVEL, FLOOR and PLACE of a point, and their derivatives by its place.
+    """Evaluate SLIP, LEVEL, FLOOR and PLACE of a point, and their derivatives with respect to its place.
 
     Args:
         problem: the clip's.
-        pin: what the point is to do.
+        pin: the constraints on the point.
         place: (3, F) [m] where it is.
         eps: [m] of slip below which SLIP is a parabola.
-        static: times as much as sliding what hardly moves is held.
+        static: static over kinetic friction.
     """
     slipped, slip, step = _slip(problem, pin, place, eps, static)
     raised, push, stiffer = _level_and_floor(problem, pin, place[1])
@@ -125,9 +125,9 @@ def smooth(slip: Floats, eps: float) -> Floats:
 
 
 def friction(slip: Floats) -> tuple[Floats, Floats]:
-    """Tell how much more static friction holds than kinetic, and its integral, by slip in units of what it holds.
+    """Compute the weight of static friction and its integral, by slip in units of the greatest slip that it holds.
 
-    1 / (1 + u^4) is nearly 1 for what stands and nearly 0 for what slides.
+    The weight 1 / (1 + u^4) is nearly 1 for a point that stands and nearly 0 for one that slides.
     """
     root, u = np.sqrt(2.0), slip
     logs = np.log((u * u + root * u + 1.0) / (u * u - root * u + 1.0))
@@ -136,7 +136,7 @@ def friction(slip: Floats) -> tuple[Floats, Floats]:
 
 
 def sticks(slip: Floats) -> Floats:
-    """Tell how much more static friction holds than kinetic, alone; see `friction`."""
+    """Compute the weight of static friction alone; see `friction`."""
     return np.asarray(1.0 / (1.0 + slip**4))
 
 
@@ -173,7 +173,7 @@ def joint_terms(problem: Problem, k: int, x: Floats, base: int, out: System | No
 
 
 def _knee(problem: Problem, lacking: Floats, row: int, out: System | None) -> float:
-    """KNEE: one-sided cost of what a knee, unknown `row`, lacks to its least flexion, (F,) [rad]."""
+    """Add KNEE: one-sided cost of flexion below the least allowed, (F,) [rad]; the knee is unknown `row`."""
     weight = RATE * problem.frame_time / np.radians(KNEE) ** 2
     lacks = np.maximum(lacking, 0.0)
     if out is not None:
@@ -185,7 +185,7 @@ def _knee(problem: Problem, lacking: Floats, row: int, out: System | None) -> fl
 def _speed(
     turn: Floats, bend: Floats | None, turned: Floats, own: slice, most: float, sigma: float, out: System | None
 ) -> float:
-    """SPEED: one-sided cost of the step of a turn, (turn - bend) x = turned (m, F), where it is longer than `most`."""
+    """Add SPEED: one-sided cost of the step of a turn, (turn - bend) x = turned (m, F), beyond `most`."""
     step = np.diff(turned, axis=1)
     size = np.sqrt(np.sum(step**2, axis=0))
     over = np.flatnonzero(size > most)
@@ -212,7 +212,7 @@ def root_term(problem: Problem, x: Floats, out: System | None) -> float:
 
 
 def root_bound(problem: Problem) -> tuple[Floats, float]:
-    """Bound how far the root goes freely, (F,) [m], and give the standard deviation beyond [m]."""
+    """Compute the bound on the root's shift (F,) [m], and the standard deviation of the excess [m]."""
     far = problem.costs.root_farthest * problem.leg_length
     return np.full(problem.frames, far), FAR_ROOT * problem.leg_length
 
@@ -220,7 +220,7 @@ def root_bound(problem: Problem) -> tuple[Floats, float]:
 def _far(
     turn: Floats, x: Floats, own: slice, far: Floats, sigma: float, problem: Problem, out: System | None
 ) -> float:
-    """FAR: one-sided cost of turn x, (3, n) times some unknowns (n, F), where it is longer than `far`."""
+    """Add FAR: one-sided cost of turn x, (3, n) times some unknowns (n, F), beyond `far`."""
     turned = turn @ x
     size = np.sqrt(np.sum(turned**2, axis=0))
     over = np.flatnonzero(size > far)
@@ -231,7 +231,7 @@ def _far(
     row = turn.T @ along
     if out is not None:
         out.gradient[own, over] += weight * beyond * row
-        # across the turn, too: its length is curved, and a step aside would lead out of bounds again
+        # also at right angles to the turn: its length is curved, and a step aside would leave the bounds again
         aside = beyond / size[over]
         main = out.main[:, own, own]
         block = (1.0 - aside) * np.einsum("if,jf->ijf", row, row) + aside * (turn.T @ turn)[..., None]

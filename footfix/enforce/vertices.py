@@ -1,7 +1,7 @@
 """FLOOR for the mesh of a foot: where a skin is given, no vertex of it goes below the floor.
 
-A few vertices of each foot, chosen once, are points of their leg that nothing holds or draws: each only costs what it
-is below the floor. With y the height of a vertex, of unknowns (d, q, k, w, b) of its leg (see `leg`):
+A few vertices of each foot, chosen once, are points of their leg whose only cost is depth below the floor. With y the
+height of a vertex, a function of its leg's unknowns (d, q, k, w, b) (see `leg`):
 
     1/2 sum_t r dt (max(0, lowest - y) / s)^2,   y = y(ankle) + (exp(w) (base + R(hinge, b) toes))_y
 """
@@ -21,12 +21,12 @@ from footfix.motion.clip import Floats, Ints, Skeleton
 from footfix.motion.kinematics import Pose
 from footfix.rig.mesh import FootMesh
 
-_NEAR = 0.08  # [leg lengths] over the floor, up to which the lowest vertices of a foot are looked for
-_LACKS = 0.0006  # [leg lengths] by which the lowest of all vertices may be below those that are chosen
-_MOST = 20  # vertices of a foot
-_LOOKED_AT = 300  # frames
+_NEAR = 0.08  # [leg lengths] over the floor, up to which the lowest vertices of a foot are searched
+_LACKS = 0.0006  # [leg lengths] the lowest of all vertices may be this much below the chosen ones
+_MOST = 20  # most vertices chosen for a foot
+_LOOKED_AT = 300  # most frames sampled for the choice
 _TILTS = (-0.45, -0.2, 0.0, 0.2, 0.45)  # [rad] by which a correction may turn a foot about two level axes
-_SIGMA = 0.001  # [leg lengths]
+_SIGMA = 0.001  # [leg lengths] standard deviation of depth
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +34,9 @@ class Vertices:
     """Some vertices of a foot as captured, in the world.
 
     Args:
-        base: (N, 3, F) [m] from the ankle, but for what bends with the toes.
-        toes: (N, 3, F) [m] what bends with the toes, from the toe joint, by its share; none where toes can't bend.
-        lowest: (N, F) [m] how low each may be.
+        base: (N, 3, F) [m] from the ankle: the part that does not bend with the toes.
+        toes: (N, 3, F) [m] the part that bends with the toes, from the toe joint; zero where toes can't bend.
+        lowest: (N, F) [m] least allowed height of each.
     """
 
     base: Floats
@@ -44,7 +44,7 @@ class Vertices:
     lowest: Floats
 
     def frames(self, which: slice | Ints) -> Vertices:
-        """Cut them to some frames."""
+        """Take some frames only."""
         toes = None if self.toes is None else self.toes[..., which]
         return Vertices(self.base[..., which], toes, self.lowest[:, which])
 
@@ -59,7 +59,7 @@ def vertices_of(
         leg: as captured, raised by `lift`.
         pose: of the clip as captured.
         lift: [m] by which the figure is raised.
-        lowest: (F,) [m] how low a vertex may be.
+        lowest: (F,) [m] least allowed height of a vertex.
         skeleton: of the clip.
     """
     which = _chosen(mesh, leg, pose, lift, lowest)
@@ -76,7 +76,7 @@ def vertices_of(
 
 
 def _share(mesh: FootMesh, which: Ints, joint: int, pose: Pose, origin: Floats) -> Floats:
-    """(N, 3, F) [m] what a joint adds to vertices, seen from an origin (F, 3): by its weight."""
+    """Compute a joint's weighted share of vertices, seen from an origin (F, 3): (N, 3, F) [m]."""
     own = mesh.joints[which] == joint
     weights = np.where(own, mesh.weights[which], 0.0)  # (N, k)
     local = np.einsum("vk,vkc->vc", weights, mesh.offsets[which])
@@ -85,9 +85,9 @@ def _share(mesh: FootMesh, which: Ints, joint: int, pose: Pose, origin: Floats) 
 
 
 def _chosen(mesh: FootMesh, leg: LegTracks, pose: Pose, lift: float, lowest: Floats) -> Ints:
-    """Choose vertices (N,) of which one is the lowest of the foot, or nearly, however it may be turned near the floor.
+    """Choose vertices (N,) so that one of them is nearly the lowest of the foot, however it turns near the floor.
 
-    One after the other: always the lowest one of the frame in which those that are chosen say least.
+    They are chosen one by one: always the lowest vertex of the frame in which the chosen ones miss it most.
     """
     level = mesh.lowest(pose) + lift
     near = np.flatnonzero(level < lowest + _NEAR * _size(leg))
@@ -110,12 +110,12 @@ def _chosen(mesh: FootMesh, leg: LegTracks, pose: Pose, lift: float, lowest: Flo
 
 
 def _size(leg: LegTracks) -> float:
-    """[m] the length of the leg."""
+    """Compute the length of the leg [m]."""
     return float(np.median(np.linalg.norm(leg.thigh, axis=0) + np.linalg.norm(leg.shank, axis=0)))
 
 
 def floor_cost(vertices: Vertices, leg: LegTracks, ankle: Floats, x: Floats, weight: float) -> float:
-    """What vertices below the floor cost.
+    """Compute the cost of vertices below the floor.
 
     Args:
         vertices: of the leg.
@@ -129,7 +129,7 @@ def floor_cost(vertices: Vertices, leg: LegTracks, ankle: Floats, x: Floats, wei
 
 
 def floor_weight(frame_time: float, leg_length: float) -> float:
-    """[1/m^2] what the square of a depth costs in a frame."""
+    """Compute the cost of a squared depth in a frame [1/m^2]."""
     return RATE * frame_time / (_SIGMA * leg_length) ** 2
 
 
@@ -167,7 +167,7 @@ def add_floor(
 
 
 def _arms(vertices: Vertices, leg: LegTracks, x: Floats) -> tuple[Floats, Floats | None]:
-    """(3, N, F) [m] vertices seen from the ankle in a state, and what of it bends with the toes."""
+    """Compute vertices from the ankle in a state, (3, N, F) [m], and the part that bends with the toes."""
     foot = exponential(x[W])[:, :, None]
     base = vertices.base.swapaxes(0, 1)
     if vertices.toes is None:
@@ -177,7 +177,7 @@ def _arms(vertices: Vertices, leg: LegTracks, x: Floats) -> tuple[Floats, Floats
 
 
 def depths(vertices: Vertices, leg: LegTracks) -> Floats:
-    """Work out (F,) [m] how much deeper the deepest vertex is than it may be, as captured; 0 where none is."""
+    """Measure how much deeper than allowed the deepest vertex is, as captured, (F,) [m]; 0 where none is."""
     whole = vertices.base if vertices.toes is None else vertices.base + vertices.toes
     low = vertices.lowest - whole[:, 1] - leg.ankle[1]
     return np.asarray(np.maximum(low.max(axis=0, initial=0.0), 0.0))

@@ -1,4 +1,4 @@
-"""The solver `whole_clip`: a task as one problem, solved, and its solution as a correction."""
+"""The solver `whole_clip`: one least-squares problem over all frames, and its solution as a correction."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
-_FADE = (1e-5, 4e-5)  # [rad, leg lengths] a correction smaller than the first is none, and whole from the second on
-_SHARED = 5.0  # times as far, and as fast, as otherwise the root goes where it shares the correction with the legs
-_FEWEST = 4  # frames, of which accelerations can be told
+_FADE = (1e-5, 4e-5)  # [rad, leg lengths] corrections below the first are dropped; above the second they are full
+_SHARED = 5.0  # factor on the root's standard deviations and bound where it shares the correction with the legs
+_FEWEST = 4  # least number of frames, for accelerations
 
 
 def correct_whole_clip(
@@ -39,12 +39,12 @@ def correct_whole_clip(
     Args:
         clip: F frames.
         rig: its legs and soles.
-        task: what is to stand where in it.
-        params: what each departure costs, and how much of the correction is applied.
+        task: the plants of the clip and where they stand.
+        params: the costs, and how much of the correction is applied.
         cut: whether frames of a T-pose were cut off before the first frame, and after the last.
 
     Returns:
-        The correction, and the legs as it leads them.
+        The correction, and the corrected legs.
     """
     problem = problem_of(clip, rig, task, params, cut)
     columns = [problem.columns(k) for k in range(len(task.legs))]
@@ -82,13 +82,13 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
 
 
 def _step(task: Task, number: int, rig: Rig, params: PinParams) -> Floats:
-    """(F,) [m] how much higher than the rig's the floor under the foot of a leg is."""
+    """Compute how much higher than the rig's floor the floor under a leg's foot is, (F,) [m]."""
     own = task.footing.of_leg(number)
     return floor_steps(own, task.footing.floors, len(task.pose.positions), params.near * rig.leg_length)
 
 
 def costs_of(params: EnforceParams) -> CostParams:
-    """What departures cost: less of the root where it shares the correction with the legs."""
+    """Choose the costs: lower ones of the root where it shares the correction with the legs."""
     if params.method != "both":
         return params.costs
     wider = ("root", "root_height", "root_acceleration", "root_farthest")
@@ -96,7 +96,7 @@ def costs_of(params: EnforceParams) -> CostParams:
 
 
 def noises(task: Task, rig: Rig) -> tuple[Floats, Bools]:
-    """(U,) [m, rad] noise of the capture in each unknown, and (U,) whether it is all of the quickest changes."""
+    """Estimate the noise in each unknown (U,) [m, rad], and whether the fastest changes are all noise (U,)."""
     own = [noise_of(task.pose.position(rig.root))] * 3
     for each in task.calibration:
         line, knee, foot = each.noise
@@ -105,7 +105,7 @@ def noises(task: Task, rig: Rig) -> tuple[Floats, Bools]:
 
 
 def faded(x: Floats, problem: Problem) -> Floats:
-    """(U, F) a state without what is too small to be seen, so that frames which nothing needs keep their numbers."""
+    """Drop invisibly small parts of a state (U, F), so that frames that need no correction stay unchanged."""
     out = x.copy()
     blocks = [(slice(0, 3), problem.leg_length), *((problem.columns(k), 1.0) for k in range(len(problem.legs)))]
     for rows, size in blocks:

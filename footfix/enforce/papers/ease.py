@@ -74,7 +74,7 @@ def eased(spans: Sequence[Span], values: Floats, sigma: int) -> Floats:
 def replanned(new: Floats, share: Floats, left_over: Floats) -> Floats:
     """Lead an effector over to a new motion when the plan changes in the middle of an ease (G eq. 11).
 
-    At the time t' of the change the effector is at E(t'), on its way to a contact that may be no more. From then on it
+    At the time t' of the change the effector is at E(t'), moving to a contact that may be dropped. From then on it
     is to follow N(t), the new motion with its own enforcement, such as E_0'(t) + (1 - Gamma(u)) (C' - E_0'(t_1')) up
     to a contact C' at t_1'. As printed, eq. 11 jumps: at t = t' it is C'. Here what the effector was off the new
     motion fades out:

@@ -56,7 +56,7 @@ def correct(
     """Hold plants by Glardon's method (G §5): the root stays as captured, the legs turn.
 
     Each plant's effector stays at its C_p from the first to the last frame of its contact, and its displacement is
-    eased in before and out after it. A goal that a leg does not reach is drawn to where it does.
+    eased in before and out after it. A goal out of a leg's reach is moved into it.
 
     Args:
         clip: F frames, metres, y up.

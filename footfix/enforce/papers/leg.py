@@ -62,8 +62,8 @@ class CapturedLeg:
 def effector_tracks(rig: Rig, pose: Pose) -> tuple[Floats, ...]:
     """Track what a plant holds, for each of `rig.soles` (F, 3) [m] in the world.
 
-    It is the sole point of the heel, and the toe *joint* (G §4: "ankle and metatarsal joints"), since that is what a
-    skinned toe hangs on; the ball of the sole where a foot has no toe joint.
+    It is the sole point of the heel, and the toe *joint* (G §4: "ankle and metatarsal joints"), since the skin of the
+    toes is bound to that; the ball of the sole where a foot has no toe joint.
     """
     tracks = []
     for sole, track in zip(rig.soles, rig.tracks(pose), strict=True):
@@ -87,7 +87,7 @@ def captured_leg(rig: Rig, pose: Pose, number: int, tracks: tuple[Floats, ...]) 
 
 
 def can_turn(clip: Clip, leg: Leg) -> bool:
-    """Say whether the file can animate what inverse kinematics has to turn: hip, knee and ankle."""
+    """Tell whether the file can animate the joints that inverse kinematics turns: hip, knee and ankle."""
     return bool(np.all(clip.skeleton.rotates[[leg.hip, leg.knee, leg.ankle]]))
 
 
@@ -102,7 +102,7 @@ def _knee_axis(thigh: Floats, shank: Floats, backwards: Floats, hip_turn: Floats
 
 
 def within_reach(leg: CapturedLeg, ankle: Floats) -> Floats:
-    """Draw goals of the ankle (F, 3) [m] towards the hip where the leg would be stretched too far.
+    """Move goals of the ankle (F, 3) [m] towards the hip where the leg would be stretched too far.
 
     No leg becomes straighter than 99.95 % of its length, or than it was captured in that frame.
     """
@@ -136,7 +136,7 @@ def _hinge(leg: CapturedLeg) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class LegTurns:
-    """What turns a leg into its new pose, in the world.
+    """The rotations that turn a leg into its new pose, in the world.
 
     Args:
         swing: (F, 4) turns the whole leg about the hip.
@@ -167,7 +167,7 @@ def two_bones(leg: CapturedLeg, ankle: Floats, swivel: Floats | None = None) -> 
 
 
 def local_rotations(clip: Clip, pose: Pose, leg: CapturedLeg, turns: LegTurns, foot: Floats) -> dict[int, Floats]:
-    """Turn a solved leg into local rotations (F, 4) of hip, knee and ankle; what hangs between them keeps its own.
+    """Convert a solved leg to local rotations (F, 4) of hip, knee and ankle; joints between them keep theirs.
 
     Args:
         clip: as captured.
@@ -196,7 +196,7 @@ def _frame_above(clip: Clip, pose: Pose, joint: int) -> Floats:
 
 
 def where_moved(clip: Clip, new: Mapping[int, Floats], moves: Bools) -> dict[int, Floats]:
-    """Keep new local rotations (F, 4) where a leg moves (F,), and the clip's very numbers elsewhere."""
+    """Keep new local rotations (F, 4) where a leg moves (F,), and the clip's exact values elsewhere."""
     out = {}
     for joint, turn in new.items():
         old = clip.rotation(joint)

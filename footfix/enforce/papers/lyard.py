@@ -28,11 +28,11 @@ class LyardRootParams:
 
     Args:
         speed_window: time over which the speeds of points are averaged before they are compared [s].
-        hand_over: way that a hand-over from point to point has to spare; 0 as in the paper [leg lengths].
-        calm: time over which what the root's steps gain is averaged; 0 as in the paper [s].
-        vertical: one offset and one scale of the root's height, so that planted soles are at their floors.
-        keep_slide: the root stays as it is where no plant slides farther over its contact [leg lengths].
-        keep_height: nor is one farther from its floor than this [leg lengths].
+        hand_over: motion that a hand-over from point to point must save; 0 as in the paper [leg lengths].
+        calm: time over which changes of the root's steps are averaged; 0 as in the paper [s].
+        vertical: whether the root's height gets one offset and one scale that put planted soles on their floors.
+        keep_slide: the root is unchanged if no plant slides farther than this over its contact [leg lengths].
+        keep_height: and none is farther from its floor than this [leg lengths].
         pin_end: whether the path's drift is brought back to zero at the last frame, evenly over the clip.
         targets: where plants stand.
     """
@@ -52,10 +52,10 @@ def correct(
 ) -> Correction:
     """Hold plants by the root's translation alone (L §3.2, 3.3).
 
-    Over the floor the root takes the steps with which what is planted is static, one point at a time; in flight it
-    keeps its own velocity. The path drifts by that: it is as long as the feet say. Its height gets one offset and one
-    scale. With a skin the points are the vertices of its soles, as in the paper. Places that labels ask for are not
-    looked at: the method says when a foot stands, not where.
+    Horizontally the root moves so that one planted point at a time is static; in flight it keeps its own velocity. The
+    path therefore drifts: it is as long as the feet say. The root's height gets one offset and one scale. With a skin
+    the points are the vertices of its soles, as in the paper. Places requested by labels are ignored: the method
+    determines when a foot stands, not where it stands.
 
     Args:
         clip: F frames, metres, y up.
@@ -180,7 +180,7 @@ def root_steps(t: Ints, i: Ints, j: Ints, offsets: Floats, speeds: Floats) -> Fl
 def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
     """Average (N, 2) [m] what the steps t (N,) gain over the planted steps within `half` frames of each.
 
-    One point at a time is held, and with it its noise, which the whole figure would shake with.
+    One point at a time is held, so that its noise would shake the whole figure.
     """
     total = np.zeros((frames + 2 * half, 3))
     total[t + half, :2], total[t + half, 2] = more, 1.0
@@ -205,9 +205,9 @@ def _speeds(points: Floats, frame_time: float, window: float) -> Floats:
 def static_points(speeds: Floats, planted: Bools, frame_time: float, cost: float) -> Ints:
     """Choose the static point of each frame among those in contact (L §3.1.2).
 
-    L takes the slowest frame by frame; under noise that goes to and fro, and each time leaves a little of the
-    way behind. So the choice over all frames is taken that moves least in total, a hand-over counting as a way of
-    `cost` (Viterbi, over stretches in which the same points are planted and the same one is slowest).
+    L takes the slowest point in each frame; under noise the choice alternates, and each change adds a little drift. So
+    the sequence of points that moves least in total is chosen, a hand-over counting as a motion of `cost` (Viterbi,
+    over stretches in which the same points are planted and the same one is slowest).
 
     Args:
         speeds: (F, E) [m/s].

@@ -24,14 +24,14 @@ _BENDS = 0.05  # [sine] a joint whose bones' angle changes by more than this ove
 
 @dataclass(frozen=True, kw_only=True)
 class SolverParams:
-    """How the solver steps.
+    """Parameters of the iterative solver.
 
     Args:
-        iterations: of a frame, at most [count].
+        iterations: most iterations for a frame [count].
         tolerance: a frame is solved when no joint turns by more in an iteration [rad].
-        damping: what is out of reach is approached no more nervously than this [leg lengths].
-        step: turn of a joint in one iteration at most [rad].
-        approach: way to a goal in one iteration at most, less than a foot's lever [leg lengths].
+        damping: damping of the steps towards goals out of reach [leg lengths].
+        step: greatest turn of a joint in one iteration [rad].
+        approach: greatest motion towards a goal in one iteration, less than a foot's length [leg lengths].
     """
 
     iterations: int = 60
@@ -43,7 +43,7 @@ class SolverParams:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A chain of J joints as captured, over F frames, and what of it may turn.
+    """A chain of J joints as captured, over F frames, and the axes about which they may turn.
 
     Args:
         base: (F, 3) [m] place of the first joint.
@@ -221,7 +221,7 @@ def _step(chain: Chain, q: Floats, goals: Sequence[Floats], length: float, param
         (jacobian, _shortened(goal - place, params.approach * length))
         for jacobian, goal, place in zip(jacobians(chain, q, pose), goals, pose.effectors, strict=True)
     ]
-    # nearness: the chain as a whole swings no farther than it has to
+    # stay near the capture: the chain as a whole turns no farther than necessary
     whole = np.broadcast_to(length * np.eye(count)[chain.owner == 0], (frames, 3, count))
     tasks.append((whole, -length * q[:, chain.owner == 0]))
     dq, null = np.zeros((frames, count)), np.broadcast_to(np.eye(count), (frames, count, count))
@@ -248,7 +248,7 @@ def _times(m: Floats, v: Floats) -> Floats:
 def _damped_inverse(j: Floats, error: Floats, length: float, damping: float) -> tuple[Floats, Floats]:
     """Invert j (F, 3, N) with damping, (F, N, 3); give the projector (F, N, N) on the space its rows span, too.
 
-    The damping fades with the error: before a goal out of reach the step is calm, near one in reach it is exact.
+    The damping fades with the error: near a goal within reach the step is exact, towards one out of reach it is small.
     """
     # j = U diag(s) V^T, of which s^2 and U are found from j j^T
     square, u = np.linalg.eigh(j @ j.transpose(0, 2, 1))

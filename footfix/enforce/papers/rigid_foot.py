@@ -1,4 +1,4 @@
-"""The way of a foot whose heel and toe are held: two effectors, one rigid foot."""
+"""The motion of a rigid foot whose heel and toe are held."""
 
 from __future__ import annotations
 

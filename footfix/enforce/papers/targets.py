@@ -21,7 +21,7 @@ class TargetParams:
     """Where plants stand.
 
     Args:
-        near: a plant nearer than this to the rig's floor stands on it, else on its own level [leg lengths].
+        near: a plant within this distance of the rig's floor stands on it, any other on its own level [leg lengths].
     """
 
     near: float = 0.067
@@ -46,9 +46,9 @@ def targets(
     """Place every plant: its own place over its contact, on the floor, or where it is asked for.
 
     Each effector has one height on the floor, the median of its plants there; a plant off the floor (on stairs) keeps
-    its own. Heel and toe of a foot are a foot's length apart, which places found one by one are not where the foot
-    slides: of two that overlap in time the later one is put beside the earlier one, as the foot lies; where they
-    begin together, the toe beside the heel.
+    its own. Heel and toe must be a foot's length apart, but places found one by one are not if the foot slides: of two
+    that overlap in time the later one is placed relative to the earlier one; where they begin together, the toe
+    relative to the heel.
 
     Args:
         rig: its legs, soles and floor.
@@ -69,7 +69,7 @@ def targets(
         for k in level:
             own[k][1] = height
     for k, plant in enumerate(plants):
-        if plant.asked is not None:  # labels ask for a place of the sole, above which the joint stands
+        if plant.asked is not None:  # labels give a place of the sole; the joint is above it
             moved = ground[(plant.start + plant.end) // 2]
             sole = np.median((soles[plant.effector] - ground)[plant.frames, 1])
             up = own[k][1] - (rig.floor if on_floor[k] else sole)
