@@ -1,4 +1,4 @@
-"""Measures of a cleaned clip: plants that are held, plants that were let go, and what cleaning cost."""
+"""Measures of a cleaned clip: held plants, released plants, and the cost of cleaning."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from footfix.measure.plants import NOTICED_MM
 
 @dataclass(frozen=True)
 class Held:
-    """The plants that cleaning held, and those it let go.
+    """The plants that cleaning held, and those it released.
 
-    A plant is let go, wholly or in part, where holding it would cost more than its slide: the leg would be too long, or
-    the knee too quick. The clip's report gives the reason for each. In a clip never cleaned all plants count as held.
+    A plant is released, wholly or in part, where holding it would be worse than its slide: the leg would have to be too
+    long, or the knee too fast. The report gives the reason for each. In a clip never cleaned all plants count as held.
 
     Args:
         held_slide_mm: slide of the worst plant that is held [mm].
         held_over_21mm: plants that slide farther than viewers notice, of those that are held [share].
-        let_go: plants that were let go, wholly or in part [count].
+        let_go: plants that were released, wholly or in part [count].
     """
 
     held_slide_mm: float
@@ -28,7 +28,7 @@ class Held:
 
 @dataclass(frozen=True)
 class Costs:
-    """What cleaning cost: measures of the clip divided by those before cleaning; 1 where those are not known.
+    """The cost of cleaning: measures of the clip divided by those before cleaning; 1 where those are not known.
 
     Args:
         jitter_ratio: jitter_100m_s3 now, over what it was [factor].
@@ -54,7 +54,7 @@ def held(slides: Sequence[float], let_go: Sequence[bool]) -> Held:
 
     Args:
         slides: (N,) [mm] of each plant.
-        let_go: (N,) whether each was let go, wholly or in part.
+        let_go: (N,) whether each was released, wholly or in part.
     """
     kept = [slide for slide, gone in zip(slides, let_go, strict=True) if not gone]
     over = sum(slide > NOTICED_MM for slide in kept)

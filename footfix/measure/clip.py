@@ -20,7 +20,7 @@ WORLD = ("skating_ratio", "weighted_skate_cm_s", "phys_penetrate_mm", "phys_floa
 
 @dataclass(frozen=True)
 class Measures:
-    """What the feet of a clip do, in numbers; the unit is in the name.
+    """Measures of a clip; the unit is in the name.
 
     Read any skate measure together with `coverage`: a foot lifted off the floor does not skate. The measures from the
     literature are defined for ground at rest; on a belt they are None.
@@ -31,7 +31,7 @@ class Measures:
         share_over_21mm: the same, of all plants [share].
         tip_over_21mm: toe plants whose tip slides farther than that, of all toe plants; None where no foot has a tip
             [share].
-        slide_mm: the worst plant's slide: farthest horizontal distance of what is seen from its median place [mm].
+        slide_mm: the worst plant's slide: farthest horizontal distance of its visible point from its median place [mm].
         slide_median_mm: the median plant's [mm].
         yaw_deg: the worst plant's turn about the vertical [deg].
         coverage: effector-frames in contact, of all [share].

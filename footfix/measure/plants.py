@@ -32,17 +32,17 @@ class PlantMeasure:
     Args:
         effector: name of the sole point.
         start, end: frames `[start, end)` of the contact.
-        slide_mm: farthest horizontal distance of what is seen from its median place: of a toe plant the toe joint
+        slide_mm: farthest horizontal distance of the visible point from its median place: of a toe plant the toe joint
             (the toe's sole point where the foot has no toe joint), of a heel plant the ankle while heel and toe are
             planted (the heel's sole point where they never are).
         tip_slide_mm: the same of the tip of the toes, for toe plants; None where the foot has no tip.
         sole_slide_mm: the same of the sole point.
-        travel_mm: horizontal distance of what is seen from its first place to its last.
+        travel_mm: horizontal distance of the visible point from its first place to its last.
         yaw_deg: farthest turn of the foot about the vertical from its median heading.
         penetration_mm: deepest that the sole point is below the floor under the plant, 0 if never; with a skin, the
             deepest vertex of the foot.
         float_mm: highest that the sole point is above it, 0 if never; with a skin, the lowest vertex of its part.
-        speed_cm_s: mean horizontal speed of what is seen.
+        speed_cm_s: mean horizontal speed of the visible point.
         peak_speed_cm_s: its highest horizontal speed between two frames.
     """
 

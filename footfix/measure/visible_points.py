@@ -1,4 +1,4 @@
-"""What a viewer sees of a planted foot: the joints that its skin is bound to, not estimated sole points.
+"""Visible points of a planted foot: the joints that its skin is bound to, not estimated sole points.
 
 The skin of the toes is bound to the toe joint, that of the heel to the ankle. Where heel and ball are on the sole is
 an estimate, and a foot that rolls over such a point may hold it still while everything that is seen of it moves.
@@ -16,20 +16,20 @@ from footfix.motion.kinematics import Pose, forward
 from footfix.motion.segments import Segments, segments
 from footfix.rig.rig import Rig
 
-_TRIMMED = 5  # contacts of so many frames are measured without the first and last, in which the foot lands or lifts
-FEWEST = 3  # frames that heel and toe must be planted together for the ankle to be measured
-_NO_TIP = 0.01  # [m] a foot that ends no farther from the toe joint has no tip
+_TRIMMED = 5  # contacts of at least this many frames are measured without first and last, where feet land or lift
+FEWEST = 3  # least number of frames with heel and toe both planted for the ankle to be measured
+_NO_TIP = 0.01  # [m] a foot whose end is no farther from the toe joint has no tip
 
 
 def counted(contact: Contact) -> tuple[int, int]:
-    """Choose the frames of a contact that are measured: all but the first and the last, where it has enough of them."""
+    """Choose the measured frames of a contact: all except the first and the last, where it has enough frames."""
     trim = 1 if contact.end - contact.start >= _TRIMMED else 0
     return contact.start + trim, contact.end - trim
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What is seen of the plants of one sole point.
+    """The visible point of one sole point's plants.
 
     Args:
         plants: the frames of each contact that are measured.
@@ -47,7 +47,7 @@ class Seen:
 
 
 def seen_of(clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, ground: Floats) -> tuple[Seen, ...]:
-    """Find what is seen of the plants of each sole point.
+    """Find the visible points of each sole point's plants.
 
     Args:
         clip: F frames.

@@ -106,7 +106,7 @@ class Clip:
     """A motion: for each frame the place and rotation of each joint in the frame of its parent, y up.
 
     Positions are parent-local, as BVH channels are, and not where joints are in the world: that is
-    `footfix.global_positions(clip)`. Who has only world positions cleans them with `footfix.clean_positions`.
+    `footfix.global_positions(clip)`. Motion given as world positions alone is cleaned by `footfix.clean_positions`.
 
     Examples:
         >>> leg = Skeleton(("hip", "knee"), [-1, 0], [[0, 0, 0], [0, -0.45, 0]])
@@ -118,7 +118,7 @@ class Clip:
     Args:
         skeleton: the joints.
         positions: (F, J, 3) [m] place of each joint in its parent's frame: its rest offset (of a root: where it is
-            in the world), or what position channels put in its stead.
+            in the world), or the values of its position channels.
         rotations: (F, J, 4) unit quaternions xyzw, each joint's frame in its parent's.
         frame_time: [s] between frames.
     """
@@ -144,9 +144,9 @@ class Clip:
     def from_tracks(
         cls, skeleton: Skeleton, places: Floats | Sequence[Floats], turns: Floats | Sequence[Floats], frame_time: float
     ) -> Clip:
-        """Make a clip of tracks that may be another clip's, so that clips that differ in a few joints share the others.
+        """Make a clip from tracks, which may be shared with other clips that differ in a few joints only.
 
-        Most joints of most clips never leave their rest offset, and an hour of 200 joints takes 5 GB as whole arrays.
+        This saves memory: most joints never leave their rest offset, and an hour of 200 joints takes 5 GB in full.
 
         Args:
             skeleton: the joints, at least one.
@@ -162,7 +162,7 @@ class Clip:
         return clip
 
     def __getattr__(self, name: str) -> Floats:
-        # Asked where there is no such attribute: arrays of all joints are made of tracks when somebody wants them.
+        # Called for a missing attribute: arrays of all joints are made from tracks only when they are needed.
         tracks = self.__dict__.pop({"positions": "_places", "rotations": "_turns"}.get(name, ""), None)
         if tracks is None:
             raise AttributeError(name)
@@ -215,7 +215,7 @@ class Clip:
 
 
 def constant_track(value: ArrayLike, frames: int) -> Floats:
-    """Make a track (F, n) that is the same in every frame, in the memory of one."""
+    """Make a track (F, n) that is the same in every frame, in the memory of one frame."""
     return np.broadcast_to(np.asarray(value, dtype=np.float64), (frames, np.size(value)))
 
 
@@ -233,7 +233,7 @@ def per_frame(function: Callable[[Floats], Floats], track: Floats) -> Floats:
 
 
 def take_frames(track: Floats, frames: slice | Ints) -> Floats:
-    """Take some frames of a track; they stay side by side in memory, or kinematics would be twice as slow."""
+    """Take some frames of a track, contiguous in memory, since kinematics would be twice as slow otherwise."""
     if isinstance(frames, slice):
         return track[frames]
     if len(track) and track.strides[0] == 0:

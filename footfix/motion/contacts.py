@@ -1,4 +1,4 @@
-"""Contacts: which effector is planted when."""
+"""Contacts: when each effector is planted."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from footfix.notes import Note
 Part = Literal["heel", "toe"]
 Wish = Literal["force", "forbid"]
 
-# [leg lengths/s] What moves less was put to rest by a program: captured feet never are so still, for long.
+# [leg lengths/s] A slower foot was locked by a program: captured feet are never so still for long.
 PUT_TO_REST = 0.0012
 
 
@@ -29,8 +29,8 @@ class Contact:
         end: the first frame after it.
         confidence: how likely it is right, 0 to 1.
         position: (x, y, z) [m] where it is planted, if that is known or asked for.
-        wish: set by a person or a label file: "force" is enforced whatever it costs, "forbid" says that
-            there is no contact here whatever the detector thinks.
+        wish: set by a person or a label file: "force" is enforced at any cost, "forbid" says that there is no contact
+            here, whatever the detector finds.
     """
 
     start: int
@@ -74,7 +74,7 @@ class Contacts:
         frame_time: [s].
         effectors: in the order of the rig: left heel, left toe, right heel, right toe.
         method: which detector found them, "labels" where they were given.
-        notes: what the detector has to tell.
+        notes: from the detector.
     """
 
     frames: int
@@ -110,9 +110,9 @@ class Contacts:
     def with_mask(self, mask: Bools, confidence: Floats | None = None) -> Contacts:
         """Replace the contacts of the same effectors by those of a mask (F, E).
 
-        `confidence` (F, E), if given, is averaged over each contact, to as many decimals as label files keep: a clip
-        comes out the same from contacts that were written and read as from those that were found. What was found is
-        never quite certain: 1 is said of contacts that somebody gave.
+        `confidence` (F, E), if given, is averaged over each contact and rounded like label files, so that contacts give
+        the same result directly and after being written and read. It stays below 1, which marks contacts that were
+        given.
         """
         mask = self._fitting("the mask", mask)
         if mask.dtype != np.bool_ and not np.isin(mask, (0, 1)).all():
@@ -156,7 +156,7 @@ def joined(parts: Sequence[Contacts]) -> Contacts:
 
 def runs(mask: Bools) -> list[tuple[int, int]]:
     """List the stretches `[start, end)` in which a mask (F,) is True."""
-    # searching in bytes takes a tenth of the time of comparing neighbours, which counts where masks are short
+    # searching in bytes takes a tenth of the time of comparing neighbours, which matters for short masks
     marks = np.asarray(mask, dtype=np.bool_).tobytes()
     found, start = [], marks.find(1)
     while start >= 0:

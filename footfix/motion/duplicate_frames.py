@@ -1,7 +1,7 @@
-"""Frames that stand twice: motion of 30 frames a second in a file of 60, on twos or threes, or one now and then.
+"""Duplicate frames: motion at 30 fps in a file at 60, animation on twos or threes, or single repeats.
 
-Such a clip jumps and rests by turns, which no motion does. It is worked on without its repeated frames, at the rate
-it was made at, and what is found is put back so that frames that were the same stay the same.
+Such a clip moves and stops in alternate frames, which real motion never does. It is processed without its repeated
+frames, at the original frame rate; results are extended so that repeated frames stay equal.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 
-_SAME = 1e-7  # [m, quaternion] frames that differ by less are one
-_MOST = 5  # times that a frame stands in a row; one that stands more often is a pause
-_FEWEST, _SHARE = 3, 0.005  # repeated frames, and their share of the clip, that are worth a word
-_FRAMES = 12  # of a clip in which this can be told
+_SAME = 1e-7  # [m, quaternion] frames that differ by less are equal
+_MOST = 5  # most equal frames in a row; more are a pause
+_FEWEST, _SHARE = 3, 0.005  # number of repeated frames, and their share of the clip, from which a note is made
+_FRAMES = 12  # shortest clip in which repeated frames are searched
 
 
 @dataclass(frozen=True, eq=False)
 class DuplicateFrames:
-    """Which frames of a clip stand for all.
+    """Maps a clip to its copy without repeated frames, and back.
 
     Args:
         kept: (n,) the frames that are not repeated ones, in order.
@@ -39,16 +39,16 @@ class DuplicateFrames:
 
     @property
     def share(self) -> float:
-        """How many of the frames repeat the one before."""
+        """Compute the share of frames that repeat the one before."""
         return 1.0 - len(self.kept) / max(self.frames, 1)
 
     @cached_property
     def owner(self) -> Ints:
-        """(F,) for each frame which of the kept ones it is."""
+        """Find for each frame (F,) its index among the kept frames."""
         return np.asarray(np.searchsorted(self.kept, np.arange(self.frames), side="right") - 1)
 
     def among(self, start: int, frames: int) -> DuplicateFrames:
-        """Say the same of a longer clip of so many frames, in which this one's begin at `start`."""
+        """Make the same map for a longer clip, in which this one begins at frame `start`."""
         if not self:
             return DuplicateFrames(np.arange(frames), frames)
         kept = np.concatenate([np.arange(start), start + self.kept, np.arange(start + self.frames, frames)])
@@ -59,7 +59,7 @@ class DuplicateFrames:
         return whole[self.kept] if self else whole
 
     def clip(self, whole: Clip) -> Clip:
-        """Take the clip without what is repeated, at the rate it was made at; the very clip where nothing is."""
+        """Take the clip without repeated frames, at its original rate; the same clip where there are none."""
         if not self:
             return whole
         return _at_rate(whole.frames(self.kept), whole.frame_time * self.frames / len(self.kept))
@@ -79,7 +79,7 @@ class DuplicateFrames:
         return replace(whole, frames=len(self.kept), frame_time=frame_time, effectors=effectors)
 
     def contacts_back(self, found: Contacts) -> Contacts:
-        """Put contacts of the kept frames, and their notes, back among all frames."""
+        """Extend contacts of the kept frames, and their notes, to all frames."""
         if not self:
             return found
         effectors = tuple(
@@ -91,7 +91,7 @@ class DuplicateFrames:
         return replace(found, frames=self.frames, frame_time=frame_time, effectors=effectors, notes=notes)
 
     def notes_back(self, notes: Iterable[Note]) -> tuple[Note, ...]:
-        """Put the frames that notes are about back among all frames."""
+        """Renumber the frames of notes for all frames."""
         return tuple(
             each
             if each.start is None or each.end is None
@@ -100,15 +100,15 @@ class DuplicateFrames:
         )
 
     def track_back(self, track: Floats) -> Floats:
-        """Put a track of the kept frames (n, ...) back among all frames (F, ...)."""
+        """Extend a track of the kept frames (n, ...) to all frames (F, ...)."""
         return track[self.owner] if self else track
 
     def first(self, kept: int) -> int:
-        """Find the first of the frames that a kept one stands for; of one after the last, the clip's length."""
+        """Find the first frame equal to a kept one; for the index after the last, the clip's length."""
         return int(self.kept[kept]) if kept < len(self.kept) else self.frames
 
     def notes(self, clip: Clip) -> tuple[Note, ...]:
-        """Say so, where frames are repeated."""
+        """Make a note where frames are repeated."""
         if not self:
             return ()
         rate = clip.fps * len(self.kept) / self.frames
@@ -120,7 +120,7 @@ class DuplicateFrames:
 
 
 def _at_rate(clip: Clip, frame_time: float) -> Clip:
-    """The same frames at another rate."""
+    """Change the frame rate of a clip, keeping its frames."""
     joints = range(len(clip.skeleton))
     positions, rotations = [clip.position(joint) for joint in joints], [clip.rotation(joint) for joint in joints]
     return Clip.from_tracks(clip.skeleton, positions, rotations, frame_time)
@@ -129,8 +129,8 @@ def _at_rate(clip: Clip, frame_time: float) -> Clip:
 def doubled(clip: Clip) -> DuplicateFrames:
     """Find the frames of a clip that repeat the one before.
 
-    A frame that stands two to five times in a row does; one that stands longer is a pause, of which as many frames
-    are kept as would be had at the rate the others were made at.
+    Two to five equal frames in a row are repeats; more are a pause, of which as many frames are kept as there would be
+    at the clip's original rate.
 
     Args:
         clip: F frames.
@@ -155,7 +155,7 @@ def doubled(clip: Clip) -> DuplicateFrames:
 
 
 def _same(clip: Clip) -> Bools:
-    """(F - 1,) whether each frame but the first is the one before."""
+    """Mark (F - 1,) the frames after the first that equal the one before."""
     same = np.ones(len(clip) - 1, dtype=np.bool_)
     for joint in range(len(clip.skeleton)):
         for track in (clip.position(joint), clip.rotation(joint)):

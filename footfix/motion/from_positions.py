@@ -1,8 +1,8 @@
-"""A clip made of joint positions in the world, as text-to-motion and pose-estimation networks give them.
+"""Make a clip from joint positions in the world, such as those of text-to-motion and pose-estimation networks.
 
-Positions say where bones point, not how they are turned about themselves. Each bone is turned the shortest way from
-where its parent's turn would put it, as a leg that follows its hip, so that nothing spins; where several bones leave
-one joint, as from the pelvis, they turn together as well as they fit.
+Positions give the direction of bones, but not their twist. Each bone is turned by the smallest rotation from where its
+parent's rotation would put it, so that nothing spins; several bones from one joint, such as the pelvis, get the one
+rotation that fits them best.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.vectors import norm, unit
 
-_SPREAD = 0.1  # second singular value over the first: bones that spread less are one line, and leave a turn open
+_SPREAD = 0.1  # second singular value over the first: bones that spread less are one line, whose twist is unknown
 
 
 def fit_rotations(
@@ -36,7 +36,7 @@ def fit_rotations(
         rest: (J, 3) [m] of the joints in a rest pose; by default the frame in which the figure stands tallest.
 
     Returns:
-        The clip, its rest pose turned by nothing.
+        The clip; the rotations of its rest pose are identities.
 
     Raises:
         ArgumentError: the parents are no tree of the joints.

@@ -69,7 +69,7 @@ def forward(clip: Clip, joints: Iterable[int] | None = None) -> Pose:
 
 
 def places(clip: Clip) -> Floats:
-    """Compute (F, J, 3) [m] where all joints are in the world: the positions of `forward`, in half its time."""
+    """Compute all joints' places in the world (F, J, 3) [m]: the positions of `forward`, in half its time."""
     out = np.empty((len(clip.skeleton), 3, len(clip)))
     for joint, place, _ in _walk(clip, range(len(clip.skeleton)), ()):
         out[joint] = place.T
@@ -82,10 +82,10 @@ def _walk(clip: Clip, needed: Sequence[int], turned: Container[int]) -> Iterator
     Args:
         clip: F frames.
         needed: some joints and all above them, in the order of the file.
-        turned: those whose rotation matters; of others that bear none it is not worked out.
+        turned: those whose rotation is needed; that of others without children is not computed.
 
     Yields:
-        The joint, (F, 3) [m], and (F, 4), in the parent's frame where it was not worked out.
+        The joint, (F, 3) [m], and (F, 4), in the parent's frame where it was not computed.
     """
     last_use = {int(clip.skeleton.parents[joint]): joint for joint in needed}
     world: dict[int, tuple[Floats, Floats]] = {}
@@ -98,7 +98,7 @@ def _walk(clip: Clip, needed: Sequence[int], turned: Container[int]) -> Iterator
             if joint in last_use or joint in turned:
                 turn = rotation.multiply(parent_turn, turn)
             if last_use[parent] == joint:
-                del world[parent]  # memory stays at the width of the tree, not at its size
+                del world[parent]  # limits memory to the width of the tree, not its size
         if joint in last_use:
             world[joint] = (place, turn)
         yield joint, place, turn

@@ -1,8 +1,8 @@
-"""Frames at the start and the end of a clip that are no motion: a T-pose, a bind pose, a row of zeros.
+"""Lead-in frames at the start and the end of a clip: a T-pose, a bind pose, or a row of zeros.
 
-Such frames stand in many files, alone or with one to three more that lead over to the motion. What gives them
-away is a jump in pose far beyond anything the clip itself does. An actor who stands in T-pose and then moves
-off, as at both ends of many takes, makes no jump: that is motion, and stays.
+Many files have such frames, alone or with one to three transition frames. They are recognised by a jump in pose far
+larger than any in the clip itself. An actor who stands in T-pose and then moves off, as at both ends of many takes,
+makes no jump: that is motion, and is kept.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.segments import distinct
 
-LONGEST = 4  # steps that lead in; a held pose before them may be longer
-_JUMP, _REST_JUMP = 4.0, 1.5  # times the clip's own quickest steps; less does from what is plainly the rest pose
-_CALM = 5.0  # times the usual steps that follow
+LONGEST = 4  # most transition steps; the held pose before them may be longer
+_JUMP, _REST_JUMP = 4.0, 1.5  # a jump, as a multiple of the clip's fastest steps; less suffices from the rest pose
+_CALM = 5.0  # and as a multiple of the usual steps that follow
 _LEAST_TURN = 0.06  # [rad] root mean square over the joints
 _LEAST_SHIFT = 0.08  # of the figure's size
 _AT_REST = 0.02  # [rad] root mean square: no joint but the root is turned
-_FEWEST = 12  # frames from which on a clip has steps of its own to compare with
-_MOST_STEPS = 400  # steps looked at to know the clip's own
+_FEWEST = 12  # least number of frames of a clip to compare jumps with
+_MOST_STEPS = 400  # steps sampled to measure the clip's own
 
 
 
 def motion_range(clip: Clip) -> slice:
-    """Find the frames of a clip without what leads in and out of it.
+    """Find the frames of a clip without lead-in and lead-out frames.
 
     Args:
         clip: F frames, any units and axes.
@@ -42,7 +42,7 @@ def motion_range(clip: Clip) -> slice:
 
 
 def _lead(clip: Clip, order: Ints) -> int:
-    """Count the frames that lead in, with the frames taken in the order given."""
+    """Count the lead-in frames, with the frames in the order given."""
     frames = len(order)
     rest = _turned(clip, order[: LONGEST + 1]) < _AT_REST
     if frames < _FEWEST:
@@ -68,7 +68,7 @@ def _lead(clip: Clip, order: Ints) -> int:
 
 
 def _turned(clip: Clip, order: Ints) -> Floats:
-    """Measure how far the joints but the roots are turned from the rest pose [rad], root mean square of each frame."""
+    """Measure how far joints other than roots are turned from the rest pose [rad], root mean square of each frame."""
     turns = clip.rotations[order][:, clip.skeleton.parents >= 0]
     return (
         np.asarray(np.sqrt(np.mean(rotation.angle(turns) ** 2, axis=1)))
@@ -92,7 +92,7 @@ def _between(clip: Clip, firsts: Ints, seconds: Ints) -> tuple[Floats, Floats]:
 
 
 def _own(clip: Clip, inner: Ints) -> tuple[float, float]:
-    """Measure the quickest steps that the clip makes inside: the 90th percentile, which glitches do not move."""
+    """Measure the fastest steps within the clip: the 90th percentile, which glitches do not change."""
     firsts = inner[distinct(np.linspace(0, len(inner) - 2, min(_MOST_STEPS, len(inner) - 1)).astype(np.intp))]
     turns, shifts = _between(clip, firsts, firsts + int(inner[1] - inner[0]))
     return float(np.quantile(turns, 0.9)), float(np.quantile(shifts, 0.9))

@@ -21,7 +21,7 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 
 def components_first(shape: tuple[int, ...], size: int) -> Floats:
-    """Make an empty array (*shape, size) whose components lie apart in memory."""
+    """Make an empty array (*shape, size), stored component by component."""
     return np.empty((size, *shape)).transpose(*range(1, len(shape) + 1), 0)
 
 
@@ -30,7 +30,7 @@ def _parts(q: Floats) -> tuple[Floats, ...]:
 
 
 def identity(shape: tuple[int, ...] = ()) -> Floats:
-    """Make quaternions (*shape, 4) that turn nothing."""
+    """Make identity quaternions (*shape, 4)."""
     q = np.zeros((*shape, 4))
     q[..., 3] = 1.0
     return q
@@ -224,7 +224,7 @@ def to_euler(q: Floats, order: str, near: Floats | None = None) -> Floats:
     """Convert to intrinsic Euler angles (..., 3) [rad] about three different axes, on the branch nearest to `near`.
 
     Every rotation has two solutions, each plus or minus whole turns. With `near` (..., 3) [rad], each angle
-    comes back on the solution and turn nearest to it, so that curves go on where they were. At gimbal lock
+    is returned on the solution and turn nearest to it, so that curves stay continuous. At gimbal lock
     the last angle keeps its value from `near` (zero without), and the first takes the rest.
 
     Raises:

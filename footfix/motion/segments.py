@@ -1,7 +1,7 @@
-"""Reductions over many stretches of frames at once.
+"""Reductions (mean, median, maximum) over many stretches of frames at once.
 
-A long clip has hundreds of plants of a few dozen frames; a call of numpy for each and every figure of each would
-cost more than the arithmetic.
+A long clip has hundreds of plants of a few dozen frames; a numpy call for each measure of each plant would cost more
+than the arithmetic.
 """
 
 from __future__ import annotations
@@ -80,9 +80,9 @@ class Segments:
 
 
 def geometric_medians(points: Floats, parts: Segments, weights: Floats | None = None) -> Floats:
-    """Find places (S, D) with the least sum of distances to the points (N, D) of each stretch: medians without axes.
+    """Find geometric medians (S, D), with the least sum of distances to the points (N, D) of each stretch.
 
-    A few steps of Weiszfeld's way from the mean, with distances never counted as less than a hundredth of the usual.
+    A few steps of Weiszfeld's method from the mean; distances are at least a hundredth of the usual one.
     """
     share = np.ones(len(points)) if weights is None else weights
     total = np.add.reduceat(share, parts.starts)

@@ -22,8 +22,8 @@ class SmoothParams:
 
     Args:
         seconds: [s] window of the filter (K §5.1: 12 frames at 120 fps).
-        degree: of the polynomial (K §5.1) [count].
-        channels: smooth what is written, too; off, only what detection looks at is smoothed.
+        degree: degree of the polynomial (K §5.1) [count].
+        channels: whether to smooth the written motion, too; off, only the input of detection is smoothed.
     """
 
     seconds: float = 0.1
@@ -59,7 +59,7 @@ def savgol(
     x: Floats, frame_time: float, *, seconds: float = SmoothParams.seconds,
     degree: int = SmoothParams.degree, derivative: int = 0,
 ) -> Floats:  # fmt: skip
-    """Apply the Savitzky-Golay filter, or take a derivative of what it fits, along the first axis.
+    """Apply the Savitzky-Golay filter, or a derivative of its polynomial, along the first axis.
 
     At both ends the polynomial of the outermost whole window is evaluated, so nothing is padded.
 

@@ -1,4 +1,4 @@
-"""Curves through values: cubic splines, smooth to the second derivative, and monotone cubics, which never swing out."""
+"""Curves through values: cubic splines, smooth to the second derivative, and monotone cubics without overshoot."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 
 from footfix.motion.clip import Floats, Ints
 
-_AROUND = 24  # knots that a closed curve is led on by at both ends: what its ends do is then gone
+_AROUND = 24  # knots by which a closed curve is repeated at both ends, so that end effects vanish
 
 
 @dataclass(frozen=True, eq=False)
 class Cubic:
-    """A curve of cubics between knots; beyond its ends the outermost ones lead on.
+    """A piecewise cubic curve; beyond its ends the outermost cubics are extended.
 
     Args:
         at: (N,) the knots, rising.
@@ -27,7 +27,7 @@ class Cubic:
     slopes: Floats
 
     def __call__(self, wanted: Floats, derivative: int = 0) -> Floats:
-        """(..., D) the curve, or its first or second derivative, at places (...)."""
+        """Evaluate the curve, or its first or second derivative, at places (...): (..., D)."""
         wanted = np.asarray(wanted, dtype=np.float64)
         flat = wanted.ravel()
         k: Ints = np.clip(np.searchsorted(self.at, flat, side="right") - 1, 0, len(self.at) - 2)
@@ -43,7 +43,7 @@ class Cubic:
 
     @cached_property
     def _coefficients(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Each (D, N - 1): arithmetic then runs over places, of which there are many, not over the few D."""
+        """Compute the coefficients, each (D, N - 1), so that arithmetic runs over the many places, not the few D."""
         width = np.diff(self.at)[:, None]
         rise = np.diff(self.values, axis=0) / width
         a, b = self.slopes[:-1], self.slopes[1:]
@@ -55,12 +55,12 @@ class Cubic:
 
 
 def spline(at: Floats, values: Floats, *, closed: bool = False) -> Cubic:
-    """Make the cubic spline through values; its ends are not bent, or one, where it is closed.
+    """Make the cubic spline through values, natural at its ends, or closed.
 
     Args:
         at: (N,) the knots, rising.
         values: (N, D); of a closed curve the last are the first.
-        closed: whether it goes on from its end at its start.
+        closed: whether its end continues at its start.
     """
     at, values = np.asarray(at, dtype=np.float64), np.asarray(values, dtype=np.float64)
     if not closed:
@@ -74,7 +74,7 @@ def spline(at: Floats, values: Floats, *, closed: bool = False) -> Cubic:
 
 
 def _slopes(at: Floats, values: Floats) -> Floats:
-    """(N, D) slopes of the natural spline, by its second derivatives m.
+    """Compute the slopes (N, D) of the natural spline from its second derivatives m.
 
     h(k-1) m(k-1) + 2 (h(k-1) + h(k)) m(k) + h(k) m(k+1) = 6 (rise(k) - rise(k-1)).
     """

@@ -1,1 +1,1 @@
-"""Which joints are legs, where the soles are, how large and which way up the figure is."""
+"""The rig: which joints are legs, where the soles are, the figure's size and its up axis."""

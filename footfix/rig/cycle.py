@@ -1,6 +1,6 @@
-"""Clips that are cycles: the last frame leads to the first, moved on by the travel of one round.
+"""Find clips that are cycles: the last frame leads to the first, moved by the travel of one round.
 
-Steps of a cycle are done on several rounds of it laid end to end (see `rounds.py`).
+Cycles are processed as several rounds end to end (see `rounds.py`).
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from footfix.motion.clip import Clip, Floats, Ints, take_frames
 from footfix.motion.kinematics import Pose
 from footfix.rig.rig import Rig
 
-_SAME = 0.3  # of the clip's usual step, root mean square over the joints: poses that differ by less are one
-_ALIKE = 0.45  # the same of two steps, one of them over the seam: the feet of a cycle that was cut by hand may jerk
-_ERRS = 0.6  # or this much of what that guess is off in the clip itself, in the worst of ten frames
-_MOVES = 0.2  # of the usual step: less than this at the seam is a pause, not a stride
-_TILT = 3.0  # [degrees] by which the root may lean otherwise
-_HEIGHT = 0.02  # [leg lengths] by which its height may differ
-_NEAR = 1.5  # of the usual step: less over the seam of an animation in place, which is likely to be a cycle,
-_NEAR_TURN = 0.005  # [rad] or this: an idle that hardly moves misses its first frame by many of its steps
+_SAME = 0.3  # of the clip's usual step (root mean square over the joints): poses that differ less are the same
+_ALIKE = 0.45  # the same for two steps, one across the seam, where feet of cycles cut by hand may jerk
+_ERRS = 0.6  # or this share of the same error within the clip, in the worst of ten frames
+_MOVES = 0.2  # of the usual step: a smaller step across the seam is a pause, not a stride
+_TILT = 3.0  # [degrees] greatest difference of the root's lean at both ends
+_HEIGHT = 0.02  # [leg lengths] greatest difference of its height
+_NEAR = 1.5  # of the usual step: greatest step across the seam of an animation in place that is likely to be a cycle,
+_NEAR_TURN = 0.005  # [rad] or this, for idle animations, whose usual step is tiny
 _NEAR_HEIGHT = 0.04  # [leg lengths]
-_IN_PLACE = 0.15  # [leg lengths] that its root ends from where it begins, at most,
-_IN_PLACE_YAW = 10.0  # [degrees] and is turned
-_EQUAL = 2e-4  # [rad, leg lengths] frames that differ by less are the same to the digits of a file
-_LONGEST = 12.0  # [s] of one round, or where the first frame stands at the end once more,
+_IN_PLACE = 0.15  # [leg lengths] greatest distance of its root between both ends,
+_IN_PLACE_YAW = 10.0  # [degrees] and greatest turn
+_EQUAL = 2e-4  # [rad, leg lengths] frames that differ less are equal within the rounding of a file
+_LONGEST = 12.0  # [s] longest round, or if the last frame repeats the first,
 _LONGEST_SAME = 120.0  # [s]
 _FEWEST = 8  # frames of one round
 
@@ -52,16 +52,16 @@ def may_be_cycle(clip: Clip) -> bool:
 def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cycle | None:
     """Find whether a clip is a cycle.
 
-    Its last frame is the first one, moved over the floor and turned about the vertical; or a step before that, and
-    the figure steps on as it does in the steps beside. It moves at the seam, since two pauses are no cycle, unless
-    the two frames are the same to the digit.
+    Its last frame repeats the first, moved over the floor and turned about the vertical; or it is one step before that,
+    and the step across the seam is like its neighbours. The figure must move at the seam, since two pauses are no
+    cycle, unless the two frames are equal.
 
     Args:
         clip: F frames.
         rig: its root.
         pose: of the clip, with the root.
-        likely: whether the clip is of a kind that mostly is one, as animations of games are. In place, its ends need
-            only be about a step apart, or as near as one sees, and it may pause there.
+        likely: whether the clip is probably a cycle, as game animations are. In place, its ends then need only be about
+            a step apart, or look the same, and it may pause there.
     """
     frames = len(clip)
     if not may_be_cycle(clip) or _tilt(pose.rotation(rig.root)[[0, -1]]) > np.radians(_TILT):
@@ -101,13 +101,13 @@ def find_cycle(clip: Clip, rig: Rig, pose: Pose, *, likely: bool = False) -> Cyc
 
 
 def _errs(steps: Floats) -> float:
-    """[rad] by how much a step (n, J, 3) differs from the mean of those beside it, in the worst of ten."""
+    """Measure how much steps (n, J, 3) differ from the mean of their neighbours [rad], in the worst of ten."""
     off = steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])
     return float(np.quantile(np.sqrt(np.mean(np.sum(off**2, axis=2), axis=1)), 0.9))
 
 
 def _near(pose: Pose, rig: Rig, yaw: float) -> bool:
-    """Tell whether the root ends where it begins, by and large."""
+    """Tell whether the root ends about where it begins."""
     way = (pose.position(rig.root)[-1] - pose.position(rig.root)[0]) / rig.leg_length
     level = float(np.hypot(way[0], way[2]))
     rises = np.abs(np.diff(pose.position(rig.root)[:, 1])) / rig.leg_length  # of a figure that bounds

@@ -1,4 +1,4 @@
-"""Which limbs of a clip are the legs of its figures, found or given."""
+"""The legs of a clip's figures, found or given."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from footfix.rig.params import LegParams, RigParams
 from footfix.rig.sample import Sample
 from footfix.rig.toes import ball, balls
 
-_LEAST = 1.2  # score below which a pair of limbs is no pair of legs
-_LEAST_FRONT = -1.2  # shape, and what names say of sides, below which a pair is none of front legs; these hang far out
-_ALIKE = (0.75, 1.35)  # front legs against hind legs in length; a man's arms have 0.63 of his legs
-_BACK = 0.5  # [leg lengths] from hind to front legs, level, at least
-_HIGH = 0.45  # [leg lengths] of hips and shoulders over the lowest joint, at least, when it stands up
-_GROUND = 0.25  # [leg lengths] a foot within it of the lowest joint's usual height may stand
+_LEAST = 1.2  # least score of a pair of legs
+_LEAST_FRONT = -1.2  # least score of a pair of front legs, from shape and sides in names
+_ALIKE = (0.75, 1.35)  # range of the length of front legs over hind legs; human arms have 0.63 of the legs' length
+_BACK = 0.5  # [leg lengths] least horizontal distance from hind to front legs
+_HIGH = 0.45  # [leg lengths] least height of hips and shoulders over the lowest joint, when the animal stands
+_GROUND = 0.25  # [leg lengths] a foot within this height of the lowest joint's usual height may be planted
 _FRONT = re.compile(r"front|fore(?!arm)", re.IGNORECASE)
 _REAR = re.compile(r"back|hind|(?<!fo)rear", re.IGNORECASE)
-_MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; a gallop leaves half
+_MOSTLY = 0.4  # share of the frames in which each pair must have a foot on the ground; half of them in a gallop
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Figure:
     """The legs of one figure, before it is known which is left.
 
     Args:
-        root: the joint that it hangs from: a root, or what carries it where one root holds several figures.
+        root: the figure's root, or the joint that carries it where one root holds several figures.
         pelvis: the joint that its (hind) legs hang from.
         limbs: the legs.
         toes: the ball joint of each, None without one.
@@ -52,7 +52,7 @@ class Figure:
 
     @property
     def length(self) -> float:
-        """Mean length of the legs, hip to ankle along the bones."""
+        """Compute the mean length of the legs, hip to ankle along the bones."""
         return float(np.mean([limb.length for limb in self.limbs]))
 
 
@@ -144,13 +144,13 @@ def _named_front(skeleton: Skeleton, pair: Pair) -> int:
 
 
 def _mirrored(skeleton: Skeleton, pair: Pair) -> float:
-    """Weigh what names say of sides: one each, for a pair; a side and none, as of a leg and a neck, against it."""
+    """Score the sides in names: one each speaks for a pair; only one with a side (a leg and a neck) against it."""
     one, other = (_named_side(skeleton, limb, None) for limb in pair.limbs)
     return 0.0 if one == other == "" else 1.0 if one and other and one != other else -1.0
 
 
 def _apart(seen: Sample, hind: Pair, front: Pair) -> bool:
-    """Tell whether a back lies level between two pairs of legs, well above the ground when it stands."""
+    """Tell whether two pairs of legs are joined by a level back, well above the ground when the animal stands."""
     middles = [np.mean([seen.places[:, limb.hip] for limb in pair.limbs], axis=0) for pair in (hind, front)]
     level = np.linalg.norm((middles[1] - middles[0])[:, [0, 2]], axis=-1)
     high = np.minimum(*(middle[:, 1] for middle in middles)) - seen.places[..., 1].min(axis=1)

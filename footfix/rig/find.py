@@ -1,4 +1,4 @@
-"""Finds the rig of a figure: its legs, what carries it, its soles, its size and its floor."""
+"""Find the rig of a figure: its root, legs, soles, size and floor."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def _rig(seen: Sample, figure: Figure, params: RigParams, skin: Skin | None = No
 def _fitted(
     skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[soles.SoleEstimate], *, named: bool
 ) -> tuple[Fitted | None, tuple[Note, ...]]:
-    """Put the feet of a skin on the legs, if they go there; say what does not fit, as a warning where it was named."""
+    """Fit the feet of a skin to the legs; note what does not fit, as a warning where the user named the skin."""
     try:
         fitted = fit_skin(skin, seen, legs, feet)
     except InputError as error:
@@ -179,7 +179,7 @@ def _pairs(figure: Figure) -> list[list[int]]:
 
 
 def _leftwards(seen: Sample, figure: Figure) -> Floats:
-    """Estimate (S, 3) a figure's left, whichever its left leg: from how knees bend and where toes point.
+    """Estimate a figure's left (S, 3) from how knees bend and where toes point.
 
     The axis of a knee runs from one side to the other, and so does what is across both the shin and the foot;
     that holds in any posture, and needs no up.
@@ -195,7 +195,7 @@ def _leftwards(seen: Sample, figure: Figure) -> Floats:
 
 
 def _facing(seen: Sample, legs: Sequence[Leg]) -> Floats:
-    """Compute (S, 3) the way the figure faces: level, from its left hip and its right hip."""
+    """Compute the horizontal direction (S, 3) that the figure faces, from its left and right hip."""
     hips = {side: [seen.places[:, leg.hip] for leg in legs if leg.side == side] for side in ("left", "right")}
     if not all(hips.values()):
         return np.tile([0.0, 0.0, 1.0], (len(seen), 1))

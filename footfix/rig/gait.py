@@ -1,8 +1,8 @@
-"""A gait in place: the velocity with which the ground passes under a figure that walks or runs and stays where it is.
+"""A gait in place: the velocity of the ground relative to a figure that walks or runs on the spot.
 
-It is read from the paths of the feet alone, before anybody knows when they are planted. In a gait, feet go one way
-while they are low, all at about one speed, and come back above that. Nothing else looks like it: who idles or strikes
-stands, who dances or dodges comes back as low as he went, and who turns on the spot has feet that go different ways.
+It is found from the paths of the feet alone, before contacts are known. In a gait, feet move in one direction while
+they are low, all at about the same speed, and return higher up. Other motion differs: in idling or striking the feet
+stand, in dancing or dodging they return as low as they went, in turning on the spot their directions differ.
 """
 
 from __future__ import annotations
@@ -16,27 +16,27 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.smoothing import savgol
 from footfix.rig.rig import Rig
 
-_LOW = (0.04, 0.2)  # a foot is low up to so high over its lowest [leg lengths, share of its usual rise], the lesser
-_LOWEST = 0.02  # share of its frames that may be lower than what counts as a foot's lowest: of one that digs in
-_SLOWEST = 0.25  # [leg lengths/s] of a ground that passes
-_ONE_WAY = 0.65  # share of the way of low feet that is to be left when all their steps are added up
-_EACH = (0.4, 2.0)  # times the common speed that each foot has while it is low, on average
-_RISE = (0.012, -0.03)  # [leg lengths] by which feet are higher on their way forth than back, on average, and each
-_STAYS = 0.1  # times the speed of the ground, below which the hips travel
+_LOW = (0.04, 0.2)  # greatest height of a low foot over its lowest [leg lengths, share of its usual rise], the lesser
+_LOWEST = 0.02  # quantile of a foot's height that counts as its lowest, in case it sinks into the floor
+_SLOWEST = 0.25  # [leg lengths/s] least speed of the ground
+_ONE_WAY = 0.65  # least length of the sum of low feet's steps, as a share of the sum of their lengths
+_EACH = (0.4, 2.0)  # range of each foot's mean speed while it is low, as a multiple of the common speed
+_RISE = (0.012, -0.03)  # [leg lengths] least extra height of the forward motion, mean of the feet, and each foot
+_STAYS = 0.1  # greatest speed of the hips, as a multiple of the ground's speed
 _FEWEST = 12  # frames
-_KEPT = (0.3, 2.0)  # times the common speed at which a low foot is taken for one that stands
-_FLIGHT = 0.1  # weight of the usual speed of the ground against that of a foot at its lowest
-_SMOOTH = 0.1  # [s] over which the speed of the ground, as low feet tell it, is smoothed
+_KEPT = (0.3, 2.0)  # range of a planted foot's speed, as a multiple of the common speed
+_FLIGHT = 0.1  # weight of the ground's mean speed, relative to that of a foot at its lowest
+_SMOOTH = 0.1  # [s] smoothing window of the ground's speed from low feet
 
 
 @dataclass(frozen=True, eq=False)
 class Gait:
-    """How the ground passes under a figure that stays.
+    """The motion of the ground under a figure that stays in place.
 
     Args:
-        velocity: (3,) [m/s] of the ground, level.
-        passed: (F, 3) [m] how far it has gone by as feet that are low say, whose speed need not be even: animators
-            seldom give it one.
+        velocity: (3,) [m/s] horizontal velocity of the ground.
+        passed: (F, 3) [m] displacement of the ground by the motion of low feet, whose speed is seldom constant in
+            animations.
     """
 
     velocity: Floats
@@ -44,7 +44,7 @@ class Gait:
 
 
 def gait_in_place(rig: Rig, pose: Pose, frame_time: float) -> Gait | None:
-    """Find how the ground passes under a figure that walks or runs in place; None where it does not.
+    """Find the motion of the ground under a figure that walks or runs in place; None for other motion.
 
     Args:
         rig: its soles and hips.
@@ -87,7 +87,7 @@ def gait_in_place(rig: Rig, pose: Pose, frame_time: float) -> Gait | None:
 
 
 def _steps(rig: Rig, leg: int, pose: Pose) -> tuple[Floats, Floats]:
-    """(F - 1, 2) [m] how the lowest sole point of a leg moves over the floor, and (F - 1,) [m] how high it is."""
+    """Compute horizontal steps (F - 1, 2) [m] and heights (F - 1,) [m] of a leg's lowest sole point."""
     tracks = np.stack([pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles if sole.leg == leg])
     heights = 0.5 * (tracks[:, 1:, 1] + tracks[:, :-1, 1])
     which, frames = np.argmin(heights, axis=0), np.arange(heights.shape[1])
@@ -95,14 +95,14 @@ def _steps(rig: Rig, leg: int, pose: Pose) -> tuple[Floats, Floats]:
 
 
 def _pace(along: Floats, weights: Floats, frame_time: float, usual: float) -> Floats:
-    """(F - 1,) [m/s] the speed of the ground: that of feet, more the lower they are; the usual one in flight."""
+    """Compute the ground's speed (F - 1,) [m/s]: that of the feet, lower ones weighing more; its mean in flight."""
     total = weights.sum(axis=0) + _FLIGHT
     mean = ((weights * along).sum(axis=0) + _FLIGHT * usual) / total
     return np.asarray(savgol(mean, frame_time, seconds=_SMOOTH, degree=1))
 
 
 def carried(clip: Clip, rig: Rig, passed: Floats) -> Clip:
-    """The clip over a ground at rest: the figure goes as far as the ground (F, 3) [m] passes under it."""
+    """Make the clip on a ground at rest: the figure moves as far as the ground (F, 3) [m] did, the other way."""
     top = rig.root
     while clip.skeleton.parents[top] >= 0:
         top = int(clip.skeleton.parents[top])

@@ -1,6 +1,6 @@
-"""Helper joints that follow the feet: targets of inverse kinematics, outside the legs, that are where a foot is.
+"""Helper joints that follow the feet, such as targets of inverse kinematics outside the legs.
 
-Game rigs carry such joints beside the skeleton proper. They are found by where they are over the clip, not by name.
+Game rigs have such joints beside the skeleton proper. They are found by their motion, not by name.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_FRAMES = 240  # looked at
-_AT = 0.01  # [leg lengths] a joint that is usually nearer to a foot's joint, and
-_NEVER = 0.05  # never farther, is where that joint is
-_FIXED = 0.004  # [leg lengths] or it is fixed to the foot within this, not far away,
-_BESIDE = 0.35  # [leg lengths]
-_MOVES = 0.15  # [leg lengths] while its parent sees the foot go as far as this,
-_TURNS = 0.2  # [rad] and turn
-_ALONG = 0.1  # [rad] a joint that is turned otherwise than the foot by no more than this turns with it
+_FRAMES = 240  # frames sampled
+_AT = 0.01  # [leg lengths] a joint follows a foot's joint if it is usually nearer to it than this,
+_NEVER = 0.05  # and never farther away than this,
+_FIXED = 0.004  # [leg lengths] or if its place in the foot's frame varies by less than this,
+_BESIDE = 0.35  # [leg lengths] not farther away than this,
+_MOVES = 0.15  # [leg lengths] while the foot moves at least this far in its parent's frame,
+_TURNS = 0.2  # [rad] and turns at least this much
+_ALONG = 0.1  # [rad] a joint whose orientation relative to the foot varies by no more than this turns with it
 
 
 @dataclass(frozen=True)
 class Follower:
-    """A joint that goes where a foot goes.
+    """A joint that follows a foot.
 
     Args:
         joint: of the helper.
         foot: the joint of the foot that it follows.
-        turns: whether it turns with it, too.
+        turns: whether it turns with the foot, too.
     """
 
     joint: int
@@ -42,14 +42,14 @@ class Follower:
 
 
 def find_followers(clip: Clip, rig: Rig) -> tuple[Follower, ...]:
-    """Find the joints outside the legs that are where a foot's joint is, or fixed to it, over the whole clip.
+    """Find the joints outside the legs that follow a foot's joint, or are fixed to it, over the whole clip.
 
     Args:
         clip: F frames.
         rig: its legs.
 
     Returns:
-        The followers, parents before their children; joints without position channels can't follow, and are none.
+        The followers, parents before their children; without joints that have no position channels to follow with.
     """
     able = _outside(clip, rig)
     if not able or not len(clip):
@@ -67,12 +67,12 @@ def find_followers(clip: Clip, rig: Rig) -> tuple[Follower, ...]:
 
 
 def left_behind(clip: Clip, rig: Rig, followers: Sequence[Follower]) -> tuple[Note, ...]:
-    """Say which joints outside the legs are where a foot's joint is, but have no position channels to go along.
+    """Make a note on joints outside the legs that follow a foot but have no position channels to be moved by.
 
     Args:
         clip: F frames.
         rig: its legs.
-        followers: those that can; what hangs from them goes along, too.
+        followers: joints that can be moved; their children follow, too.
     """
     led = {each.joint for each in followers}
     fixed = [j for j in _outside(clip, rig, movable=False) if not led & set(clip.skeleton.ancestors(j))]
@@ -94,7 +94,7 @@ def left_behind(clip: Clip, rig: Rig, followers: Sequence[Follower]) -> tuple[No
 
 
 def _outside(clip: Clip, rig: Rig, *, movable: bool = True) -> list[int]:
-    """The joints that have a place of their own, or have none, and belong to no leg, nor to what the legs hang from."""
+    """List the joints, with or without position channels, that belong to no leg and are above none."""
     skeleton = clip.skeleton
     tops = {leg.hip for leg in rig.legs}
     bearing = {rig.root, rig.pelvis}
@@ -105,12 +105,12 @@ def _outside(clip: Clip, rig: Rig, *, movable: bool = True) -> list[int]:
 
 
 def _apart(pose: Pose, joint: int, foot: int) -> Floats:
-    """(F,) [m] between two joints."""
+    """Measure the distance (F,) [m] between two joints."""
     return np.asarray(np.linalg.norm(pose.position(joint) - pose.position(foot), axis=1))
 
 
 def _in_frame(pose: Pose, joint: int, frame: int) -> Floats:
-    """(F, 3) [m] the place of a joint in another's frame."""
+    """Compute the place (F, 3) [m] of a joint in another's frame."""
     turn = rotation.inverse(pose.rotation(frame))
     return rotation.rotate(turn, pose.position(joint) - pose.position(frame))
 

@@ -1,4 +1,4 @@
-"""Which chains of a skeleton are legs: pairs of alike chains, judged by shape and place, names as evidence."""
+"""Find legs in a skeleton: pairs of similar chains, judged by shape and place, with names as evidence."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import numpy as np
 from footfix.rig.names import read
 from footfix.rig.sample import Sample
 
-_SURE = 2.9  # what names are worth from which on a limb surely is a leg, however far its hip is from its pelvis:
+_SURE = 2.9  # score of names from which a limb is certainly a leg, however far its hip is from the pelvis:
 _HIP_BONE = 1.0  # animals are drawn with bones for hips and shoulders that are as long as a thigh
-_BEST_OF = 4  # candidates that each branch puts forward
+_BEST_OF = 4  # most candidates from each branch
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Limb:
         branch: the child of the pelvis that it hangs from.
         chain: every joint from hip to ankle.
         thigh, shin: lengths along the bones.
-        score: how much it looks like a leg, by itself.
+        score: how much it looks like a leg.
     """
 
     branch: int
@@ -72,7 +72,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
     skeleton = sample.skeleton
     figure = [joint for joint in range(len(skeleton)) if root in skeleton.ancestors(joint)]
     fork = _fork(sample, root)
-    size = float(sample.reach[fork])  # how far the body is from the joints that carry it, is none of its size
+    size = float(sample.reach[fork])  # the distance to the joints that carry the body is not part of its size
     if size <= 0.0:
         return []
     found = []
@@ -105,7 +105,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
 
 
 def _fork(sample: Sample, root: int) -> int:
-    """Find the joint at which a body begins: below reference and simulation bones, past what hangs beside it."""
+    """Find the joint at which a body begins, below reference and simulation bones."""
     while True:
         total = sum(sample.bones[list(sample.below(root)[1:])])
         for child in sample.skeleton.children[root]:
@@ -140,7 +140,7 @@ def _limbs(sample: Sample, branch: int, size: float) -> list[Limb]:
 
 
 def limb_of(sample: Sample, ankle: int, knee: int | None, hip: int | None) -> Limb | None:
-    """Find the chain above a given ankle; knee and hip where its shape says, or as given. None where it has none."""
+    """Find the chain above a given ankle, with knee and hip as given or by its shape; None where it has none."""
     path = sample.skeleton.ancestors(ankle)[::-1]
     way = tuple(np.cumsum([0.0, *(float(sample.bones[joint]) for joint in path[1:])]).tolist())
     found = []
@@ -199,7 +199,7 @@ def _slack(sample: Sample, path: tuple[int, ...], way: tuple[float, ...], a: int
     return max(0.0, 1.0 - sample.distance(path[a], path[b]) / (way[b] - way[a]))
 
 
-_WORTH = {  # what a part's name is worth at hip, knee and ankle
+_WORTH = {  # score of a part's name at hip, knee and ankle
     "thigh": (1.0, -0.5, -1.0),
     "knee": (-0.5, 1.0, -0.5),
     "leg": (0.4, 0.6, 0.0),

@@ -12,7 +12,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats, Ints, frozen
 from footfix.motion.kinematics import Pose
 
-_BLOCK = 2048  # frames that are worked on at once
+_BLOCK = 2048  # frames computed at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,12 +22,12 @@ class FootMesh:
     Args:
         leg: index into `Rig.legs`.
         joints: (V, k) the joints that move each vertex.
-        weights: (V, k) by how much; they add up to 1.
+        weights: (V, k) their skinning weights, which add up to 1.
         offsets: (V, k, 3) [m] where the vertex is in each of these joints' frames.
         sole: (V,) which vertices are of the sole.
         toe: (V,) which belong to the toe's sole point, the others to the heel's.
-        outlines: vertices in the order in which a line around them is drawn, of what moves with the ankle and of what
-            moves with the toe joint.
+        outlines: vertices along the outline of the part that moves with the ankle, and of the part that moves with the
+            toe joint.
     """
 
     leg: int
@@ -50,21 +50,21 @@ class FootMesh:
 
     @cached_property
     def carriers(self) -> tuple[int, ...]:
-        """The joints that move it."""
+        """List the joints that move it."""
         return tuple(np.unique(self.joints[self.weights > 0.0]).tolist())
 
     def tracks(self, pose: Pose, which: Ints) -> Floats:
-        """Work out (F, N, 3) [m] where some vertices (N,) are, by linear blend skinning."""
+        """Compute the tracks (F, N, 3) [m] of some vertices (N,) by linear blend skinning."""
         return self._skinned(pose, which, slice(None), slice(0, 3))
 
     def lowest(self, pose: Pose, which: Bools | None = None) -> Floats:
-        """Work out (F,) [m] the height of the lowest vertex, of all or of some (V,) of them."""
+        """Compute the height (F,) [m] of the lowest vertex, of all or of some (V,) of them."""
         some = np.arange(len(self)) if which is None else np.flatnonzero(which)
         found = [self._skinned(pose, some, block, slice(1, 2))[..., 0].min(axis=1) for block in _blocks(pose)]
         return np.concatenate(found) if found else np.zeros(0)
 
     def _skinned(self, pose: Pose, which: Ints, frames: slice, axes: slice) -> Floats:
-        """Some coordinates of some vertices in some frames (f, N, a)."""
+        """Compute some coordinates of some vertices in some frames (f, N, a)."""
         joints, weights, offsets = self.joints[which], self.weights[which], self.offsets[which]
         out: Floats | None = None
         for joint in np.unique(joints[weights > 0.0]).tolist():

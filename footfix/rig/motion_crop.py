@@ -1,4 +1,4 @@
-"""The motion range of a clip cut out to be worked on, and what was found in it put back among all frames."""
+"""Cut a clip to its motion range, and extend results from there to all frames."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_JUMP = 0.01  # leg lengths from frame to frame: legs that go no farther don't jump
+_JUMP = 0.01  # [leg lengths] a larger step of the legs from frame to frame is a jump
 
 
 @dataclass(frozen=True)
@@ -31,16 +31,16 @@ class Crop:
 
     @property
     def cut(self) -> tuple[bool, bool]:
-        """Whether there are frames before the motion, and after it."""
+        """Tell whether there are frames before the motion, and after it."""
         return self.start > 0, self.end < self.frames
 
     @property
     def within(self) -> slice:
-        """The motion as a slice of the clip."""
+        """Get the motion as a slice of the clip."""
         return slice(self.start, self.end)
 
     def clip(self, whole: Clip) -> Clip:
-        """Cut the motion out of a clip; the very clip where all of it is motion."""
+        """Cut the motion out of a clip; the same clip where all of it is motion."""
         return whole.frames(self.within) if any(self.cut) else whole
 
     def contacts(self, whole: Contacts) -> Contacts:
@@ -57,7 +57,7 @@ class Crop:
         return replace(whole, frames=self.end - self.start, effectors=tuple(effectors))
 
     def contacts_back(self, found: Contacts) -> Contacts:
-        """Put contacts of the motion, and their notes, back among all frames."""
+        """Renumber contacts of the motion, and their notes, for all frames."""
         effectors = []
         for effector in found.effectors:
             moved = (replace(c, start=c.start + self.start, end=c.end + self.start) for c in effector.contacts)
@@ -65,7 +65,7 @@ class Crop:
         return replace(found, frames=self.frames, effectors=tuple(effectors), notes=self.notes_back(found.notes))
 
     def notes_back(self, notes: Iterable[Note]) -> tuple[Note, ...]:
-        """Put the frames that notes are about back among all frames."""
+        """Renumber the frames of notes for all frames."""
         return tuple(
             each
             if each.start is None or each.end is None
@@ -74,7 +74,7 @@ class Crop:
         )
 
     def track_back(self, track: Floats) -> Floats:
-        """Put a track of the motion (n, ...) back among all frames (F, ...); it stays as it is before and after."""
+        """Extend a track of the motion (n, ...) to all frames (F, ...), constant before and after."""
         around = ((self.start, self.frames - self.end), *((0, 0),) * (track.ndim - 1))
         return np.pad(track, around, mode="edge") if any(self.cut) else track
 
@@ -82,8 +82,8 @@ class Crop:
 def crop(clip: Clip, rig: Rig, frame_range: slice | None = None) -> Crop:
     """Find the frames of a clip in which a figure's legs move.
 
-    These are the motion range, and frames beside it from which other joints jump to it and the legs don't: a first
-    frame in which only the arms are those of a T-pose.
+    These are the motion range, and frames beside it in which the legs are continuous though other joints jump, such as
+    a first frame in which only the arms are in T-pose.
 
     Args:
         clip: metres, y up.
@@ -100,7 +100,7 @@ def crop(clip: Clip, rig: Rig, frame_range: slice | None = None) -> Crop:
 
 
 def _legs_go_on(clip: Clip, rig: Rig, frame: int) -> bool:
-    """Tell whether no joint of the legs jumps from the frame before to this one."""
+    """Tell whether no leg joint jumps from the frame before to this one."""
     pose = rig.pose(clip.frames(slice(frame - 1, frame + 1)))
     places = np.stack([pose.position(joint) for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])  # [m]
     return float(np.linalg.norm(places[:, 1] - places[:, 0], axis=1).max()) <= _JUMP * rig.leg_length

@@ -1,4 +1,4 @@
-"""What a joint's name says about it: its side, and which part of a body it is."""
+"""Read a joint's side and part of the body from its name."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 
-# The parts that matter here. A joint is named after the bone below it, or after itself: LeftUpLeg and
-# LeftHip both stand at the top of the thigh.
+# The parts that are needed. A joint is named after the bone below it, or after itself: LeftUpLeg and
+# LeftHip are both at the top of the thigh.
 _PARTS = {
     "toe": r"toe|forefoot|ball|metatars|phalan|tsumasaki|つま先|足先|爪先|脚趾|脚尖",
     "heel": r"heel|calcane|かかと|踵",
@@ -43,13 +43,13 @@ _GLUED = re.compile(
 
 @dataclass(frozen=True)
 class Reading:
-    """What a name says.
+    """The meaning of a joint's name.
 
     Args:
         side: "left", "right" or "".
         part: one of thigh, knee, leg, ankle, toe, heel, arm, other, or "".
-        helper: it names no bone of a body but a tool: an IK target, a twist or roll bone, an end.
-        tip: it names the end of a chain, where others write an End Site.
+        helper: whether it names no bone of a body but a helper: an IK target, a twist or roll bone, an end.
+        tip: whether it names the end of a chain, where other files have an End Site.
     """
 
     side: str
@@ -65,7 +65,7 @@ def bare(name: str) -> str:
 
 @lru_cache(maxsize=4096)
 def read(name: str) -> Reading:
-    """Read what a joint's name says about it, in the naming schemes known."""
+    """Read a joint's name in the known naming schemes."""
     text = bare(name)
     vrm = re.match(r"^J_(?:Bip|Sec|Adj)_([CLR])_", text)
     side = {"L": "left", "R": "right"}.get(vrm.group(1), "") if vrm else ""

@@ -1,4 +1,4 @@
-"""What a user can say about a rig in place of letting it be found."""
+"""Parameters of a rig: what a user may set; the rest is found in the clip."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ class RigParams:
     as it is still the name of one joint only.
 
     Args:
-        unit_m: length of one unit of the file, found from the legs where it is not set [m].
+        unit_m: length of one unit of the file; found from the length of the legs where it is not set [m].
         up: the file's up axis, "y", "z", "x", "-y", "-z" or "-x"; found from the motion where it is not set.
         floor: height of the floor [m], with y up; "zero" takes the file's zero plane, wherever the feet are.
         root: the joint that carries the figure through the world; found where it is not set.
-        legs: leg name -> its joints. Given legs stand in place of the found ones; there may be any number.
+        legs: leg name -> its joints. Given legs replace the found ones; there may be any number.
         soles: sole point name (`left_heel`) -> its place; the others are found.
         skin: a glTF file of the character whose feet these are (its own, or one it will be shown with): the soles are
             taken from its mesh. A glTF clip that shows a mesh takes its own where none is named; "none" estimates.

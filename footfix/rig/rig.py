@@ -1,4 +1,4 @@
-"""Rig: what of a skeleton stands on the floor, and how large it is."""
+"""Rig: the legs and soles of a skeleton, its size and its floor."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class SolePoint:
 
 @dataclass(frozen=True)
 class Rig:
-    """What of a skeleton stands on the floor. One figure of a file; a file may hold several.
+    """The legs and soles of one figure, its size and its floor. A file may hold several figures.
 
     Args:
         root: the joint that carries the figure's travel through the world.
@@ -66,11 +66,11 @@ class Rig:
         soles: for each leg its heel, then its toe.
         leg_length: [m] from hip joint to ankle along the bones, mean of the legs.
         floor: [m] height of the floor: the file's zero plane, or the lowest level that the feet often rest on.
-        notes: how each of these was guessed, and what is doubtful.
+        notes: how each of these was estimated, and what is doubtful.
         origins: where each was found.
         meshes: of each leg the foot of a character's skin, where one was given.
-        watched: `soles` for the eyes of a detector: those of legs that stand on their toes are as without a skin. Empty
-            where there is none.
+        watched: `soles` as detectors use them: for legs that stand on their toes, estimated as without a skin. Empty
+            without a skin.
     """
 
     root: int
@@ -93,7 +93,7 @@ class Rig:
         return replace(self, legs=legs, soles=soles)
 
     def joints(self) -> tuple[int, ...]:
-        """List the joints that the stages look at: root, pelvis, leg chains, toes, and what carries soles."""
+        """List the joints that later steps need: root, pelvis, leg chains, toes, and joints that carry sole points."""
         wanted = {self.root, self.pelvis}
         for leg in self.legs:
             wanted.update(leg.chain)
@@ -116,7 +116,7 @@ class Rig:
         return next((mesh for mesh in self.meshes if mesh.leg == sole.leg), None)
 
     def lowest(self, pose: Pose) -> tuple[Floats, ...]:
-        """Work out for each sole point (F,) [m] the height of the lowest vertex of its part of the foot.
+        """Compute for each sole point the height (F,) [m] of the lowest vertex of its part of the foot.
 
         Without a mesh it is the height of the sole point itself.
         """

@@ -1,4 +1,4 @@
-"""Rounds of a cycle laid end to end, so that both ends of the clip have what stands beside them, and cut out again."""
+"""Rounds of a cycle end to end, so that frames before and after the clip are known; and the way back to the clip."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from footfix.notes import Note
 from footfix.rig.cycle import Cycle, find_cycle, may_be_cycle, said_to_be_one
 from footfix.rig.rig import Rig
 
-_BESIDE = 2.0  # [s] beyond the rounds before and after the clip: what a correction does at the ends has died out
-_FEWEST = 4  # frames, of which a round can be made where somebody says that a clip is one
+_BESIDE = 2.0  # [s] before and after the clip: long enough for effects of the ends on a correction to fade
+_FEWEST = 4  # least number of frames of a round where the user says that the clip is a cycle
 
 
 @dataclass(frozen=True, eq=False)
 class Rounds:
-    """A clip that is a cycle, with the rounds before and after it and some more, so that it has no ends.
+    """A clip that is a cycle, with further rounds before and after it.
 
-    Each round goes on where the one before it ended. Where the clip's last frame repeats its first, the last is taken
-    for the first of the next round: so the clip is found among the rounds to the digit.
+    Each round starts where the one before it ended. Where the clip's last frame repeats its first, it is used as the
+    first of the next round, so that the clip is contained in the rounds exactly.
 
     Args:
         whole: the clip, F frames.
@@ -42,30 +42,30 @@ class Rounds:
 
     @property
     def within(self) -> slice:
-        """The clip's frames among all of them."""
+        """Get the clip's frames among those of all rounds."""
         beside = self.cycle.frames + round(_BESIDE / self.whole.frame_time)
         return slice(beside, beside + len(self.whole))
 
     @cached_property
     def _at(self) -> Ints:
-        """(N,) the frames of the rounds, counted from the clip's first."""
+        """Number the frames of the rounds from the clip's first, (N,)."""
         beside = self.within.start
         return np.arange(-beside, len(self.whole) + beside)
 
     @cached_property
     def _turns(self) -> Ints:
-        """(N,) how many rounds on from its place in the clip each frame is."""
+        """Compute by how many rounds each frame is after its place in the clip, (N,)."""
         return np.asarray(self._at // self.cycle.frames - self._repeated)
 
     @property
     def _repeated(self) -> Ints:
-        """(N,) 1 for first frames of a round that are the last of the round before, else 0."""
+        """Mark with 1 (N,) first frames of a round that are the last of the round before."""
         closed = len(self.whole) > self.cycle.frames
         return np.asarray(((self._at % self.cycle.frames == 0) & (self._at > 0) & closed).astype(np.intp))
 
     @cached_property
     def clip(self) -> Clip:
-        """All rounds as a clip of N frames."""
+        """Make a clip of N frames of all rounds."""
         n = self.cycle.frames
         laid = self.whole.frames(self._at % n + n * self._repeated)
         top = self.root
@@ -80,7 +80,7 @@ class Rounds:
         return laid.with_joints({top: place}, {top: turn})
 
     def _lead(self, rounds: int) -> tuple[Floats, Floats]:
-        """Where some rounds lead on, or back: a turn (4,) about the vertical, then a shift (3,) [m] over the floor."""
+        """Compute the travel of some rounds: a turn (4,) about the vertical, then a horizontal shift (3,) [m]."""
         place, n = self.pose.position(self.root), self.cycle.frames
         turn = rotation.about_vertical(self.cycle.yaw)
         after = place[n] if len(place) > n else place[-1] + rotation.rotate(turn, place[1] - place[0])
@@ -91,7 +91,7 @@ class Rounds:
         return rotation.about_vertical(rounds * self.cycle.yaw), way
 
     def contacts(self, own: Contacts) -> Contacts:
-        """Lay the contacts of the clip over all rounds; a stand that the seam cuts is one there.
+        """Repeat the contacts of the clip in all rounds; a contact across the seam becomes one.
 
         Args:
             own: of the clip, F frames.
@@ -115,7 +115,7 @@ class Rounds:
         return replace(effector, contacts=tuple(c for c in inside if c.end > c.start))
 
     def _led(self, place: tuple[float, float, float] | None, rounds: int) -> tuple[float, float, float] | None:
-        """A place that is asked for, some rounds on."""
+        """Move a requested place on by some rounds."""
         if place is None or rounds == 0:
             return place
         turn, way = self._lead(rounds)
@@ -123,7 +123,7 @@ class Rounds:
         return x, y, z
 
     def contacts_back(self, found: Contacts) -> Contacts:
-        """Cut what was found in all rounds to the clip.
+        """Cut contacts of all rounds to the clip.
 
         Args:
             found: of all rounds, N frames.
@@ -139,7 +139,7 @@ class Rounds:
         return replace(found, frames=len(self.whole), effectors=tuple(effectors), notes=notes)
 
     def notes_back(self, notes: Iterable[Note]) -> tuple[Note, ...]:
-        """Keep the notes that are about no frames, or about some of the clip's."""
+        """Keep the notes without frames, and those on frames of the clip."""
         start, stop, kept = self.within.start, self.within.stop, []
         for each in notes:
             if each.start is None or each.end is None:
@@ -149,18 +149,18 @@ class Rounds:
         return tuple(kept)
 
     def track_back(self, track: Floats) -> Floats:
-        """Cut a track (N, ...) that is counted from the first frame to the clip (F, ...)."""
+        """Cut a track (N, ...) of all rounds to the clip (F, ...)."""
         own = track[self.within]
         return own - own[:1]
 
 
 def rounds_of(clip: Clip, rig: Rig, cycle: Literal["find", "likely", "yes", "no"]) -> Rounds | None:
-    """Lay the rounds of a clip that is a cycle end to end; None where it is none.
+    """Make the rounds of a clip that is a cycle; None where it is not.
 
     Args:
         clip: F frames, all of them motion.
         rig: its legs and root.
-        cycle: whether it is one, or is to be looked at.
+        cycle: whether it is one, or whether to find out.
     """
     if cycle == "no" or len(clip) < _FEWEST or (cycle in ("find", "likely") and not may_be_cycle(clip)):
         return None
@@ -176,7 +176,7 @@ def _may_join(before: Contact, after: Contact) -> bool:
 
 
 def _as_one(before: Contact, after: Contact) -> Contact:
-    """One contact of two that the seam parts."""
+    """Join two contacts that the seam separates."""
     long = [before.end - before.start, after.end - after.start]
     sure = (before.confidence * long[0] + after.confidence * long[1]) / sum(long)
     if before.confidence == after.confidence:

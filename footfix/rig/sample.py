@@ -1,4 +1,4 @@
-"""A sample of a clip's frames: enough to judge a skeleton by, however long the clip is."""
+"""A sample of a clip's frames, enough to find the rig, however long the clip is."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton
 from footfix.motion.kinematics import forward
 from footfix.motion.segments import distinct
 
-MOST_FRAMES = 240  # pairs of frames looked at; statistics of a rig change little with more
+MOST_FRAMES = 240  # pairs of frames sampled; statistics of a rig change little with more
 STEP = 1.0 / 30.0  # [s] between the two frames of a pair, long against the noise of one frame
 
 
@@ -64,12 +64,12 @@ class Sample:
 
     @cached_property
     def travel(self) -> Floats:
-        """(J,) how far each joint moves in its parent's frame, 0 for those that only turn."""
+        """Measure how far each joint moves in its parent's frame, (J,); 0 for joints that only turn."""
         return np.asarray(np.ptp(self.local, axis=0).max(axis=-1) * self.skeleton.translates)
 
     @cached_property
     def reach(self) -> Floats:
-        """(J,) the longest way along bones from each joint down to a tip."""
+        """Measure the longest distance along bones from each joint down to a tip, (J,)."""
         skeleton = self.skeleton
         reach = np.zeros(len(skeleton))
         if len(skeleton.end_parents):
@@ -88,7 +88,7 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
     frames = np.arange(len(clip))[within]
     step = max(1, round(STEP / clip.frame_time))
     first, second = _evenly(clip, frames, step)
-    if not len(first):  # hardly a frame is sound: look for those few
+    if not len(first):  # hardly any frame is valid: look for those few
         frames = frames[_sound(clip, frames)]
         first, second = _evenly(clip, frames, step)
     if not len(first):
@@ -116,7 +116,7 @@ def sample(clip: Clip, within: slice = slice(None)) -> Sample:
 
 
 def _evenly(clip: Clip, frames: Ints, step: int) -> tuple[Ints, Ints]:
-    """Choose up to `MOST_FRAMES` pairs of sound frames, `step` apart where the clip is long enough."""
+    """Choose up to `MOST_FRAMES` pairs of valid frames, `step` apart where the clip is long enough."""
     if not len(frames):
         return frames, frames
     count = max(1, len(frames) - step)
@@ -140,7 +140,7 @@ def _sound(clip: Clip, frames: Ints) -> Bools:
 
 
 def _drawn_out(clip: Clip, frame: int) -> Clip:
-    """Give bones their rest length where position channels near zero have drawn most of them to nothing."""
+    """Restore the rest length of bones where position channels near zero have shrunk most of them to nothing."""
     rest = np.abs(clip.skeleton.offsets).max(axis=1)
     bones = (clip.skeleton.parents >= 0) & (rest > 0.0)
     nothing = bones & (np.abs(clip.frames(slice(frame, frame + 1)).positions[0]).max(axis=1) < 1e-3 * rest)

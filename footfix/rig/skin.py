@@ -1,8 +1,8 @@
-"""A character's skin in the pose it was bound in, and the sole of each of its feet (L §3.1).
+"""A character's skin in its bind pose, and the sole of each of its feet (L §3.1).
 
-Lyard and Magnenat-Thalmann take from the skin the vertices that the feet move, and of these the ones whose normals
-point down. Which way is down the file need not say: a mesh may be modelled z up, in centimetres, and the pose its
-joints rest in may be one of mid-step. It is taken from the pose of binding, in which figures stand.
+Lyard and Magnenat-Thalmann take the vertices that the feet move, and of these the ones whose normals point down. The
+file does not say which way is down: a mesh may be modelled z up, in centimetres, and the rest pose of its joints may be
+in mid-step. So down is found from the bind pose, in which figures stand.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from footfix.rig.names import read
 from footfix.rig.params import RigParams
 from footfix.rig.sample import sample
 
-_MOVED = 0.5  # weight of a foot's joints from which on a vertex is the foot's
-_DOWN = 0.7  # cosine of a normal of the sole with down, at least
-_RIM = 0.3  # the same of the rim around it, whose normals are between those of the sole and of the sides
-_LAYER = 0.012  # [leg lengths] over the lowest vertex, up to which a sole reaches: 1 cm of a grown person
-_FEWEST = 3  # vertices that make a sole
-_PAW = 0.05  # share of the lowest vertices that a paw stands on at least
+_MOVED = 0.5  # least weight of a foot's joints on a vertex of the foot
+_DOWN = 0.7  # least cosine between a normal of the sole and down
+_RIM = 0.3  # the same for the rim of the sole, whose normals are between those of the sole and the sides
+_LAYER = 0.012  # [leg lengths] height of the sole's vertices over the lowest one: 1 cm for an adult
+_FEWEST = 3  # least number of vertices of a sole
+_PAW = 0.05  # a paw stands on at least this share of its vertices, the lowest ones
 _ON_TOES = 0.2  # [leg lengths] height of an ankle above which no foot lies flat
-_BAND = 0.02  # [leg lengths] around a place, in which vertices say how thick the sole is there
-_STILL = 4  # frames of a pose, in which an animal is seen to stand on four
-_UPRIGHT = float(np.cos(np.radians(35.0)))  # an axis of the mesh so near to the way from ankles to hips is up
+_BAND = 0.02  # [leg lengths] around a place, whose vertices give the thickness of the sole there
+_STILL = 4  # frames of the bind pose as a clip, enough to recognise an animal on four legs
+_UPRIGHT = float(np.cos(np.radians(35.0)))  # an axis of the mesh within 35 degrees of ankles to hips is up
 
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """All meshes of a character in the pose they were bound in, in one space.
+    """All meshes of a character in their bind pose, in one space.
 
     Args:
-        name: of its file, for people.
+        name: of its file, for messages.
         names, parents: (J,) its joints; a parent stands before its children, -1 above roots.
-        frames: (J, 4, 4) where each joint stands.
+        frames: (J, 4, 4) each joint's place and orientation.
         vertices, normals: (V, 3).
         joints: (V, k) which joints move each vertex.
         weights: (V, k) by how much; they add up to 1.
@@ -61,17 +61,17 @@ class Skin:
 
     @property
     def places(self) -> Floats:
-        """(J, 3) where the joints stand."""
+        """Get the joints' places (J, 3)."""
         return self.frames[:, :3, 3]
 
     @cached_property
     def turns(self) -> Floats:
-        """(J, 3, 3) the joints' axes, as columns; without their scale."""
+        """Get the joints' axes (J, 3, 3) as columns, without scale."""
         axes = self.frames[:, :3, :3]
         return np.asarray(axes / np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-12))
 
     def below(self, joint: int) -> Bools:
-        """Tell (J,) which joints are a joint or hang from it."""
+        """Mark a joint and all joints below it, (J,)."""
         found: Bools = np.asarray(np.arange(len(self.names)) == joint)
         for other in range(joint + 1, len(self.names)):
             found[other] |= self.parents[other] >= 0 and found[self.parents[other]]
@@ -127,7 +127,7 @@ class SkinFoot:
 
     @property
     def left(self) -> Floats:
-        """The unit vector across the foot."""
+        """Get the unit vector across the foot."""
         return np.cross(self.up, self.ahead)
 
     def thickness(self, place: Floats, joint: Floats) -> float:
@@ -148,7 +148,7 @@ def legs_of(skin: Skin) -> tuple[SkinLeg, ...]:
 
 
 def _as_clip(skin: Skin, turn: Floats) -> Clip:
-    """Make of the pose of binding, turned (3, 3), a clip that stands still."""
+    """Make a clip that stands still in the bind pose, turned by (3, 3)."""
     places = skin.places @ turn.T
     offsets = np.where((skin.parents < 0)[:, None], places, places - places[np.maximum(skin.parents, 0)])
     turns = np.zeros((_STILL, len(offsets), 4))
@@ -157,7 +157,7 @@ def _as_clip(skin: Skin, turn: Floats) -> Clip:
 
 
 def _legs(skin: Skin, figure: Figure, clip: Clip) -> tuple[SkinLeg, ...]:
-    """Name the legs of a figure; of a pair without names the one on the left of its toes and knees is left."""
+    """Name the legs of a figure; where joint names say nothing, sides follow from the direction of toes and knees."""
     found = []
     for k, (limb, toe, end) in enumerate(zip(figure.limbs, figure.toes, figure.names, strict=True)):
         side = figure.sides[k] or next((s for s in (read(skin.names[j]).side for j in limb.chain) if s), "")
@@ -180,10 +180,10 @@ def _side_of(figure: Figure, which: int, clip: Clip) -> str:
 
 
 def up_of(skin: Skin, legs: tuple[SkinLeg, ...]) -> Floats:
-    """Find (3,) the direction up in the pose of binding, in which the figure stands.
+    """Find the direction up (3,) in the bind pose, in which the figure stands.
 
-    Meshes are modelled along an axis of theirs: up is the one along which hips are above ankles. Where none is near,
-    the figure lies turned, and stands on the flat that its feet span below its hips.
+    Meshes are modelled along one of their axes: up is the axis along which hips are above ankles. Where no axis is near
+    that direction, the figure is turned, and up is the normal of the plane on which its feet stand.
     """
     hips = np.mean([skin.places[leg.hip] - skin.places[leg.ankle] for leg in legs], axis=0)
     hips = hips / max(float(np.linalg.norm(hips)), 1e-12)
@@ -195,7 +195,7 @@ def up_of(skin: Skin, legs: tuple[SkinLeg, ...]) -> Floats:
 
 
 def _standing(skin: Skin, legs: tuple[SkinLeg, ...], hips: Floats) -> Floats | None:
-    """Find (3,) up from the flat that the feet stand on: of their convex hull, the side below the hips."""
+    """Find up (3,) as the normal of the plane that the feet stand on: the side of their convex hull below the hips."""
     from scipy.spatial import ConvexHull, QhullError
 
     feet = np.any([skin.moved_by(skin.below(leg.ankle)) > _MOVED for leg in legs], axis=0)
@@ -211,7 +211,7 @@ def _standing(skin: Skin, legs: tuple[SkinLeg, ...], hips: Floats) -> Floats | N
     down = np.flatnonzero(facing > 0.5)
     if not len(down):
         return None
-    # The way from the hips straight down leaves the hull where the first of these sides is met.
+    # The line from the hips straight down leaves the hull at the first of these sides.
     way = -(hull.equations[down, :3] @ above + hull.equations[down, 3]) / facing[down]
     return -np.asarray(hull.equations[down[int(np.argmin(way))], :3])
 
@@ -275,14 +275,14 @@ def _foot(skin: Skin, leg: SkinLeg, up: Floats, length: float) -> SkinFoot:
         near = near if near.any() else rim & (np.abs(along - at) <= np.abs(along - at)[rim].min())
         across = float(side[near].min() + side[near].max()) / 2.0
         across = float((toe - ankle) @ left) if at == under and leg.toe is not None else across  # under its joint
-        # A heel is round, and stands on the floor ahead of its back.
+        # A heel is round, and touches the floor in front of its back.
         bears = near if stop is None else rim & (along <= max(stop, rear))
         places.append(ankle + (at * ahead + across * left) + (float(height[bears].min()) - float(ankle @ up)) * up)
     return SkinFoot(leg, length, up, ahead, level, vertices, np.clip(toes / moved[own], 0.0, 1.0), low, *places)
 
 
 def stands_on_toes(ankle: float, length: float) -> bool:
-    """Tell whether an ankle is so high over the ground, of a leg so long, that no foot lies flat below it."""
+    """Tell whether an ankle is too high over the ground, for the leg's length, for a flat foot."""
     return ankle > _ON_TOES * length
 
 

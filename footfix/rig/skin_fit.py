@@ -1,8 +1,8 @@
-"""A skin on the skeleton of a clip: which joints are which, how large it is, and where its soles are.
+"""Fit a skin to the skeleton of a clip: match joints, scale the skin, and place its soles.
 
 The skeleton may be the skin's own, or another figure's with other names, other bone frames and other bone lengths.
-What they share is where joints are: so a foot is laid from ankle to toe joint, its sole level where the foot of the
-clip stands flat, and scaled by the length of the legs.
+They have only places of joints in common: so a foot is placed from ankle to toe joint, with its sole level where the
+clip's foot stands flat, and scaled by the length of the legs.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ class Fitted:
     Args:
         meshes: of each leg.
         points: heel and toe of each leg.
-        on_toes: of each leg whether it stands on its toes, so that its heel bears nothing.
+        on_toes: of each leg whether it stands on its toes, so that its heel bears no weight.
         notes: what does not fit.
-        name: of the skin, for people.
-        how: by what the two skeletons were matched, for people.
+        name: of the skin, for messages.
+        how: how the two skeletons were matched, for messages.
     """
 
     meshes: tuple[FootMesh, ...]
@@ -93,12 +93,12 @@ def fit_skin(skin: Skin, seen: Sample, legs: Sequence[Leg], feet: Sequence[SoleE
 
 
 def _by_names(skin: Skin, names: Sequence[str], legs: Sequence[Leg]) -> tuple[SkinLeg, ...] | None:
-    """Match joints by their names, without namespace and case; None where some are not there, or there twice."""
+    """Match joints by name, ignoring namespace and case; None where some are missing or ambiguous."""
     folded = [bare(name).casefold() for name in skin.names]
 
     def find(joint: int) -> int | None:
         hits = [k for k, name in enumerate(folded) if name == bare(names[joint]).casefold()]
-        # What hangs below a joint of its name is the mesh that moves with it.
+        # Nodes below a joint of the same name are meshes that move with it.
         return hits[0] if hits and skin.below(hits[0])[hits].all() else None
 
     found = []

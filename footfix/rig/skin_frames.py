@@ -1,4 +1,4 @@
-"""Whether the joints of a skin and of a clip have the same frames, so that a foot moves as it is bound in the skin."""
+"""Find out whether a skin's and a clip's joints have the same frames, so that the skin's own binding can be used."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from footfix.rig.skin import Skin, SkinFoot, SkinLeg
 from footfix.rig.soles import SoleEstimate
 
 _SAME = float(np.cos(np.radians(4.0)))  # of bones in the same frames
-_SAME_SIZE = 0.01  # share by which bones differ that are the same but for the figure's size
-_SAME_UP = float(np.cos(np.radians(25.0)))  # of up in them; where they differ by more, they are other frames
+_SAME_SIZE = 0.01  # [share] greatest difference of bone lengths after scaling, for the same skeleton
+_SAME_UP = float(np.cos(np.radians(25.0)))  # of the up directions in the same frames
 
 
 def shared_frames(
@@ -23,8 +23,8 @@ def shared_frames(
 ) -> Floats | None:  # fmt: skip
     """Find the axes (J, 3, 3) of the skin's joints that the clip's frames are, if both have the same frames.
 
-    They do where the clip is the skin's own, or where it was exported with all frames as the world's in the pose of
-    binding. None where they differ: then only places of joints say anything.
+    They do where the clip is the skin's own, or where it was exported with all frames equal to the world's in the bind
+    pose. None where they differ: then only places of joints can be compared.
     """
     local = np.median(seen.local, axis=0)  # (J, 3)
     bones = [bone for leg, it in zip(legs, own, strict=True) for bone in _bones(skin, seen, leg, it)]
@@ -62,7 +62,7 @@ def _bones(skin: Skin, seen: Sample, leg: Leg, own: SkinLeg) -> list[tuple[int, 
 
 
 def _common_turn(skin: Skin, seen: Sample, legs: Sequence[Leg], own: Sequence[SkinLeg]) -> Floats | None:
-    """Find the rotation (3, 3) from the skin's space to the clip's zero pose, in which all frames are the world's."""
+    """Find the rotation (3, 3) from the skin's space to the clip's zero pose, in which all frames equal the world's."""
     skeleton = seen.skeleton
     at = np.array(skeleton.offsets)
     for joint, parent in enumerate(skeleton.parents.tolist()):

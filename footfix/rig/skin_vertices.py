@@ -1,4 +1,4 @@
-"""Which vertices of a foot are kept: all that can be its lowest, some of its sole, and lines around it."""
+"""Choose the vertices of a foot to keep: all that can be its lowest, some of its sole, and its outlines."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ import numpy as np
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.rig.skin import SkinFoot
 
-LOW = 0.03  # [leg lengths] up to this height over the sole a foot's outline is looked at
-_MOST_SOLE = 64  # vertices of a sole that are looked at one by one
-_ALL = 160  # vertices of a foot up to which all are kept
+LOW = 0.03  # [leg lengths] height over the sole up to which vertices belong to a foot's outline
+_MOST_SOLE = 64  # most vertices kept of a sole
+_ALL = 160  # all vertices of a foot are kept if there are no more than this
 
 
 def toes(sole: SkinFoot) -> Bools:
-    """Tell (V,) which vertices belong to the toe's sole point: those nearer to the ball than to the heel, ahead."""
+    """Mark the vertices (V,) of the toe's sole point: nearer to the ball than to the heel, along the foot."""
     along = sole.vertices @ sole.ahead
     heel, ball = float(sole.heel @ sole.ahead), float(sole.ball @ sole.ahead)
     return np.asarray(along > 0.5 * (heel + ball))
 
 
 def kept(sole: SkinFoot, part: Bools) -> Ints:
-    """Choose the vertices that are kept: all of a few; of many those of the sole, and of the convex hull of each part.
+    """Choose the vertices to keep: all if they are few, else those of the sole and of the convex hull of each part.
 
-    Of vertices that move with one joint the lowest is always one of their hull.
+    The lowest of vertices that move with one joint is always on their convex hull.
     """
     count = len(sole.vertices)
     if count <= _ALL:
@@ -50,7 +50,7 @@ def _hull(points: Floats, which: Ints) -> Ints:
 
 
 def outline(sole: SkinFoot, which: Ints) -> list[int]:
-    """List the vertices around some of them, seen from below."""
+    """List the vertices of the outline of some of them, seen from below."""
     from scipy.spatial import ConvexHull, QhullError
 
     if len(which) < 3:

@@ -1,9 +1,8 @@
-"""Where the sole is: heel and ball of each foot, from the pose in which the foot lies flat; and the floor.
+"""Estimate the soles, heel and ball of each foot, from the pose in which the foot lies flat; and the floor.
 
-A skeleton's ankle is a hand's breadth above the floor, and no joint marks the heel. What is common to feet is
-measured: of 130 feet with markers, the ankle stands 0.075 to 0.11 leg lengths above the floor, the MTP joint
-(the ball) 0.04 to 0.065, the back of the heel 0.07 behind the ankle. The heel touches the floor a little in
-front of its back.
+A skeleton's ankle is about 8 cm above the floor, and no joint marks the heel. So typical proportions are used, measured
+on 130 feet with markers: the ankle is 0.075 to 0.11 leg lengths above the floor, the MTP joint (the ball) 0.04 to
+0.065, and the back of the heel 0.07 behind the ankle. The heel touches the floor a little in front of its back.
 """
 
 from __future__ import annotations
@@ -16,17 +15,17 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.rig.sample import Sample
 
-# In leg lengths, but for shares.
+# In leg lengths, except shares.
 _ANKLE_HEIGHT, _ANKLE_HEIGHTS = 0.095, (0.06, 0.14, 0.115)  # the usual one, least, most, most of a guess
 _BALL_HEIGHT, _BALL_HEIGHTS = 0.045, (0.025, 0.06)
 _TIP_HEIGHT = 0.012  # of the tip of the toes
 _HEEL_BEHIND = 0.07
 _BALL_AHEAD = 0.16
-_DEEPEST = 0.13  # a toe joint farther below its ankle is no flat foot's
-_PAW = 0.1  # length of what a paw stands on
-_ON_TOES = 0.2  # a foot that reaches so far below its ankle stands on its toes
-_BALL_OF_TIP = 0.72  # the ball's way ahead of the ankle, as a share of the tip's
-_HEEL_OF_BALL = 0.45  # the heel's way behind the ankle, as a share of the ball's way ahead
+_DEEPEST = 0.13  # if the toe joint is farther below its ankle, the foot is not flat
+_PAW = 0.1  # length of the sole of a paw
+_ON_TOES = 0.2  # a foot that reaches this far below its ankle stands on its toes
+_BALL_OF_TIP = 0.72  # distance of the ball ahead of the ankle, as a share of the tip's
+_HEEL_OF_BALL = 0.45  # distance of the heel behind the ankle, as a share of the ball's distance ahead
 _STILL = 0.25  # [leg lengths / s] a foot that moves less may be standing
 _LEVEL = 0.12  # [leg lengths / s] a foot that rises and falls less may be standing on something that moves
 OVER_LOW = 0.01  # of a sole point
@@ -46,8 +45,8 @@ class SoleEstimate:
         reach: how far the ball is ahead of the ankle.
         drop: how far the toe joint lies below the ankle; the lowest tip on a foot without one.
         usual: how high that joint or tip usually is over a floor.
-        guessed: what the clip could not tell.
-        measured: whether its heights are over the file's zero plane, not those of usual feet.
+        guessed: what had to be assumed, since the clip does not show it.
+        measured: whether its heights are measured over the file's zero plane, not assumed.
         ball: (3,) the toe joint in the ankle's frame; None without one.
         toe_turn: (4,) the toe joint's frame in the ankle's; None without one.
     """
@@ -68,7 +67,7 @@ class SoleEstimate:
 
     @property
     def origin(self) -> str:
-        """How it was found, for people."""
+        """Describe how it was found."""
         how = "a usual foot on this leg" if self.guessed else "the pose in which the foot lies flat"
         return f"{how}, its height over the file's zero plane" if self.measured else how
 
@@ -144,7 +143,7 @@ def paw(sample: Sample, ankle: int, leg: float) -> SoleEstimate:
     """
     below = sample.below(ankle)
     ends = [e for e, parent in enumerate(sample.skeleton.end_parents.tolist()) if parent in below]
-    below = below[1:] if len(below) + len(ends) > 1 else below  # the hock itself is down when the animal sits
+    below = below[1:] if len(below) + len(ends) > 1 else below  # the hock itself is on the ground when the animal sits
     places = np.concatenate([sample.places[:, below], sample.ends[:, ends]], axis=1)
     velocities = np.concatenate([sample.velocities[:, below], sample.end_velocities[:, ends]], axis=1)
     deepest = int(np.argmin(np.quantile(places[..., 1], 0.2, axis=0)))
@@ -228,8 +227,8 @@ def _seen_from(sample: Sample, joint: int, tracks: list[Floats], frames: Ints) -
 def alike(feet: list[SoleEstimate], ends: list[str]) -> list[SoleEstimate]:
     """Give left and right foot of one end of the body the mean of their measures.
 
-    Nobody stands on one thick sole and one thin one: where a clip seems to tell so, one of its feet seldom lay flat.
-    What only one of them could tell is the other's, too.
+    Both feet have equally thick soles: where they seem to differ, one foot was seldom flat. What only one foot shows is
+    used for both.
     """
     out = list(feet)
     for end in set(ends):
@@ -254,8 +253,8 @@ def floor(
 ) -> tuple[float, tuple[float, ...]]:  # fmt: skip
     """Find the lowest height at which soles rest often, and the others at which they do.
 
-    Somebody who jumps off a box or walks up stairs rests on several levels; the floor is the lowest of those
-    that at least `_OFTEN` as many rest on as on the most used one.
+    A figure that jumps off a box or walks up stairs rests on several levels; the floor is the lowest level that is used
+    at least `_OFTEN` times as often as the most used one.
 
     Args:
         heights: (S, P) [m] of the sole points.
@@ -277,16 +276,16 @@ def floor(
 
 
 def resting(heights: Floats, velocities: Floats, leg: float, over: float = OVER_LOW) -> Bools:
-    """Tell (S, P) which points may be resting: those that are still, or level and low where none is still for long.
+    """Mark the points (S, P) that may be resting: still ones, or level and low ones if none is still for long.
 
-    On a treadmill, or in a clip whose root is held in place, planted feet travel; but not up or down.
+    On a treadmill, or in a clip with a fixed root, planted feet move horizontally, but not up or down.
 
     Args:
         heights: (S, P) [m].
         velocities: (S, P, 3) [m/s].
         leg: leg length [m].
-        over: [leg lengths] how much higher than the lowest a point that rests may be; a toe that is driven into the
-            floor at every step is lower than where the foot stands.
+        over: [leg lengths] greatest height of a resting point over the lowest; a toe that sinks into the floor at each
+            step is lower than where the foot stands.
     """
     still = np.linalg.norm(velocities, axis=-1) <= _STILL * leg
     if still.mean() >= 0.25:

@@ -1,4 +1,4 @@
-"""Which joint of a foot is the ball: the one that the heel comes up over."""
+"""Find the ball joint of a foot, over which the heel rises."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from footfix.rig.sample import Sample
 _BALL = 0.7  # share of the way from ankle to tip of toes at which the ball is
 _NEAREST = 0.3  # share below which a joint is still the ankle
 _LEAST = 0.04  # [leg lengths] from the ankle, likewise
-_ABREAST = 0.5  # share of its way that may go sideways
+_ABREAST = 0.5  # greatest sideways share of the vector from the ankle
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def balls(sample: Sample, limbs: tuple[Limb, Limb]) -> tuple[int | None, int | N
     }
     best = max(worth, key=lambda two: worth[two])
     level = {a.joint: a.depth for a in (*one, *other)}
-    # Where each toe has a joint, the big toes, which are nearest to each other, stand for the balls.
+    # Where each toe has a joint, the balls are those of the big toes, which are nearest to each other.
     apart = {
         two: sample.distance(*two)
         for two in worth
@@ -75,7 +75,7 @@ def _candidates(sample: Sample, limb: Limb, across: Floats) -> list[_Candidate]:
             continue
         named = reading.part in ("toe", "ankle")  # some call the ball the foot
         if not named and far < 3.0 * _LEAST * limb.length and _along(span, shin) > 0.9 * far:
-            continue  # straight below the ankle
+            continue  # it is straight below the ankle
         sideways = float(np.abs(np.einsum("fi,fi->f", span, across)).mean()) / far
         depth = len(skeleton.ancestors(joint)) - len(skeleton.ancestors(limb.ankle))
         score = -abs(far / farthest - _BALL) - 3.0 * max(0.0, sideways - _ABREAST) - 0.1 * depth

@@ -1,4 +1,4 @@
-"""How large a clip's figure is, and which way is up: the two things a BVH file does not say."""
+"""Find the unit and the up axis of a clip, which a BVH file does not give."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _UNITS = (
 )
 _MISTAKEN = (0.0254, 0.01, 0.001)  # units in which files that ought to be in metres are written
 _TYPICAL_LEG = 0.9  # [m]
-_GROWN_UP = (0.7, 1.05)  # [m] length of most grown-ups' legs
-_CLEAR = 0.25  # evidence by which one up axis must lead
+_GROWN_UP = (0.7, 1.05)  # [m] length of most adults' legs
+_CLEAR = 0.25  # least lead in evidence of the chosen up axis
 
 
 @dataclass(frozen=True)
 class FileUnits:
-    """What a clip in file units and axes says about its scale and its up axis.
+    """The unit and the up axis found for a clip.
 
     Args:
         unit_m: metres per unit of the file.
@@ -59,11 +59,11 @@ def infer_units(
         clip: in the units and axes of its file.
         params: what is known beforehand.
         frame_range: the frames that are motion; found where they are not given.
-        metric: whether the file's format says metres, y up. Then only a figure as large as those in centimetres,
-            millimetres or inches are is taken for one of these.
+        metric: whether the file's format requires metres, y up. Then another unit is chosen only where the figure is
+            as large as it would be in centimetres, millimetres or inches.
 
     Raises:
-        NoLegsError: without legs there is nothing to measure by, and nothing to clean.
+        NoLegsError: the clip has no legs to measure by.
     """
     params = params or RigParams()
     if params.up is not None and params.up not in AXES:
@@ -96,7 +96,7 @@ def _unit(leg: float) -> tuple[float, tuple[Note, ...], str]:
 
 
 def _other_units(leg: float, chosen: str) -> tuple[Note, ...]:
-    """Note a unit that was not chosen and would make the figure a usual grown-up, where the chosen one does not."""
+    """Make a note on another unit that would give the figure the size of an adult, where the chosen one does not."""
     sizes = {name: leg * unit for name, unit, _, _ in _UNITS}
     usual = [name for name, size in sizes.items() if _GROWN_UP[0] <= size <= _GROWN_UP[1]]
     if not usual or chosen in usual:
@@ -116,11 +116,11 @@ def _up(seen: Sample, figure: Figure) -> tuple[str, tuple[Note, ...]]:
 
 
 def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
-    """Weigh what speaks for each axis being up: axis -> kind of evidence -> its weight.
+    """Score the evidence for each axis being up: axis -> kind of evidence -> score.
 
-    Somebody upright leans 1.5 towards one axis and next to nothing towards the others, which settles it. For those
-    who lie, crawl or turn cartwheels the rest has to outweigh a lean the wrong way: the lowest joint keeps to one
-    height, that height is the zero of the file, much of the body is down there, and nobody travels upwards far.
+    An upright trunk scores 1.5 for one axis and almost nothing for the others, which decides. Where the figure lies,
+    crawls or turns cartwheels, other evidence must outweigh a trunk along the wrong axis: the lowest joint keeps one
+    height, that height is zero, much of the body is near it, and the figure does not travel far upwards.
     """
     ankles = np.mean([seen.places[:, limb.ankle] for limb in figure.limbs], axis=0)
     hips = np.mean([seen.places[:, limb.hip] for limb in figure.limbs], axis=0)
@@ -147,14 +147,14 @@ def scores(seen: Sample, figure: Figure) -> dict[str, dict[str, float]]:
 
 
 def _trunk(seen: Sample, figure: Figure) -> Floats:
-    """Compute (S, 3) the middle of what is not legs."""
+    """Compute the middle of all joints except the legs, (S, 3)."""
     legs = {joint for limb in figure.limbs for joint in seen.below(limb.branch)}
     others = [joint for joint in range(len(seen.skeleton)) if joint not in legs]
     return np.asarray(seen.places[:, others].mean(axis=1))
 
 
 def _at_rest(seen: Sample, figure: Figure) -> Floats:
-    """Compute (3,) where the hips are from the ankles in the rest pose, in leg lengths; joints bear no turns there."""
+    """Compute the vector (3,) from ankles to hips in the rest pose, in leg lengths."""
     bones = seen.skeleton.offsets
     spans = [-np.sum([bones[joint] for joint in limb.chain[1:]], axis=0) for limb in figure.limbs]
     return np.asarray(np.nan_to_num(np.mean(spans, axis=0)) / figure.length)

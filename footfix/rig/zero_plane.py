@@ -1,8 +1,8 @@
-"""Whether the feet rest on the file's own zero plane, and how high heel and ball are over it.
+"""The file's zero plane: whether the feet rest on it, and the heights of heel and ball over it.
 
 Most clips come with their floor at height zero: capture volumes are calibrated to it, and tools draw their grid
 there. Where the resting toe joints lie a foot's thickness over that plane, it is the floor, and the thickness
-of the sole is measured. Elsewhere (hips kept at the origin, a drifting video lift) zero is nobody's floor.
+of the sole is measured. In other clips (hips at the origin, drifting poses from video) height zero is not the floor.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from footfix.rig.soles import MESH_OVER_LOW, SoleEstimate, floor, resting
 _LEAST = -0.005  # resting height of a ball on the plane, at least: toe joints of some skeletons lie on the ground
 _OVER_USUAL = 0.025  # above the usual height of a ball (0.045) or a tip (0.012), at most: 0.07, or 0.037
 _ONE_LEVEL = 0.06  # heights nearer to each other are of one level; stairs and boxes are farther apart
-_UNEVEN = 0.05  # of feet that rest farther apart in height, one stands on something
-_MOST_ANKLE = 0.16  # height of an ankle over its sole, as on shoes with heels; what seems higher never stood flat
-_LEAST_DROP = 0.02  # a tip that is hardly below its ankle is no sign of where the sole is
-_SKIN = 0.035  # from the plane, up to which soles of a skin that rest are meant to rest on it
-_ON_PLANE = 0.02  # the same where others are in the ground
-_SUNK = 0.15  # below the plane, up to which the mesh of a foot is in the floor; stairs are farther down
-_WHILE = 0.8  # of the frames with a foot at rest, in which another one rests on the plane
+_UNEVEN = 0.05  # if two feet rest farther apart in height, one stands on something
+_MOST_ANKLE = 0.16  # greatest height of an ankle over its sole (shoes with heels); a higher one never stood flat
+_LEAST_DROP = 0.02  # a tip less than this below its ankle does not show where the sole is
+_SKIN = 0.035  # resting soles of a skin within this distance of the plane are meant to rest on it
+_ON_PLANE = 0.02  # the same where other soles are below the ground
+_SUNK = 0.15  # a mesh up to this far below the plane is sunk into the floor; stairs are farther down
+_WHILE = 0.8  # share of the frames with a foot at rest in which another one must rest on the plane
 
 
 def on_zero_plane(
@@ -44,7 +44,7 @@ def on_zero_plane(
         The same feet, their heights measured; None where the toes rest elsewhere.
     """
     if len({toe is None for _, toe in joints}) != 1:
-        return None  # one foot's toe joint and the other's tip are not to be compared
+        return None  # one foot's toe joint can't be compared with the other's tip
     if any(toe is None and foot.drop <= _LEAST_DROP * leg for foot, (_, toe) in zip(feet, joints, strict=True)):
         return None
     heights = [_rest_height(sample, ankle, toe, leg) for ankle, toe in joints]
@@ -76,7 +76,7 @@ def skin_on_zero_plane(heights: Floats, velocities: Floats, level: float, leg: f
 
 
 def _measured(foot: SoleEstimate, rest: float, leg: float) -> SoleEstimate:
-    """Give the foot a ball so high, and an ankle as much higher as it is in the pose in which the foot lies flat.
+    """Set the height of the ball, and that of the ankle above it as in the pose in which the foot lies flat.
 
     A joint that rests a little below the plane is a sole point itself: none lies above its joint.
     """
