@@ -1,1 +1,1 @@
-"""A live clip: rows in, rows out after a fixed look-ahead, with its feet held where they are planted."""
+"""Live cleaning: rows in, rows out after a fixed delay, with planted feet held in place."""

@@ -1,4 +1,4 @@
-"""Arithmetic of a few frames in few operations: the same numbers as `enforce.leg_state` and numpy say of whole clips.
+"""Rotation and vector arithmetic for a few frames in few operations; results as of the functions for clips.
 
 Vectors and matrices have their components first, quaternions last.
 """
@@ -14,7 +14,7 @@ _LEAST = 1e-9  # [rad] below which sin(x) / x is 1 to the digit
 _NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 _ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix, laid out as a row, and their mirrors
 
-# A product of quaternions a b is the sum of w, x, y, z of a, each times components of b in this order and of this sign.
+# A quaternion product a b is the sum of w, x, y, z of a, each times the components of b in this order with this sign.
 _OWN = np.array([3, 0, 1, 2])
 _OTHER = np.array([[0, 1, 2, 3], [3, 2, 1, 0], [2, 3, 0, 1], [1, 0, 3, 2]])
 _SIGN = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [-1.0, 1.0, 1.0, -1.0]])

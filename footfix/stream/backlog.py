@@ -1,4 +1,4 @@
-"""Queues that never grow without bound, between what comes, what works, and what goes."""
+"""Bounded queues between the reader, the worker and the writer of a stream."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-WAITING = 512  # items that wait at most
+WAITING = 512  # most items that wait
 
 
 class Backlog:
@@ -17,7 +17,7 @@ class Backlog:
         """Begin empty.
 
         Args:
-            drops: whether the oldest item is dropped, and counted, where too many wait; else who puts one waits.
+            drops: whether the oldest item is dropped, and counted, where too many wait; otherwise `put` blocks.
             droppable: tells which items may be dropped.
         """
         self._items: deque[Any] = deque()
@@ -27,7 +27,7 @@ class Backlog:
         self.dropped = 0
 
     def put(self, item: Any) -> bool:
-        """Add an item; False where nobody takes any more."""
+        """Add an item; return False where the queue is closed."""
         with self._changed:
             while len(self._items) >= WAITING and not self._closed:
                 if not self._drops:
@@ -71,7 +71,7 @@ class Backlog:
 
 
 class Outlet:
-    """Bytes on their way to a reader that may be slow: where it is, the oldest frames are dropped and counted."""
+    """Bytes for a reader that may be slow: the oldest frames are then dropped and counted."""
 
     def __init__(self, write: Callable[[bytes], None]) -> None:
         """Begin.

@@ -1,7 +1,7 @@
-"""Treadmills: whether the ground under planted feet moves, learnt as the stream goes on.
+"""Treadmills in a stream: whether the ground under planted feet moves, found as frames come in.
 
-A figure may get on a belt long after its first seconds, and off again. The plants that were there lately say whether
-it is on one, as `enforce.ground` says of a whole clip; their belt is that of the plants to come.
+A figure may step on a belt long after its first seconds, and off again. Its latest plants show whether it is on one, by
+the rules of `enforce.ground` for a whole clip; the belt's velocity is then used for coming plants.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import numpy as np
 from footfix.enforce.ground import OUTLIERS, Drift, GroundParams, go_along, usual_step
 from footfix.motion.clip import Bools, Floats
 
-_LONGEST = 1.0  # [s] of a plant that is looked at; who stands is on no belt
+_LONGEST = 1.0  # [s] of a plant that are examined; a longer plant means that the figure stands on the floor
 
 
 @dataclass
 class _Plant:
-    """A sole point that is planted now: where it was from its first frame on, and where the hips were there."""
+    """A sole point that is planted now: its places since the plant began, and those of the hips."""
 
     start: int
     hips: Floats
@@ -30,7 +30,7 @@ class Belt:
     """The ground of one figure in a stream."""
 
     def __init__(self, velocity: Floats, frame_time: float, leg_length: float, params: GroundParams) -> None:
-        """Begin.
+        """Start with a known velocity.
 
         Args:
             velocity: (3,) [m/s] that is known beforehand.
@@ -45,7 +45,7 @@ class Belt:
         self._lately: deque[tuple[Drift, Floats, Floats]] = deque(maxlen=params.belt_plants)
 
     def follow(self, soles: Floats, hips: Floats, down: Bools, first: int) -> None:
-        """Look at the next frames.
+        """Update the belt by the next frames.
 
         Args:
             soles: (3, 2, L, n) [m] heels and toes as captured.
@@ -68,17 +68,17 @@ class Belt:
                     self._ended(plant, column // 2, hips[:, t])
 
     def _stays(self, plant: _Plant, leg: int) -> None:
-        """Forget the belt where a foot stands long and does not go along."""
+        """Drop the belt where a foot stands for long without moving with it."""
         if self._rests(Drift.of(leg, plant.start, np.stack(plant.track), self._frame_time)):
             self.velocity = np.zeros(3)
             self._lately.clear()
 
     def _rests(self, drift: Drift) -> bool:
-        """Whether a plant goes along with the floor rather than with the belt."""
+        """Tell whether a plant rests on the floor rather than on the belt."""
         return bool(2.0 * drift.velocity @ self.velocity < self.velocity @ self.velocity)
 
     def _ended(self, plant: _Plant, leg: int, hips: Floats) -> None:
-        """Judge anew with one plant more."""
+        """Update the belt by a plant that has ended."""
         if len(plant.track) < 3:
             return
         drift = Drift.of(leg, plant.start, np.stack(plant.track), self._frame_time)
@@ -93,7 +93,7 @@ class Belt:
                 self.velocity = np.zeros(3)
 
     def _along(self, drifts: list[Drift]) -> Bools | None:
-        """Which of the plants go along with a belt; None where there is none."""
+        """Mark the plants that move with a belt; None where there is none."""
         if len(drifts) < self._params.belt_plants or len({drift.leg for drift in drifts}) < 2:
             return None
         first = min(range(len(drifts)), key=lambda k: drifts[k].start)

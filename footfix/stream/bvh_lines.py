@@ -1,4 +1,4 @@
-"""Bytes of a live BVH as they come in: a header, then rows; what is broken is left out and said."""
+"""Parse a live BVH byte by byte: a header, then rows; broken lines are skipped and reported."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _FRAMES = re.compile(rb"(frames?[ \t]*:?[ \t]*)(\d+)([ \t]*)", re.IGNORECASE)
 _MOTION = re.compile(rb"^[ \t]*motion\b", re.IGNORECASE | re.MULTILINE)
 _WORD = re.compile(rb"\S+")
 _END = re.compile(rb"\|\||\r?\n")
-_LONGEST_ROW = 1 << 20  # [bytes] a row without an end that is longer is garbage
+_LONGEST_ROW = 1 << 20  # [bytes] a longer row is garbage
 _LONGEST_HEADER = 8 << 20  # [bytes]
-_BEFORE_HEADER = 1 << 16  # [bytes] of something else before a header
+_BEFORE_HEADER = 1 << 16  # [bytes] longest other content before a header
 LEAST_DECIMALS = 6
 
 
@@ -33,9 +33,9 @@ class Row:
 
     Args:
         text: the row, with what stands before its numbers.
-        values: (C,) the numbers; in place of one that is none stands the last one that was.
-        end: what ends it.
-        broken: whether a number was none.
+        values: (C,) the numbers; an invalid one is replaced by the last valid one of its column.
+        end: its line ending.
+        broken: whether a number was invalid.
     """
 
     text: bytes
@@ -44,7 +44,7 @@ class Row:
     broken: bool = False
 
     def written(self, values: Floats, *, bare: bool = True) -> bytes:
-        """The row with other numbers where they differ, in the decimals it has and at least 6.
+        """Write the row with new numbers where they differ, with its own number of decimals, at least 6.
 
         Args:
             values: (C,) the new ones.
@@ -68,7 +68,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Header:
-    """A header as it came in: its text, up to the first row, and what it says."""
+    """A header as it came in: its text, up to the first row, and the parsed document."""
 
     text: bytes
     document: Document
@@ -76,7 +76,7 @@ class Header:
 
 @dataclass(frozen=True)
 class Said:
-    """Something that is wrong with the input, for a person; `kind` tells what is alike."""
+    """A fault of the input, in words; `kind` groups similar faults."""
 
     kind: str
     text: str
@@ -86,7 +86,7 @@ Item = Row | Header | Said
 
 
 class Lines:
-    """Takes the input apart, whatever pieces it comes in."""
+    """Splits the input into lines, whatever pieces it comes in."""
 
     def __init__(self, document: Document | None = None, name: str = "") -> None:
         """Begin.
@@ -102,7 +102,7 @@ class Lines:
         self.rows = 0  # that came in, broken ones among them
 
     def feed(self, data: bytes) -> Iterator[Item]:
-        """Take what came in; tell what is whole of it.
+        """Take bytes; return the complete items in them.
 
         Raises:
             InputError: what came is no BVH, or has turned into another figure's.
@@ -112,7 +112,7 @@ class Lines:
             yield from items
 
     def finish(self) -> list[Item]:
-        """Tell what is left when the input has ended, or its peer is gone; then go on as from the start of a row."""
+        """Return the last items when the input has ended or its peer is gone; then expect the start of a row."""
         rest, self._rest = self._rest, b""
         if self._in_header:
             self._in_header = False
@@ -129,7 +129,7 @@ class Lines:
         return [Said("cut", f"the input ended in the middle of row {self.rows}, which is left out")]
 
     def forget(self) -> None:
-        """Begin with another peer: what the last one left unfinished is nothing any more."""
+        """Start with another peer: drop the unfinished line of the last one."""
         self._rest, self._in_header = b"", False
 
     def _begins_header(self) -> bool:
@@ -187,7 +187,7 @@ class Lines:
         return [self._row(line, end[0])]
 
     def _row(self, line: bytes, end: bytes) -> Item:
-        """What a line says."""
+        """Parse a line."""
         assert self._document is not None
         columns = len(self._document.channels)
         if line.lstrip()[:6].lower() in (b"motion", b"frames", b"frame:"):
@@ -213,13 +213,13 @@ class Lines:
 
 
 def _motion_at(header: bytes) -> int:
-    """Where the MOTION part begins."""
+    """Find where the MOTION part begins."""
     found = list(_MOTION.finditer(header))
     return found[-1].start() if found else 0
 
 
 def header_of(document: Document) -> bytes:
-    """The header of a file, for a stream whose frames nobody has counted."""
+    """Make the header of a file for a stream whose number of frames is not known."""
     end = _HEADING.search(document.text, document.motion_at)
     text = document.text[: end.end()] if end else document.text
     return text[: document.motion_at] + _FRAMES.sub(rb"\g<1>0", text[document.motion_at :], count=1)

@@ -1,4 +1,4 @@
-"""What a stream knows beforehand of its figure: measured on its first seconds, or on a clip of the same figure."""
+"""Calibration of a stream's figure, on its first seconds or on another clip of the same figure."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from footfix.rig.motion_crop import crop
 from footfix.rig.rig import Rig
 from footfix.settings import Settings
 
-LEAST = 0.3  # [s] of motion that tell anything of a figure
+LEAST = 0.3  # [s] least duration of motion to calibrate on
 _USUAL_FAULT = 80  # [percentile] of the faults of a clip's plants
 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """A figure, and how it is captured.
+    """A figure, and properties of its capture.
 
     Args:
         rig: its legs, soles and floor.
         mates: for each foot the other one of its pair.
         jitter: noise of the capture, in thousandths of a leg.
-        legs: what enforcement knows of each leg.
+        legs: the calibration of each leg for enforcement.
         rest: (E,) [m] height of each effector's joint while it is planted, with the figure raised.
         tips: (legs,) [m] height of the toes' tips while the foot lies flat.
         lift: [m] by which the whole figure is raised.
@@ -63,7 +63,7 @@ def calibrate(clip: Clip, settings: Settings) -> Calibration:
     """Measure a figure.
 
     Args:
-        clip: it, moving or standing, metres, y up.
+        clip: of the figure, moving or standing, metres, y up.
         settings: how rig and contacts are found, and contacts enforced.
 
     Raises:

@@ -1,7 +1,7 @@
-"""What the rows of a stream say: channels of a BVH file, or positions and rotations of all joints.
+"""Convert rows of a stream to motion and back: BVH channels, or positions and rotations of all joints.
 
-The same numbers as `formats.bvh.channels` reads and writes, with all joints of one order of channels together: a
-stream works on a few frames at a time, and what takes the time is the number of operations.
+The numbers are the same as in `formats.bvh.channels`, but all joints with one channel order are converted together: a
+stream handles a few frames at a time, so that its time depends on the number of operations.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ class _Turning:
 
     @property
     def letters(self) -> str:
-        """The order as letters."""
+        """Get the order as letters."""
         return "".join("XYZ"[axis] for axis in self.order)
 
     def angles(self, wanted: Floats, near: Floats) -> Floats:
-        """(n, m, len(order)) [rad] those of local rotations (n, m, 4) that are nearest to others."""
+        """Convert local rotations (n, m, 4) to angles (n, m, len(order)) [rad], nearest to given ones."""
         if self.turn is not None:
             wanted = rotation.multiply(rotation.inverse(self.turn), wanted)
         if sorted(self.order) == [0, 1, 2]:
@@ -71,7 +71,7 @@ class Channels:
     """Rows of a BVH file's channels."""
 
     def __init__(self, document: Document, part: Subskeleton, frame_time: float) -> None:
-        """Know the file by its header, placed.
+        """Set up the columns from a file's header.
 
         Args:
             document: unit, up axis, channels, and what positions are counted from.
@@ -110,7 +110,7 @@ class Channels:
         ]
 
     def read(self, rows: Floats) -> Clip:
-        """The motion of the part's joints of rows (n, C) [m], y up."""
+        """Read the motion of the part's joints from rows (n, C), in metres, y up."""
         block = np.ascontiguousarray(rows.T)
         joints, n = len(self._skeleton), len(rows)
         places, turns = np.empty((joints, 3, n)), np.empty((joints, 4, n))
@@ -133,7 +133,7 @@ class Channels:
         return Clip.from_tracks(self._skeleton, places.transpose(2, 0, 1), turns.transpose(2, 0, 1), self._frame_time)
 
     def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
-        """(n, C) the rows with the motion `after` in place of `before`: of legs, what goes along, and the root."""
+        """Write the motion `after` in place of `before` into rows (n, C): legs, followers and root."""
         out = rows.copy()
         for moved in self._moving:
             old, new = before.position(moved.joint), after.position(moved.joint)
@@ -158,7 +158,7 @@ class Channels:
 def _turnings(
     channels: tuple[Channel, ...], which: list[int], skeleton: Skeleton, joints: Iterable[int], up: str
 ) -> list[_Turning]:
-    """Sort joints by the order of their rotation channels, roots apart where they are to be turned.
+    """Group joints by the order of their rotation channels; roots separately where they are turned.
 
     Args:
         channels: of the part's joints.
@@ -186,20 +186,20 @@ class Arrays:
     """Rows of positions (3 J), then rotations (4 J) of all joints of a skeleton."""
 
     def __init__(self, skeleton: Skeleton, part: Subskeleton, frame_time: float) -> None:
-        """Know the skeleton, and the joints of it that are worked on."""
+        """Set up the columns of a skeleton and the joints that are corrected."""
         joints, J = np.array(part.joints), len(skeleton)
         self._part, self._frame_time = part, frame_time
         self._places = joints[:, None] * 3 + np.arange(3)
         self._turns = 3 * J + joints[:, None] * 4 + np.arange(4)
 
     def read(self, rows: Floats) -> Clip:
-        """The motion of the part's joints of rows (n, 7 J)."""
+        """Read the motion of the part's joints from rows (n, 7 J)."""
         columns = np.ascontiguousarray(rows.T)
         places, turns = (columns[which].transpose(2, 0, 1) for which in (self._places, self._turns))
         return Clip.from_tracks(self._part.skeleton, places, turns, self._frame_time)
 
     def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
-        """(n, 7 J) the rows with the motion `after` in place of `before`."""
+        """Write the motion `after` in place of `before` into rows (n, 7 J)."""
         out = rows.copy()
         out[:, self._places], out[:, self._turns] = after.positions, after.rotations
         return out

@@ -1,7 +1,7 @@
-"""Detection that goes along: what `detect.auto` says of a clip, said of its newest frames while they come in.
+"""Online detection: `detect.auto` on the newest frames as they arrive.
 
-What each moment shows is weighed anew until it is so old that nothing more is decided of it. The path through the
-states of a foot is found over the last second every time, and what has been told already stays.
+The evidence of each time step is updated until it is too old to matter. The state path of a foot is found over the last
+second each time; contacts already given out are kept.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from footfix.stream.ring import Ring
 from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.time_grid import FOOT, PAST, Grid
 
-_REACH = 31  # steps that the network looks ahead and behind
-_SETTLE = 0.15  # [s] before what is to be told, in which the answers may still change
+_REACH = 31  # steps that the network sees ahead and behind
+_SETTLE = 0.15  # [s] before the frames to be given out, in which probabilities may still change
 _PATH = 1.2  # [s] over which the path is found
-_KNEES = 0.5  # [s] over which feet of kneeling figures are looked at
+_KNEES = 0.5  # [s] over which feet of kneeling figures are examined
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Seen:
 
 
 def logits(network: Network, curves: Floats, count: int) -> Floats:
-    """Answer for all feet together: what `Network.logits` says of the last `count` of some curves (n, E).
+    """Compute `Network.logits` of the last `count` steps for all feet together.
 
     Args:
         network: the network.
@@ -109,7 +109,7 @@ class Detector:
         self._over.follow(self._grid.steps, self._grid.add(tracks))
 
     def look(self) -> None:
-        """Lay out what the newest frames show."""
+        """Compute the features of the newest frames."""
         self._places = places = self._grid.steps.last(round(PAST / STEP))
         self._count = count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         self._facing = self._over.facing()
@@ -120,7 +120,7 @@ class Detector:
         ).reshape(answered.shape)
 
     def weigh(self) -> None:
-        """Weigh what they show against what the figure does on the whole."""
+        """Compute each foot's probabilities from these features and the motion of the whole figure."""
         velocity, speed = self._over.velocity(self._count), self._over.speed(len(self._places))
         steps = stepping(self._answered, self._mates, velocity, speed, self._params.stepping)
         swings = overtaking(self._places[:, 0, ::2], velocity, self._params.overtaking)
@@ -128,7 +128,7 @@ class Detector:
         self._answers.replace(self._grid.steps.end - self._count, answers.swapaxes(0, 1))
 
     def see(self, first: int) -> Seen:
-        """Say which soles are planted from frame `first` on, by what was weighed."""
+        """Find the contacts from frame `first` on by these probabilities."""
         end = self._frames.end
         answers = self._answers.last(self._path)
         last = len(answers)
@@ -151,7 +151,7 @@ class Detector:
         return Seen(first, self._finished(down, first), sure, tuple(lands), tuple(leaves))
 
     def _accelerations(self, last: int) -> tuple[Floats, Floats]:
-        """(last, feet) each: what `detect.timing` calls braking and tipping, over the last steps."""
+        """Compute braking and tipping of `detect.timing` over the last steps, (last, feet) each."""
         places = self._grid.steps.last(last)
         pitch = np.arctan2(places[:, 4::FOOT, 1] - places[:, 3::FOOT, 1], self._facing.ahead[-last:])
         if np.any(np.abs(pitch[1:] - pitch[:-1]) > np.pi):
@@ -160,7 +160,7 @@ class Detector:
         return both[:, : len(self._mates)], both[:, len(self._mates) :]
 
     def _mark(self, found: Sequence[Stretch], offset: float, down: Bools) -> None:
-        """Mark (n, 2) when heel and toe are in contact; a frame that a landing hardly misses counts as after it.
+        """Mark (n, 2) when heel and toe are in contact; a frame just before a landing counts as after it.
 
         Args:
             found: the stretches.
@@ -174,7 +174,7 @@ class Detector:
             down[a:b, 1 if state == TOE else 0 : 1 if state == HEEL else 2] = True
 
     def _finished(self, down: Bools, first: int) -> Bools:
-        """Contacts (n, 2 feet) without gaps in which a part does not rise, and without feet that are dragged."""
+        """Fill gaps of contacts (n, 2 feet) in which a part does not rise, and remove dragged feet."""
         places = self._frames.view(first)  # (n, feet, 3, 3)
         height = places[..., 1]
         both = down[:, ::2] | down[:, 1::2]  # (n, feet)

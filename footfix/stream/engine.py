@@ -2,17 +2,17 @@
 
 The work that a hop of frames (1/30 s) makes comes in parts, each of about the same time:
 
-    kinematics of the frames, which places them on detection's grid
-    what these places show of contacts
-    how likely each foot stands, given what the figure does
+    kinematics of the frames, resampled to detection's grid
+    features of detection
+    probabilities of contact
     contacts
-    what is asked of the window that ends with the hop
+    the problem of the window that ends with the hop
     a round of its solution
-    the window's oldest frames are settled
-    their rows are written
+    final poses of the window's oldest frames
+    their rows
 
-The parts are spread over the frames that come meanwhile, a few with each, as far as the look-ahead can spare them: so
-no frame takes the time of all. Those that are settled are given out one with each frame, as late as agreed on.
+The parts are spread over the frames that come meanwhile, a few with each, as far as the look-ahead allows: so no frame
+takes the time of all parts. Finished frames are given out one by one, with the agreed delay.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ from footfix.stream.subskeleton import Subskeleton
 from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
-_LOOKS_BACK = 0.3  # [s] over which contacts are looked at again, for gaps that are none
-_PARTS = 8  # of the work that a hop makes
-_SPREAD = 5  # frames over which they are spread at most, besides the hop's last one
-_SPARED = 5  # and a frame for as many of the look-ahead's
-_WORK = 0.020  # [s] that work and the ways in and out may take, of the time that a frame waits
-_NEAR = 0.1  # [s] a landing this near to the first frame of a contact is when it began
+_LOOKS_BACK = 0.3  # [s] over which contacts are checked again for gaps to fill
+_PARTS = 8  # parts of a hop's work
+_SPREAD = 5  # most frames over which they are spread, besides the hop's last one
+_SPARED = 5  # and at most one frame for this many frames of look-ahead
+_WORK = 0.020  # [s] of a frame's delay that are reserved for computation, input and output
+_NEAR = 0.1  # [s] greatest distance between a contact's first frame and the landing that belongs to it
 
 
 def frames_of(seconds: float, frame_time: float) -> int:
@@ -61,13 +61,13 @@ def paced(look_ahead: float, frame_time: float) -> tuple[int, int]:
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A frame that is settled.
+    """A finished frame.
 
     Args:
         number: of the frame.
-        row: (C,) as it came in, with what is corrected.
+        row: (C,) as it came in, with corrected values.
         contacts: (E,) which effectors are planted.
-        events: what begins or ends with it.
+        events: strikes and lifts in it.
     """
 
     number: int
@@ -77,7 +77,7 @@ class Shown:
 
 
 class Codec(Protocol):
-    """What rows of numbers say of the part's joints."""
+    """Converts rows of numbers to motion of the part's joints, and back."""
 
     def read(self, rows: Floats) -> Clip:
         """The motion of the part's joints of rows (n, C)."""
@@ -97,12 +97,12 @@ class Engine:
 
         Args:
             part: the figure.
-            codec: what rows say of it.
+            codec: converts rows to its motion.
             columns: numbers in a row.
             frame_time: [s].
             settings: how contacts are found and enforced.
             look_ahead: [s] that a frame waits for what follows it.
-            shown: how many of the first frames are given out by others, as they are; they are to be recalled.
+            shown: how many of the first frames were given out already, as they are; pass them to `recall`.
         """
         self._part, self._codec, self._columns, self._frame_time = part, codec, columns, frame_time
         self._rig = part.known.rig
@@ -165,7 +165,7 @@ class Engine:
         return rows
 
     def _parts(self, rows: Floats, *, last: bool = False) -> Iterator[None]:
-        """Do the parts that rows (n, C) make, pausing after each; with `last`, settle all frames."""
+        """Do the parts of the work for rows (n, C), yielding after each; with `last`, finish all frames."""
         if len(rows):
             self._take(rows)
             yield
@@ -193,7 +193,7 @@ class Engine:
         self._write(settled, done, lift[shown], events)
 
     def _learn(self, legs: Legs, down: Bools) -> None:
-        """Learn of the ground from the frames that are settled now, with contacts (n, 2 legs) as detected."""
+        """Update the belt by the frames finished now, with contacts (n, 2 legs) as detected."""
         self._belt.follow(legs.places()[:, :ANKLE], legs.hip.mean(axis=1), down, self._settled)
         self._window.belt = self._belt.velocity
 
@@ -206,7 +206,7 @@ class Engine:
         self._detector.add(tracks)
 
     def _write(self, first: int, done: Settled, lift: Floats, events: Sequence[Event]) -> None:
-        """Make ready the rows of n frames that are settled, from number `first` on, raised by (n,) [m]."""
+        """Make the rows of n finished frames, from number `first` on, raised by (n,) [m]."""
         stop = first + len(lift)
         rows, clip = self._past.rows.view(first, stop), self._past.clip(first, stop)
         shift = done.shift + lift[:, None] * np.array([0.0, 1.0, 0.0])
@@ -223,7 +223,7 @@ class Engine:
         return min(max(event.frame, first), stop - 1) == number
 
     def _standing(self, down: Bools, settled: int) -> Bools:
-        """(n, 2 legs) contacts without those of feet that were let go, until these leave the floor or have caught up.
+        """Remove the contacts (n, 2 legs) of released feet until these leave the floor or have caught up.
 
         Args:
             down: (n, 2 legs) contacts as detected.
@@ -242,7 +242,7 @@ class Engine:
         return down
 
     def _events(self, seen: Seen, on: Bools) -> list[Event]:
-        """What begins or ends in the frames that are settled now, by their contacts (n, 2 legs)."""
+        """List the strikes and lifts in the frames finished now, by their contacts (n, 2 legs)."""
         down = np.concatenate([self._told[-1:], on])
         found = []
         for sole, column in zip(self._rig.soles, self._order, strict=True):
@@ -257,6 +257,6 @@ class Engine:
         return sorted(found, key=lambda event: event.frame)
 
     def _moment(self, moments: tuple[float, ...], frame: int) -> float:
-        """[frames] when it happened: the moment that is nearest to the frame, if one is near."""
+        """Find the event time nearest to a frame [frames], if one is near."""
         near = min(moments, key=lambda moment: abs(moment - frame), default=np.inf)
         return near if abs(near - frame) * self._frame_time < min(_NEAR, 2.0 * self._frame_time) else float(frame)

@@ -1,4 +1,4 @@
-"""Angles of a few rotations in few operations: what `rotation.to_euler` says of a clip."""
+"""Convert a few rotations to Euler angles in few operations, as `rotation.to_euler` does for a clip."""
 
 from __future__ import annotations
 

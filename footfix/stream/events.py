@@ -1,4 +1,4 @@
-"""What a stream tells of feet: a strike or a lift of each effector, once and for all."""
+"""Events of a stream: strikes and lifts of effectors, each reported once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Kind = Literal["strike", "lift"]
 
 @dataclass(frozen=True)
 class Event:
-    """A sole point comes to stand, or leaves.
+    """A strike or a lift of a sole point.
 
     Args:
         kind: "strike" or "lift".

@@ -1,7 +1,7 @@
-"""The evidence of the newest steps of the grid, for all feet together: what `detect.evidence` says of a whole clip.
+"""The evidence of the newest grid steps for all feet together, as `detect.evidence` computes for a clip.
 
-A derivative looks a few steps to both sides, the floor a second back. So curves are made for the newest steps alone,
-and what is said of a moment changes until a third of a second of what follows it has come.
+A derivative depends on a few steps on both sides, the floor on the last second. So features are computed for the newest
+steps alone, and those of a step change until a third of a second of later frames has come.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _UP, _AHEAD, _ASIDE, _REACH = [1, 4], 6, 7, 8  # of what is differentiated: heel
 
 
 def weigh(places: Floats, facing: Facing, count: int, mates: Sequence[int], jitter: float) -> Floats:
-    """Say what the newest steps show of each foot.
+    """Compute the features of each foot in the newest steps.
 
     Args:
         places: (n, 1 + 4 feet, 3) [leg lengths] of pelvis, and hip, ankle, heel and toe of each foot.
@@ -51,7 +51,7 @@ def weigh(places: Floats, facing: Facing, count: int, mates: Sequence[int], jitt
     pelvis, foot = part[:, 0], part[:, 1:].reshape(len(part), feet, FOOT, 3)
     hip, ankle, soles = foot[:, :, 0], foot[:, :, 1], foot[:, :, 2:]  # (n, feet, 3), soles (n, feet, 2, 3)
     beside = ankle - pelvis[:, None]
-    # over the ground as complex numbers: a product says how far along, and how far across
+    # over the ground as complex numbers: a product has the components along and across
     way = (beside[..., 0] + 1j * beside[..., 2]) * facing.outward[-len(part) :].conj()
     leg = ankle - hip
     x = np.empty((len(part), feet, 9))

@@ -1,4 +1,4 @@
-"""Filters of the newest stretch of a track: several times as fast on few values as those for whole clips."""
+"""Filters for the newest part of a track, several times faster on few values than those for whole clips."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from footfix.detect.evidence import STEP
 from footfix.motion.clip import Floats, frozen
 from footfix.motion.smoothing import savgol, window_frames
 
-_MOST = 128  # values that a product filters
+_MOST = 128  # most values filtered by one matrix product
 
 
 def filtered(x: Floats, *, seconds: float, degree: int, derivative: int = 0, step: float = STEP) -> Floats:
@@ -31,7 +31,7 @@ def filtered(x: Floats, *, seconds: float, degree: int, derivative: int = 0, ste
 
 @lru_cache(maxsize=64)
 def _matrix(n: int, seconds: float, degree: int, derivative: int, step: float) -> Floats:
-    """(n, n) that filters as many values. Most of it is zero, and yet one product is quicker than to leave that out."""
+    """Make the matrix (n, n) that filters n values; mostly zeros, but one product is faster than skipping them."""
     return frozen(savgol(np.eye(n), step, seconds=seconds, degree=degree, derivative=derivative))
 
 

@@ -1,4 +1,4 @@
-"""Rounds of Gauss-Newton on a window, whose first frames keep their state."""
+"""Gauss-Newton rounds on a window whose first frames are fixed."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from footfix.stream.legs import Legs, LegStates
 from footfix.stream.objective import Normal, normal
 from footfix.stream.pins import Stacked
 
-_LONGEST = 0.1  # [m, rad] that a state goes in a round
-_FIRST = 4.0  # times `EPS` in all rounds but the last
+_LONGEST = 0.1  # [m, rad] longest step of a state in a round
+_FIRST = 4.0  # slip threshold as a multiple of `EPS`, in all rounds except the last
 
 
 @dataclass(frozen=True, eq=False)
 class Fixed:
-    """What is the same in all windows of so many frames.
+    """Values shared by all windows of the same number of frames.
 
     Args:
         near: (3, U, F) bands of NEAR.
@@ -37,7 +37,7 @@ class Fixed:
 
     @classmethod
     def of(cls, problem: Problem) -> Fixed:
-        """Work it out for a window."""
+        """Compute them for a window."""
         U, F = problem.unknowns, problem.frames
         bands, _ = near(problem, np.zeros((U, F)), np.arange(U))
         free = np.asarray(np.flatnonzero(problem.free()), dtype=np.intp)
@@ -54,7 +54,7 @@ def descend(
     Args:
         problem: the window's.
         x: (U, F) where to begin.
-        past: frames at the beginning that keep their state.
+        past: frames at the beginning whose state is fixed.
         legs, pins: the problem's, stacked.
         fixed: what is the same in all such windows.
         at: the legs' points in that state, where they are known.
@@ -68,7 +68,7 @@ def descend(
 
 
 def _step(found: Normal, fixed: Fixed, past: int) -> Floats:
-    """(n, F - past) the step of the free unknowns, by a banded Cholesky decomposition; none where there is none."""
+    """Compute the step (n, F - past) of the free unknowns by a banded Cholesky decomposition; zero if that fails."""
     gradient, main, next_ = found.gradient[past:], found.main[past:], found.next[past:]
     own, bands = fixed.free, found.near[:, fixed.free, past:]
     if len(own) < gradient.shape[1]:

@@ -1,4 +1,4 @@
-"""What a stream remembers of its newest frames: their rows, their legs, and the joints about them."""
+"""The newest frames of a stream: their rows, legs, and joints."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class History:
         self._pose.append(np.concatenate([pose.positions.reshape(n, -1), pose.rotations.reshape(n, -1)], axis=1))
 
     def clip(self, first: int, stop: int) -> Clip:
-        """Get the motion that rows say in frames `[first, stop)`."""
+        """Get the motion of frames `[first, stop)`."""
         columns, n = np.ascontiguousarray(self._local.view(first, stop).T), len(self._skeleton)
         places, turns = columns[: 3 * n].reshape(n, 3, -1), columns[3 * n :].reshape(n, 4, -1)
         return Clip.from_tracks(self._skeleton, places.transpose(2, 0, 1), turns.transpose(2, 0, 1), self._frame_time)

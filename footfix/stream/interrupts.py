@@ -1,7 +1,7 @@
-"""Interrupts of a stream: the first one ends it softly and in bounded time, the second one at once.
+"""Interrupts of a stream: the first ends it in an orderly way and in bounded time, the second at once.
 
-An exception would come in the midst of a step, and is lost where it comes within a callback of Python's own. So the
-first signal only says that it came; a thread that waited for it sees to it that the end takes no longer than it may.
+An exception could be raised in the middle of a step, and would be lost inside a callback of Python itself. So the first
+signal only sets a flag; a waiting thread ends the process if the orderly end takes too long.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 from footfix.errors import ExitCode
 
-ENDING = 5.0  # [s] that the end may take, whatever its reader or its threads wait for
+ENDING = 5.0  # [s] longest time for the end, whatever its reader or its threads wait for
 
 
 class Interrupted:
@@ -27,7 +27,7 @@ class Interrupted:
 
 @contextmanager
 def interrupts(ending: float = ENDING) -> Iterator[Interrupted]:
-    """Tell of Ctrl-C, and of SIGTERM, as schedulers send it, instead of raising.
+    """Record Ctrl-C and SIGTERM (which schedulers send) instead of raising.
 
     Args:
         ending: [s] after which the process is ended from the first one on.
@@ -36,7 +36,7 @@ def interrupts(ending: float = ENDING) -> Iterator[Interrupted]:
     if threading.current_thread() is not threading.main_thread():
         yield state
         return
-    # Locks alone: what else wakes a thread may be held by the very code that a signal interrupts.
+    # Only locks: other means to wake a thread may be held by the code that the signal interrupts.
     come, over = threading.Lock(), threading.Lock()
     come.acquire()
     over.acquire()

@@ -1,7 +1,7 @@
-"""No joint jumps: how much quicker than captured joints may turn in frames that go out.
+"""Limit how much faster than captured joints turn in output frames.
 
-Two rounds of least squares do not bring down every step, and a strike that is seen late may ask for more than a leg
-can do. The joints then follow as fast as they may, and the foot does not stand until they have got there.
+Two rounds of least squares may leave fast steps, and a strike detected late may demand more than a leg can do. The
+joints then follow at the greatest allowed speed, and the foot counts as planted only once they have arrived.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 
-FASTEST = 235.0  # [degrees/s] by which a joint may turn faster than captured
+FASTEST = 235.0  # [degrees/s] greatest increase of a joint's speed over the captured one
 
 
 def limited(wanted: Floats, last: Floats, most: float) -> tuple[Floats, Bools]:
-    """Let corrections follow what is wanted no quicker than they may.
+    """Limit the speed at which corrections follow the wanted ones.
 
-    From frame to frame a corrected rotation D R turns no farther than D and R do together: a bound of the steps of D
-    is one of what a joint turns more than captured.
+    From frame to frame a corrected rotation D R turns no farther than D and R do together: so a bound on the steps of D
+    bounds how much farther than captured a joint turns.
 
     Args:
         wanted: (4, L, n, 4) corrections of hip, knee, ankle and toe of each leg.

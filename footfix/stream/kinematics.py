@@ -1,4 +1,4 @@
-"""Forward kinematics of a few frames in few operations: what `motion.kinematics` says of a clip.
+"""Forward kinematics of a few frames in few operations, as `motion.kinematics` computes for a clip.
 
 Rotations go from depth to depth, each by one product of matrices; then all places are sums of turned offsets, of a
 joint and all above it, which is one product for all of them.
@@ -16,10 +16,10 @@ from footfix.stream.arithmetic import after, turned
 
 
 class Posing:
-    """Where some joints of a figure are in the world."""
+    """Computes where some joints of a figure are in the world."""
 
     def __init__(self, skeleton: Skeleton, joints: Sequence[int]) -> None:
-        """Know the figure, and which joints are wanted."""
+        """Set up for a figure and the wanted joints."""
         self._joints = tuple(joints)
         needed = skeleton.with_ancestors(joints)
         slot = {joint: k for k, joint in enumerate(needed)}
@@ -35,7 +35,7 @@ class Posing:
         self._wanted = np.array([slot[joint] for joint in joints], dtype=np.intp)
 
     def __call__(self, clip: Clip) -> Pose:
-        """Put the joints of a clip of F frames."""
+        """Compute the joints' pose in a clip of F frames."""
         world = clip.rotations.transpose(1, 0, 2)[self._needed]  # (N, F, 4)
         then = after(world)  # (N, F, 4, 4)
         for level, parents in self._levels:

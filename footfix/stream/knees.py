@@ -1,4 +1,4 @@
-"""Knees of all legs together: what `enforce.leg` says of one."""
+"""Knee axes and flexion of all legs together, as `enforce.leg` computes for one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def knees(thigh: Floats, shank: Floats, usual: Floats) -> tuple[Floats, Floats, 
 
     Args:
         thigh, shank: (3, L, F) [m] from hip to knee, and from knee to ankle.
-        usual: (3, L, F) unit axes that the knees have on the whole, in the world.
+        usual: (3, L, F) mean unit axes of the knees, in the world.
     """
     both = np.stack([thigh, shank])
     thigh_square, shank_square = np.add.reduce(both * both, axis=1)

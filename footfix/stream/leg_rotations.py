@@ -1,4 +1,4 @@
-"""From a state to new rotations of all legs' joints at once: as `enforce.leg_state` for one leg."""
+"""Compute new rotations of all legs' joints from a state, as `enforce.leg_state` does for one leg."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from footfix.stream.subskeleton import Subskeleton
 
 @dataclass(frozen=True, eq=False)
 class Turned:
-    """How the joints of all legs are to turn in some frames.
+    """New rotations of all legs' joints in some frames.
 
     Args:
         rotations: (4, L, n, 4) new local rotations of hip, knee, ankle and toe.
-        changed: (L, n) where a leg's differ from those captured.
-        late: (L, n) where a leg could not turn as quickly as its state asks.
+        changed: (L, n) where a leg's rotations differ from the captured ones.
+        late: (L, n) where a leg's turn was limited by the greatest joint speed.
     """
 
     rotations: Floats
@@ -34,7 +34,7 @@ class Turned:
 
 
 class Turner:
-    """The joints of a figure's legs, that turn as states want, frame after frame, and never jump."""
+    """Turns the joints of a figure's legs as states require, frame by frame, without jumps."""
 
     def __init__(
         self, part: Subskeleton, joints: Sequence[int], kinds: Kinds, frame_time: float, *, goes_on: bool = True
@@ -46,7 +46,7 @@ class Turner:
             joints: those that its poses are of.
             kinds: what its legs are like.
             frame_time: [s].
-            goes_on: whether frames went out before, as captured.
+            goes_on: whether frames were given out before, as captured.
         """
         own = np.array(
             [[leg.hip, leg.knee, leg.ankle, leg.ankle if leg.toe is None else leg.toe] for leg in kinds.legs]
@@ -61,7 +61,7 @@ class Turner:
         self._last = rotation.identity(own.shape) if goes_on else None  # (4, L, 4) correction in the last frame
 
     def turn(self, pose: Pose, legs: Legs, x: Floats) -> Turned:
-        """Turn the joints in the next n frames, of which pose and legs are as captured, as a state (U, n) wants."""
+        """Turn the joints in the next n frames as a state (U, n) requires, from pose and legs as captured."""
         own = x[ROOT:].reshape(-1, LEG, x.shape[1])
         changed = np.any(own != 0.0, axis=1)  # (L, n)
         world = pose.rotations.transpose(1, 0, 2)[self._slots]  # (2, 4, L, n, 4)

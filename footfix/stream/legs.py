@@ -1,7 +1,7 @@
-"""All legs of a stream together: as captured, and where their points go in a state.
+"""All legs of a stream together: as captured, and the places of their points in a state.
 
-The same as `enforce.leg` and `enforce.leg_state` say of one leg. Arrays have components first, then points, legs and
-frames: (3, P, L, F). Stretches of a stream are short, and what takes the time is the number of operations.
+It corresponds to `enforce.leg` and `enforce.leg_state` for one leg. Arrays have components first, then points, legs and
+frames: (3, P, L, F). Windows of a stream are short, so that time depends on the number of operations.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _VECTORS = ("hip", "ankle", "line", "thigh", "shank", "axis", "toe_hinge", "reac
 
 @dataclass(frozen=True, eq=False)
 class Kinds:
-    """What legs are like in every frame.
+    """Properties of legs that are the same in every frame.
 
     Args:
         legs: their joints.
@@ -89,7 +89,7 @@ class Legs:
         return np.concatenate([part.reshape(-1, n) for part in parts]).T
 
     def apart(self) -> tuple[LegTracks, ...]:
-        """Take them one by one."""
+        """Split them by leg."""
         found = []
         for k, leg in enumerate(self.kinds.legs):
             points = (self.soles[:, HEEL, k], self.soles[:, TOE, k], self.tip[:, k])
@@ -122,7 +122,7 @@ class Legs:
 
 
 class LegMeasurer:
-    """What measures the legs of a figure in its pose."""
+    """Measures the legs of a figure in its pose."""
 
     def __init__(self, part: Subskeleton, joints: Sequence[int]) -> None:
         """Know the figure, and which joints a pose is of."""
@@ -194,7 +194,7 @@ def own_of(x: Floats) -> Floats:
 
 
 def states_of(legs: Legs, root: Floats, x: Floats) -> LegStates:
-    """Put the points where a state has them, with derivatives: root (3, F) [m], and the legs' unknowns (8, L, F)."""
+    """Compute the points of a state with derivatives: root (3, F) [m], and the legs' unknowns (8, L, F)."""
     vectors = _vectors(legs, x)
     both = exponential_and_jacobian(vectors)
     places, thrust, bent, arms, hinge = _points(legs, root, x[K], both[:, :, 0])
@@ -214,7 +214,7 @@ def states_of(legs: Legs, root: Floats, x: Floats) -> LegStates:
 
 
 def places_of(legs: Legs, root: Floats, x: Floats) -> Floats:
-    """Put the points (3, P, L, F) [m] where a state has them: root (3, F) [m], and the legs' unknowns (8, L, F)."""
+    """Compute the points (3, P, L, F) [m] of a state: root (3, F) [m], and the legs' unknowns (8, L, F)."""
     return _points(legs, root, x[K], exponential(_vectors(legs, x)))[0]
 
 

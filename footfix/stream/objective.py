@@ -1,7 +1,7 @@
-"""The objective of `enforce.terms`, for all legs and points of a short window together.
+"""The objective of `enforce.terms` for all legs and points of a short window together.
 
-The same terms and derivatives as for a whole clip, laid out for few frames: there the arrays are long and each leg,
-point and bound is worked on by itself; here they are short, and what takes the time is the number of operations.
+Terms and derivatives are the same as for a whole clip, but arranged for few frames: there arrays are long, and each
+leg, point and bound is computed separately; here they are short, so that time depends on the number of operations.
 
 Arrays have components first, then points, legs and frames: (3, P, L, F).
 """
@@ -50,7 +50,7 @@ def normal(
         legs, pins: its, stacked.
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
-        static: times as much as sliding what hardly moves is held.
+        static: static over kinetic friction.
         bands: (3, U, F) of NEAR, where they are known.
         at: the legs' points in that state, where they are known.
     """
@@ -73,7 +73,7 @@ def normal(
 def _together(
     problem: Problem, x: Floats, gradient: Floats, main: Floats, next_: Floats, bands: Floats | None
 ) -> Normal:
-    """The legs' systems as one, with the root's own terms and NEAR."""
+    """Combine the legs' systems into one, with the root's own terms and NEAR."""
     U, F = x.shape
     whole, blocks, nexts = np.zeros((F, U)), np.zeros((F, U, U)), np.zeros((F - 1, U, U))
     whole[:, :ROOT] = gradient[..., :ROOT].sum(axis=0)

@@ -1,7 +1,7 @@
-"""Velocities over the ground on detection's grid, and where the hips face: kept, and worked out for new steps alone.
+"""Velocities over the ground and the facing of the hips on detection's grid, updated for new steps only.
 
-Both are asked for some seconds back, and do not change any more once half of their filter's window has followed.
-Over the ground is in complex numbers: x, and z times i.
+Both are needed for some seconds back, and no longer change once half of their filter's window has followed. Horizontal
+vectors are complex numbers: x, and z times i.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Complexes = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Facing:
-    """Where hips face in the newest n steps.
+    """The facing of the hips in the newest n steps.
 
     Args:
         outward: (n, feet) unit vectors, outward on each foot's side.
@@ -39,7 +39,7 @@ class Facing:
 
 
 class OverGround:
-    """The newest steps of a figure."""
+    """Velocities of a figure in the newest steps."""
 
     def __init__(self, mates: Sequence[int]) -> None:
         """Begin without steps, of feet each of which has another one as its mate, or itself."""

@@ -1,4 +1,4 @@
-"""The pins of a window: what its plants, those to come and those that were shown, ask of the points of all feet."""
+"""The pins of a window: constraints on the points of all feet from plants already shown and plants to come."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from footfix.stream.arithmetic import median
 from footfix.stream.legs import POINTS, Legs
 from footfix.stream.plants import FootPlants, Ground, Plant, masks
 
-_FIRM = {HEEL: 0.3, TOE: 25.0, ANKLE: 0.3}  # how much the place of a plant that was shown counts
-_LED = 0.5  # of the way to its level that a plant to come is led every time
-_PLANNED = 0.6  # share of that for one to come
-_FEWEST = 2  # frames of a plant to come, of which its place can be told
-_FIRST_STEP = 0.3  # weight of the first step of a plant, in which a foot still lands
-_DRAWN = 1.0 / 6.0  # how much the floor counts of a plant of 0.6 s; nobody knows yet how long one will be
+_FIRM = {HEEL: 0.3, TOE: 25.0, ANKLE: 0.3}  # weight of the place of a plant that was shown
+_LED = 0.5  # share of the remaining height by which a coming plant approaches its level per round
+_PLANNED = 0.6  # weight of a coming plant's place, relative to that of one that was shown
+_FEWEST = 2  # least number of frames of a coming plant from which its place is found
+_FIRST_STEP = 0.3  # weight of a plant's first step, in which the foot is still landing
+_DRAWN = 1.0 / 6.0  # weight of the floor's height for a plant of 0.6 s, since its duration is not known yet
 
 
 @dataclass(frozen=True, eq=False)
 class Stacked:
-    """The pins of a window, stacked: as of `Pins`, of P points of L legs.
+    """The pins of P points of L legs in a window, stacked; fields as of `Pins`.
 
     Args:
         hold: (P, L, F - 1).
@@ -46,7 +46,7 @@ class Stacked:
 
     @classmethod
     def none(cls, captured: Floats, belt: Floats) -> Stacked:
-        """Ask for nothing of points captured at (3, P, L, F) [m], on ground that moves by (3,) [m] in a frame."""
+        """Make pins without constraints for points at (3, P, L, F) [m], on ground that moves (3,) [m] a frame."""
         one = captured.shape[1:]
         between = (*one[:-1], one[-1] - 1)
         slip = np.empty((3, *between))
@@ -57,7 +57,7 @@ class Stacked:
         )  # fmt: skip
 
     def apart(self, tips: Sequence[bool]) -> tuple[tuple[Pins, ...], ...]:
-        """Take them one by one, for legs of which some have `tips`."""
+        """Split them by leg, where some legs have `tips`."""
         return tuple(
             tuple(
                 Pins(
@@ -72,7 +72,7 @@ class Stacked:
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What pins are made of.
+    """The input from which pins are made.
 
     Args:
         captured: (3, P, L, n) [m] the points.
@@ -92,10 +92,10 @@ class Asked:
 
 
 def pins_of(feet: Sequence[FootPlants], legs: Legs, on: Bools, asked: Asked) -> Stacked:
-    """Lay out what the points of all feet are to do in a window.
+    """Make the pins of all feet's points in a window.
 
     Args:
-        feet: what was shown of them.
+        feet: their plants as shown.
         legs: as captured, n frames.
         on: (n, 2 legs) when heel and toe of each are planted.
         asked: what pins are made of.
@@ -109,7 +109,7 @@ def pins_of(feet: Sequence[FootPlants], legs: Legs, on: Bools, asked: Asked) -> 
         for point in range(POINTS if legs.kinds.tips[k] else TIP):
             if point != ANKLE:
                 low[point, k] = _lowest(k, point, bool(when[point][1]), step, asked.ground)
-            if legs.kinds.turns[k]:  # the root is not to follow a leg that can't
+            if legs.kinds.turns[k]:  # the root must not move to serve a leg that can't turn
                 out.stands[point, k] = when[point][0]
                 for start, end in when[point][1]:
                     _hold(out, foot, k, point, start, end, asked)
@@ -122,7 +122,7 @@ def pins_of(feet: Sequence[FootPlants], legs: Legs, on: Bools, asked: Asked) -> 
 def _floor_step(
     foot: FootPlants, k: int, when: Sequence[tuple[Bools, Sequence[tuple[int, int]]]], asked: Asked
 ) -> float:
-    """[m] how much higher than the rig's the lower of the floors is on which a foot stood, or is about to stand."""
+    """Compute how much higher than the rig's the lower of the floors before and after a step is [m]."""
     steps, ground = [foot.step], asked.ground
     for point in (HEEL, TOE):
         for start, end in when[point][1]:
@@ -160,7 +160,7 @@ def _hold(out: Stacked, foot: FootPlants, k: int, point: int, start: int, end: i
 
 
 def _planned(plan: Floats, belt: Floats) -> Floats:
-    """(3, n) [m] where a point is to stand that was planned to be at (3, n) [m]: in their middle, at its height."""
+    """Choose the place (3, n) [m] of a coming plant: the middle of its planned places (3, n) [m], at its height."""
     moved = belt[:, None] * np.arange(plan.shape[1])
     place = median(plan - moved)[:, None] + moved
     place[1] = plan[1]
@@ -168,13 +168,13 @@ def _planned(plan: Floats, belt: Floats) -> Floats:
 
 
 def _of_run(foot: FootPlants, point: int, number: int) -> Plant | None:
-    """The plant that was shown already and goes on in frame `number`."""
+    """Get the plant that was shown already and continues in frame `number`."""
     plant = foot.plants[point]
     return plant if plant is not None and plant.start <= number else None
 
 
 def _ramp(since: Ints, ends: bool, ground: Ground, params: PinParams) -> Floats:
-    """(n,) weights of a plant's steps, less where the foot lands, and where it leaves if that is known."""
+    """Compute weights (n,) of a plant's steps, lower where the foot lands, and where it leaves if that is known."""
     weights = np.where(since == 0, _FIRST_STEP, 1.0)
     if ends:
         soft = max(1, round(params.edge / ground.frame_time))
@@ -184,7 +184,7 @@ def _ramp(since: Ints, ends: bool, ground: Ground, params: PinParams) -> Floats:
 
 
 def _lowest(k: int, point: int, stands: bool, step: float, ground: Ground) -> float:
-    """[m] how low a point may be: not below the floor, if it was not captured there."""
+    """Compute the least allowed height of a point [m]: the floor, unless it was captured lower."""
     usual = float(ground.tips[k]) if point == TIP else float(ground.rest[k, point])
     if point != TIP and stands:
         usual = max(usual, float(ground.nominal[k, point]))

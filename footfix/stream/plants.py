@@ -1,4 +1,4 @@
-"""Plants of a stream: what stands now, and where it stands for good."""
+"""Plants of a stream: which points are planted now, and their final places."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.arithmetic import median
 
 STANDING = (HEEL, TOE, ANKLE)  # the points that have plants; the ankle stands while heel and toe do
-_SETTLES = 0.2  # [s] in which a plant comes down to its floor
-_STRAYS = 0.5  # [leg lengths] a foot whose capture has gone so far from its place is let go
-_LANDS = 0.1  # [s] before that none is
-_SLIPS = 0.005  # [leg lengths] and so is one that could not be held
+_SETTLES = 0.2  # [s] over which a plant comes down to its floor
+_STRAYS = 0.5  # [leg lengths] a foot whose capture is farther than this from its place is released
+_LANDS = 0.1  # [s] no plant is released before this
+_SLIPS = 0.005  # [leg lengths] a plant that slips farther is released, too
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,11 +28,11 @@ class Ground:
         rest: (legs, 2) [m] usual height of heel and toe while planted.
         nominal: (legs, 2) [m] height at which their soles are on the rig's floor.
         tips: (legs,) [m] usual height of the toes' tips in a flat foot.
-        near: [m] what is nearer to the floor stands on it.
-        sink: [m] how deep a point may be in the floor.
+        near: [m] a plant within this distance of the floor stands on it.
+        sink: [m] greatest depth of a point below the floor.
         leg_length: [m].
         frame_time: [s].
-        heights: whether plants are drawn to their floor.
+        heights: whether plants are moved to their floor.
     """
 
     rest: Floats
@@ -59,15 +59,15 @@ class Ground:
 
 @dataclass(frozen=True, eq=False)
 class Plant:
-    """A point of a foot that stands.
+    """A planted point of a foot.
 
     Args:
         start: number of its first frame.
-        level: [m] the height it comes to stand at.
+        level: [m] its final height.
         belt: (3,) [m] that its ground moves in a frame.
-        place: (3,) [m] where it stands in frame `at`, once that was shown; None while it still lands.
+        place: (3,) [m] its place in frame `at`, once that was shown; None while it is landing.
         at: number of that frame.
-        free: whether it was let go.
+        free: whether it was released.
     """
 
     start: int
@@ -78,11 +78,11 @@ class Plant:
     free: bool = False
 
     def places(self, frames: Ints, frame_time: float) -> Floats:
-        """(3, n) [m] where it stands in some frames; it comes to its level once and for all (G eq. 10, 11)."""
+        """Compute its places (3, n) [m] in some frames; its height eases to its level once (G eq. 10, 11)."""
         assert self.place is not None
         gone = frames - self.at
         out = self.place[:, None] + self.belt[:, None] * gone
-        if gone[0] * frame_time >= _SETTLES:  # it has come to stand
+        if gone[0] * frame_time >= _SETTLES:  # it has reached its level
             out[1] = self.level
         else:
             fall = gamma(np.asarray(gone * frame_time / _SETTLES, dtype=np.float64))
@@ -99,7 +99,7 @@ class Plant:
 
 @dataclass(frozen=True, eq=False)
 class FootPlants:
-    """What a stream knows of one foot.
+    """The plants of one foot in a stream.
 
     Args:
         plants: of heel, toe and ankle; None where one does not stand.
@@ -116,7 +116,7 @@ class FootPlants:
 
     @property
     def left(self) -> bool:
-        """Whether the foot was let go: its toe, or its heel if that stands alone; a heel may turn about its toe."""
+        """Tell whether the foot was released: its toe, or its heel if that alone is planted."""
         heel, toe, _ = self.plants
         return toe.free if toe is not None else heel is not None and heel.free
 
@@ -130,14 +130,14 @@ def follow(
     foot: FootPlants, k: int, captured: Floats, places: Floats, pinned: tuple[Floats, Floats], on: Bools, window: Ints,
     shown: slice, ground: Ground, belt: Floats,
 ) -> FootPlants:  # fmt: skip
-    """Keep account of a foot's plants after frames were shown.
+    """Update a foot's plants after frames were shown.
 
     Args:
-        foot: before.
+        foot: its plants before.
         k: which leg.
         captured: (3, P, n) [m] its points over the window as captured,
         places: and as corrected.
-        pinned: (3, P, n) [m] where they were asked to be, and (P, n) how firmly.
+        pinned: (3, P, n) [m] their target places, and (P, n) the weights of these.
         on: (n, 2) when heel and toe are planted.
         window: (n,) numbers of its frames.
         shown: which of them were shown just now.
@@ -165,7 +165,7 @@ def follow(
 
 
 def _held(plant: Plant, captured: Floats, place: Floats, window: Ints, last: int, ground: Ground) -> Plant:
-    """The plant, let go where its foot has left it or can't be held."""
+    """Release the plant where its foot has left it or can't be held."""
     if plant.place is None or plant.free:
         return plant
     frame = int(window[last])

@@ -8,7 +8,7 @@ from footfix.motion.clip import Floats
 
 
 class Ring:
-    """The newest rows of an array that grows at its end; older ones are forgotten, so that memory stays as it is.
+    """The newest rows of a growing array; older ones are dropped, so that memory stays constant.
 
     Rows lie side by side: half of the memory is spent so that a stretch of them is a view, not a copy.
     """

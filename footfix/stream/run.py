@@ -1,4 +1,4 @@
-"""A stream from its input to its outputs: rows in, rows out, events told, and what is wrong said."""
+"""Run a stream from its input to its outputs: corrected rows, events, and messages about faults."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from footfix.stream.interrupts import Interrupted
 from footfix.stream.session import Live, StreamParams
 from footfix.stream.sources import Came, Gone, Peer, Source
 
-_OFTEN = 3  # times that one kind of fault is said in full
-_RATE_SPAN = 2.0  # [s] over which the pace of rows is looked at
-_PACED = 0.5  # share of the time that nothing waits, in a stream that comes at a pace
-_POLL = 0.2  # [s] in which an interrupt is noticed while nothing comes
+_OFTEN = 3  # faults of one kind that are reported in full
+_RATE_SPAN = 2.0  # [s] over which the rate of incoming rows is measured
+_PACED = 0.5  # least share of the time with an empty queue in a live stream
+_POLL = 0.2  # [s] between checks for an interrupt while nothing comes in
 
 
 def json_line(event: Event) -> bytes:
-    """An event as a line of JSON."""
+    """Write an event as a line of JSON."""
     entry = {
         "event": event.kind, "effector": event.effector, "frame": event.frame, "time": round(event.time, 4),
         "confidence": event.confidence,
@@ -42,30 +42,30 @@ def json_line(event: Event) -> bytes:
 
 @dataclass
 class Talk:
-    """What is said of faults: the first ones of a kind in full, of the others how many there were.
+    """Reports faults: the first ones of a kind in full, and the number of the others.
 
     Args:
-        say: says a line.
+        say: prints a line.
     """
 
     say: Callable[[str], None]
     counts: Counter[str] = field(default_factory=Counter)
 
     def fault(self, kind: str, text: str) -> None:
-        """Say one, unless there were many like it."""
+        """Report a fault, unless there were many of its kind."""
         self.counts[kind] += 1
         if self.counts[kind] <= _OFTEN:
             self.say(text)
 
     def total(self) -> None:
-        """Say how many more there were of each kind."""
+        """Report how many more there were of each kind."""
         for kind, count in self.counts.items():
             if count > _OFTEN:
                 self.say(f"{count - _OFTEN} more of the kind: {kind}")
 
 
 class Sink:
-    """A file that rows or events are written to, as soon as they are there."""
+    """A file to which rows or events are written at once."""
 
     def __init__(self, stream: IO[bytes], *, drops: bool) -> None:
         """Know it.
@@ -88,7 +88,7 @@ class Sink:
         """Write now, or as soon as the reader takes it.
 
         Raises:
-            BrokenPipeError: nobody reads any more.
+            BrokenPipeError: the reader has closed.
         """
         if self._outlet is None:
             self._all(data)
@@ -124,7 +124,7 @@ class Run:
         Args:
             settings: the parameters of all steps.
             params: how frames wait.
-            known: a motion of the same figure.
+            known: another recording of the same figure.
             rows, events: where to write them; None for nowhere.
             talk: what to say.
             peer: a listener, to whom the rows go as well.
@@ -152,7 +152,7 @@ class Run:
             KeyboardInterrupt: the stream was interrupted; all that came in until then was worked on.
         """
         gc.collect()
-        gc.freeze()  # what is there already need not be looked through again, which takes 20 ms, time of several frames
+        gc.freeze()  # keep existing objects out of later collections; scanning them takes 20 ms
         try:
             while not self._interrupted.came:
                 begun = time.monotonic()
@@ -194,7 +194,7 @@ class Run:
             raise item
 
     def _begin(self, header: Header) -> None:
-        """Begin with a header, or go on with another rate."""
+        """Start with a header, or continue with another frame rate."""
         document = header.document
         if self._live is not None:
             self._talk.fault("rate", f"after {self.frames} frames the header says {1.0 / document.frame_time:.4g} fps")
@@ -233,7 +233,7 @@ class Run:
         self._give(self._live.push(row.values[None]))
 
     def _watch_pace(self) -> None:
-        """Say where rows come at another pace than the header says."""
+        """Report rows that come at another rate than the header says."""
         self._pace_rows += 1
         elapsed = time.monotonic() - self._pace_from
         if elapsed < _RATE_SPAN:
@@ -264,7 +264,7 @@ class Run:
             outlet.put(b"".join(framed))
 
     def _flush(self) -> None:
-        """Write what is left of what a peer sent; the next one begins anew."""
+        """Write the last frames of a peer; the next peer starts afresh."""
         if self._live is not None:
             self._give(self._live.restart(self._frame_time))
 

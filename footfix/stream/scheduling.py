@@ -1,4 +1,4 @@
-"""Work that is spread over frames, so that none of them takes the time of all."""
+"""Spread a hop's work over several frames, so that no frame pays for all of it."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ _OVER = object()  # no parts are left
 
 
 class SpreadWork:
-    """Work in parts, of which a few are done with each frame."""
+    """Work in parts, a few of which are done with each frame."""
 
     def __init__(self, parts: int, frames: int) -> None:
         """Begin without work.
 
         Args:
-            parts: that a work has at most.
+            parts: most parts of a work.
             frames: over which they are spread: that in which it begins, and those after it.
         """
         self._parts, self._frames = parts, frames
@@ -22,7 +22,7 @@ class SpreadWork:
         self.done = self._since = 0  # parts that were done, and frames that came since the work began
 
     def begin(self, work: Iterator[None]) -> None:
-        """Begin a work that pauses after each of its parts; what was before is done."""
+        """Begin a work, a generator that yields after each part; the one before is finished first."""
         self._work, self.done, self._since = work, 0, 0
 
     def advance(self) -> None:
@@ -35,6 +35,6 @@ class SpreadWork:
                 self.done = due
 
     def finish(self) -> None:
-        """Do all that are left."""
+        """Do all remaining parts."""
         for _ in self._work:
             pass

@@ -1,4 +1,4 @@
-"""A live figure: frames in, frames out after a fixed look-ahead, its feet held where they are planted."""
+"""A live session: frames in, frames out after a fixed delay, with planted feet held in place."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from footfix.stream.engine import Engine, Shown, paced
 from footfix.stream.subskeleton import Subskeleton, part_of
 
 Before = Literal["pass", "wait"]
-MOST = 5.0  # [s] of look-ahead; for more, wait for the end and clean the whole
-_FEWEST = 12  # frames of which a figure can be told
-_REMEMBERED = 2.0  # [s] that detection looks back
-_MEANWHILE = 0.5  # [s] in which frames pass while their figure is calibrated, and they are recalled
-_RECALLED = 0.25  # [s] of frames that are recalled at a time
+MOST = 5.0  # [s] longest look-ahead; for more, clean the whole file afterwards
+_FEWEST = 12  # least number of frames to find a figure
+_REMEMBERED = 2.0  # [s] of past frames that detection uses
+_MEANWHILE = 0.5  # [s] allowed for calibration and for feeding past frames to the engine, while frames pass through
+_RECALLED = 0.25  # [s] of past frames fed to the engine at a time
 
 
 @dataclass(frozen=True, kw_only=True)
 class StreamParams:
-    """How a stream waits.
+    """Delays of a stream.
 
     Args:
-        look_ahead: for how long a frame waits for what follows it [s].
-        calibration: of the figure's first motion by which legs, floor and unit are told [s].
-        before: frames before that "pass" as they are and at once, or "wait" and are corrected, too.
+        look_ahead: how long a frame waits for the frames after it [s].
+        calibration: duration of the first motion in which legs, floor and unit are found [s].
+        before: whether frames before calibration "pass" uncorrected and at once, or "wait" and are corrected, too.
     """
 
     look_ahead: float = 0.15
@@ -46,12 +46,12 @@ class StreamParams:
 
 @dataclass(frozen=True, eq=False)
 class _Figure:
-    """A figure that is known.
+    """A calibrated figure.
 
     Args:
         part: its legs.
-        source: what its rows are of, with the unit, axis and bones it is found to have.
-        notes: what calibration has to tell.
+        source: the header or joints of its rows, with the unit, axis and bones found for it.
+        notes: from calibration.
     """
 
     part: Subskeleton
@@ -73,11 +73,11 @@ class Live:
             frame_time: [s].
             settings: how the figure is found, and its contacts detected and enforced.
             params: how frames wait.
-            known: a motion of the same figure to calibrate on; else the first seconds of the stream are.
-            told: is called with what calibration has to tell.
+            known: another recording of the same figure to calibrate on; by default the stream's first seconds.
+            told: called with the notes of calibration.
 
         Raises:
-            UsageError: the settings ask for what only a whole clip can have.
+            UsageError: a setting needs the whole clip.
         """
         enforce = settings.enforce
         if enforce.method == "root" or enforce.solver != "whole_clip":
@@ -103,7 +103,7 @@ class Live:
             self._engine = self._made(self._measured(known))
 
     def _paced(self) -> None:
-        """Count waits in frames of the rate there is."""
+        """Convert delays to frames at the present rate."""
         _, self.delay = paced(self._params.look_ahead, self._frame_time)
         self._wanted = max(_FEWEST, round(self._params.calibration / self._frame_time))
         self._last = self._wanted + (round(_MEANWHILE / self._frame_time) if self._passes else 0)
@@ -150,7 +150,7 @@ class Live:
         return [] if self._passes else [self._as_it_is(number) for number in range(len(self._held))]
 
     def restart(self, frame_time: float) -> list[Shown]:
-        """Give out all that is left, and go on with what is no continuation of it: another take, or another rate.
+        """Give out all that is left, and restart with another take, or another frame rate.
 
         Args:
             frame_time: [s] from now on.
@@ -167,7 +167,7 @@ class Live:
         return Shown(self._base + number, self._held[number], np.zeros(len(self.effectors), dtype=np.bool_), ())
 
     def _calibrated(self) -> list[Shown]:
-        """Let the engine go on from the rows that are held, calibrated on them."""
+        """Start the engine on the held rows, calibrated on them."""
         given = len(self._held) if self._passes else 0
         while self._next is None or self._recalled < given:
             self._prepare(given)

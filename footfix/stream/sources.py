@@ -1,4 +1,4 @@
-"""Where rows come from: standard input, a peer that is connected to, or one that connects."""
+"""Sources of rows: standard input, a peer to connect to, or a peer that connects to us."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from footfix.stream.bvh_lines import Lines, Row, Said
 
 _CHUNK = 1 << 16  # [bytes]
 _AGAIN = (0.2, 2.0)  # [s] before a connection is tried again: at first, and at most
-_POLL = 0.5  # [s] in which an end is noticed
+_POLL = 0.5  # [s] between checks for the end
 
 
 @dataclass(frozen=True)
@@ -61,12 +61,12 @@ class Address:
 
 
 def droppable(item: object) -> bool:
-    """Tell what may be left out where too much waits: rows, but no headers, ends or errors."""
+    """Tell whether an item may be dropped when too many wait: rows may, headers, ends and errors may not."""
     return isinstance(item, Row)
 
 
 class Source:
-    """Reads in a thread of its own, and puts what it finds into a backlog."""
+    """Reads in its own thread, and puts items into a backlog."""
 
     def __init__(self, backlog: Backlog, document: Document | None, name: str) -> None:
         self.backlog, self._lines = backlog, Lines(document, name)
@@ -145,10 +145,10 @@ class Peer(Source):
             listens: whether it connects to us.
             once: whether its first end is the end.
             told: is called with what is to be said.
-            hears: whether what it sends is wanted.
+            hears: whether to read what it sends.
 
         Raises:
-            UsageError: nobody can listen there.
+            UsageError: it is not possible to listen there.
         """
         super().__init__(backlog, document, str(address))
         self._address, self._listens, self._once, self._told, self._hears = address, listens, once, told, hears

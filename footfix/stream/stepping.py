@@ -1,6 +1,6 @@
-"""Feet that step though they look planted: what `detect.stepping` says of a clip, for all feet of the newest steps.
+"""Feet that step though they look planted: `detect.stepping` for all feet in the newest grid steps.
 
-And feet that go ahead of a pelvis that travels, as of `detect.overtaking`. Places and velocities over the ground are
+Also feet that move ahead of a travelling pelvis, as of `detect.overtaking`. Horizontal places and velocities are
 complex numbers here: x, and z times i.
 """
 
@@ -24,7 +24,7 @@ _LEAST = 1e-6  # of a speed whose logarithm is taken
 def stepping(
     answers: Floats, mates: Sequence[int], velocity: Complexes, speeds: Floats, params: SteppingParams
 ) -> Floats:
-    """Find the probability (feet, n) that a foot steps, given what the other of its pair does; see `detect.stepping`.
+    """Find the probability (feet, n) that a foot steps, from its motion relative to its mate; see `detect.stepping`.
 
     Args:
         answers: (feet, n, 4) log probabilities.
@@ -66,7 +66,7 @@ def _whole_step(far: Complexes, creeps: float, params: SteppingParams) -> float:
 
     Args:
         far: (2, 2) [leg lengths] how far heel and toe of the foot go meanwhile, and of the other.
-        creeps: [leg lengths] how far at most it would go at rest.
+        creeps: [leg lengths] how far at most it would creep at rest.
         params: when two feet part.
     """
     own, other = far[:, :, None, None]
@@ -123,14 +123,14 @@ def _cross(a: Complexes, b: Complexes) -> Floats:
 
 
 def overtaking(pelvis: Floats, velocity: Complexes, params: OvertakingParams) -> Floats:
-    """Find the probability (feet, n) that a foot swings, given where it goes ahead of the pelvis; see `overtaking`.
+    """Find the probability (feet, n) that a foot swings because it moves ahead of the pelvis; see `detect.overtaking`.
 
-    Whether the pelvis travels is told by the time about a moment, and where too little of it has come, by the newest.
+    Whether the pelvis travels is found from the time around a step, or from the newest frames where few have followed.
 
     Args:
         pelvis: (m, 2) [leg lengths] places over the ground; m is n or more.
         velocity: (n, 1 + 2 feet) [leg lengths/s] over the ground, of pelvis, heels and toes.
-        params: when a foot goes ahead.
+        params: when a foot moves ahead of the pelvis.
     """
     n = len(velocity)
     lasting = slopes(pelvis, params.lasting, n)

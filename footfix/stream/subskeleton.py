@@ -1,4 +1,4 @@
-"""The part of a skeleton that a stream works on: legs, what carries them, and what goes along with them."""
+"""The part of a skeleton that a stream corrects: legs, the joints above them, and followers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Subskeleton:
     Args:
         joints: their indices in the whole.
         skeleton: of these joints alone.
-        known: the figure, its joints counted among these.
+        known: the calibrated figure, with joint indices among these.
     """
 
     joints: tuple[int, ...]
@@ -28,7 +28,7 @@ class Subskeleton:
 
 
 def part_of(skeleton: Skeleton, known: Calibration) -> Subskeleton:
-    """Cut out of a skeleton what moves the legs of a figure."""
+    """Cut the joints that move the legs of a figure out of a skeleton."""
     wanted = {*known.rig.joints(), known.rig.root}
     for each in known.followers:
         wanted |= {each.joint, each.foot}

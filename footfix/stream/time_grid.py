@@ -1,4 +1,4 @@
-"""The places of feet and pelvis on detection's time grid, kept up as frames come in."""
+"""Places of feet and pelvis on detection's time grid, updated as frames come in."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from footfix.stream.filters import filtered
 from footfix.stream.ring import Ring
 
 FOOT = 4  # tracks of a foot: hip, ankle, heel, toe
-PAST = 2.3  # [s] that are remembered: feet at rest are looked for two seconds back
+PAST = 2.3  # [s] that are kept: resting feet are searched two seconds back
 
 
 class Grid:
@@ -37,7 +37,7 @@ class Grid:
         """Take the next frames.
 
         Returns:
-            The first of the steps that are new, or not what they were.
+            The first step that is new or changed.
         """
         rows = np.stack([tracks.pelvis, *(p for f in tracks.feet for p in (f.hip, f.ankle, f.heel, f.toe))], axis=1)
         longest = max(1, round(0.1 / self._frame_time))

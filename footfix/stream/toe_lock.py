@@ -1,8 +1,8 @@
-"""Toe joints that stand put exactly where they stand, in frames that are about to be shown.
+"""Lock planted toe joints exactly in place in frames that are about to be shown.
 
-Rounds of least squares leave some tenths of a millimetre, more where a foot is about to leave. What is left is taken
-out by the leg alone, at the height there is, in the shortest way: x' = x + W J' (J W J')^-1 r. A plant that begins
-stands where its foot is by then: what is planned for it may be farther than a foot gets without a jump.
+Rounds of least squares leave some tenths of a millimetre, more where a foot is about to leave. The leg alone removes
+them, at the present height, by the smallest change: x' = x + W J' (J W J')^-1 r. A plant that begins is locked where
+its foot is then, since its planned place may be too far to reach without a jump.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from footfix.motion.contacts import runs
 from footfix.stream.legs import POINTS, Legs, places_of, states_of
 
 _FARTHEST = 0.02  # [leg lengths] a toe that is farther off than this can't be held
-_FOOT = 0.1  # share in it of the foot's turn
+_FOOT = 0.1  # weight of the foot's turn in that change
 _ROUNDS = 2
 _SHORT = 0.003  # [leg lengths] one round leaves a hundredth of a millimetre of a way as short as that
-_LEAST = 1e-4  # [leg lengths] added to what can hardly be moved
-_EASE = 0.06  # [s] in which it ends after a foot has left
+_LEAST = 1e-4  # [leg lengths] damping, for legs that can hardly move
+_EASE = 0.06  # [s] over which the change fades after a foot has left
 _TOE = [TOE + POINTS * c for c in range(3)]  # rows of the toe joint in a Jacobian
 _MOVED = slice(0, K + 4)  # of a leg's unknowns: line, knee and foot
 
@@ -31,7 +31,7 @@ _MOVED = slice(0, K + 4)  # of a leg's unknowns: line, knee and foot
 def exact(
     legs: Legs, x: Floats, place: Floats, asked: Bools, stands: Sequence[bool], leg_length: float, frame_time: float
 ) -> Floats:
-    """Put the toe joints of planted feet where they stand.
+    """Move the toe joints of planted feet to their places.
 
     Args:
         legs: as captured, in the n frames that are about to be shown.
@@ -74,7 +74,7 @@ def exact(
 
 
 def _places(place: Floats, now: Floats, asked: Bools, stands: Sequence[bool], most: float) -> tuple[Floats, Bools]:
-    """Where toe joints (3, L, n) are to stand, and when (L, n): one that begins to stand does so where it is now."""
+    """Choose the places (3, L, n) and frames (L, n) of planted toe joints; new plants begin at the present place."""
     place, near = place.copy(), asked & (np.hypot(*(place - now)[::2]) < most)
     for k, own in enumerate(asked):
         for start, end in runs(own):
@@ -85,7 +85,7 @@ def _places(place: Floats, now: Floats, asked: Bools, stands: Sequence[bool], mo
 
 
 def _eased(change: Floats, asked: Bools, frames: int) -> None:
-    """Let a change (7, L, n) end some frames after a foot has left."""
+    """Fade a change (7, L, n) over some frames after a foot has left."""
     if asked.all():
         return
     share = _shares(frames)
@@ -98,5 +98,5 @@ def _eased(change: Floats, asked: Bools, frames: int) -> None:
 
 @lru_cache(maxsize=8)
 def _shares(frames: int) -> Floats:
-    """(frames,) what is left of a change in the frames after it."""
+    """Compute the remaining shares (frames,) of a change in the frames after it."""
     return frozen(gamma(np.arange(1, frames + 1) / (frames + 1)))

@@ -1,9 +1,9 @@
-"""Enforcement in a window: the least squares of a whole clip on the newest frames, those that were shown held fixed.
+"""Enforcement in a window: the least squares of `enforce` on the newest frames, with frames already shown fixed.
 
-A window begins with two frames that were shown, so that neither place nor speed jumps, and ends with the newest one.
-It starts from what was found for it a moment before, so that a round is enough; each frame is in several windows
-before it is shown. Where a strike turns out to be elsewhere, or earlier, than it was planned, the way to it
-begins anew from where the foot is by then, at the speed it has (what G eq. 11 does with an ease).
+A window begins with two frames that were shown, so that neither place nor speed jumps, and ends with the newest frame.
+It starts from the solution of the window before, so that one round is enough; each frame is in several windows before
+it is shown. Where a strike is elsewhere or earlier than planned, the motion to it is planned again from the foot's
+present place and speed (as G eq. 11 does with an ease).
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ from footfix.stream.pins import Asked, Stacked, pins_of
 from footfix.stream.plants import FootPlants, Ground, follow
 from footfix.stream.toe_lock import exact
 
-_FIRST = 8e-4  # [m/s] of slip below which its price is a parabola, in the first round of the last window
-_LAST_ROUNDS = 6  # of that window's solution
+_FIRST = 8e-4  # [m/s] of slip below which its cost is a parabola, in the first round of the last window
+_LAST_ROUNDS = 6  # rounds of that window's solution
 BEFORE = 2  # frames that were shown, in a window
-_FORGETS = 3.0  # [s] in which the fault that plants usually have is learnt anew
-_CAUGHT_UP = 0.01  # [leg lengths] a foot that was let go stands anew where it is this near to its capture
-_RAISED = 0.5  # [s] in which a figure is raised to its floor
+_FORGETS = 3.0  # [s] over which the usual fault of plants is averaged
+_CAUGHT_UP = 0.01  # [leg lengths] a released foot may be planted again once it is this near to its capture
+_RAISED = 0.5  # [s] over which a figure is raised to its floor
 
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """What becomes of n frames.
+    """The solution for n frames to be given out.
 
     Args:
         shift: (n, 3) [m] of the root.
         turned: the legs' joints.
-        on: (n, 2 legs) when heel and toe of each are planted, without feet that could not get there in time.
+        on: (n, 2 legs) when heel and toe of each are planted, without feet that could not reach their place in time.
     """
 
     shift: Floats
@@ -62,7 +62,7 @@ class Window:
         """Begin with frame number `first`; nothing was shown yet.
 
         Args:
-            known: the figure.
+            known: the calibrated figure.
             translates: whether its root can be moved.
             turner: what turns its joints.
             frame_time: [s].
@@ -84,18 +84,18 @@ class Window:
         self._first, self._seen, self._fault = first, first, known.fault
         self._x = np.zeros((ROOT + LEG * len(rig.legs), 0))  # of the frames of the window before
         self.belt = known.belt  # (3,) [m/s] of the ground under plants to come
-        self.left = [False] * len(rig.legs)  # feet that were let go, and have not caught up with their capture
+        self.left = [False] * len(rig.legs)  # released feet that have not caught up with their capture
         self._fixed: dict[int, Fixed] = {}  # for windows of so many frames
         self._problems: dict[int, Problem] = {}  # of these windows
         self._begin = self._shown = first  # numbers of the first of these, and of the first that was not shown
 
     @property
     def feet(self) -> Sequence[FootPlants]:
-        """What was shown of each foot."""
+        """Get the plants of each foot as shown."""
         return self._feet
 
     def lifted(self, legs: Legs, first: int) -> tuple[Legs, Floats]:
-        """Raise a figure that floats or is sunk, little by little from the beginning.
+        """Raise a figure that floats or is sunk, gradually from the beginning.
 
         Args:
             legs: as captured, n frames.
@@ -114,7 +114,7 @@ class Window:
     def solve(
         self, legs: Legs, pose: Pose, on: Bools, first: int, *, last: bool = False
     ) -> Generator[None, None, Settled]:
-        """Find the state of the newest frames, and settle those that go out now; pause before and after the round.
+        """Solve for the newest frames, and finish those that are given out now; yield before and after the round.
 
         Args:
             legs: as captured and lifted, n frames.
@@ -152,7 +152,7 @@ class Window:
         return Settled(state[:ROOT].T, turned, on[shown])
 
     def _follow(self, pins: Stacked, on: Bools, shown: slice, places: Floats, asked: Asked) -> None:
-        """Keep account of plants after frames were shown, with their points at places (3, P, L, n) [m]."""
+        """Update plants after frames were shown, with their points at places (3, P, L, n) [m]."""
         near = _CAUGHT_UP * self._ground.leg_length
         for k, foot in enumerate(self._feet):
             self._feet[k] = foot = follow(
@@ -179,7 +179,7 @@ class Window:
         return self._fixed[n]
 
     def _started(self, first: int, n: int) -> Floats:
-        """(U, n) what was found for these frames a moment before; the newest keep the last state."""
+        """Get the last solution (U, n) for these frames; the newest ones repeat its last state."""
         x = np.zeros((len(self._x), n))
         known = self._x[:, max(first - self._begin, 0) :][:, :n]
         x[:, : known.shape[1]] = known
@@ -188,7 +188,7 @@ class Window:
         return x
 
     def _usual_fault(self, captured: Floats, newest: int) -> float:
-        """[m] how far plants stray: those that stand now, and lately."""
+        """Estimate the usual fault of plants [m], from present and recent ones."""
         now = 0.0
         for k, foot in enumerate(self._feet):
             for point, plant in enumerate(foot.plants[:2]):
