@@ -1,1 +1,1 @@
-"""New motion out of captured motion."""
+"""New motion made from captured motion: loops, walks along paths, and a locomotion engine."""

@@ -1,1 +1,1 @@
-"""Walks laid along a path, handed over from one style to another, with strides, lean and balance."""
+"""Captured walks along a path: blends between styles, stride length, lean and balance."""

@@ -1,4 +1,4 @@
-"""Balance in curves: the masses of a body, its zero-moment point, and how far it leans."""
+"""Balance in curves: body masses, zero-moment point, and lean."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from footfix.rig.rig import Rig
 
 GRAVITY = 9.81  # [m/s^2]
 _SPAN = 0.5  # [s] of K's 4th-order difference
-_MOST = np.radians(0.45)  # by which one step on the zero-moment point may change the lean
-_SMALL = 0.08  # [leg lengths] a bone that is shorter is none of an arm
+_MOST = np.radians(0.45)  # greatest change of the lean in one Newton step on the zero-moment point
+_SMALL = 0.08  # [leg lengths] a shorter bone is not an arm bone
 
 # de Leva 1996, mean of men and women: share of the body's mass, and where its centre is between a segment's ends
 _HEAD, _TRUNK = (0.0681, 0.5), (0.43015, 0.55)
@@ -63,7 +63,7 @@ def head_of(skeleton: Skeleton, rig: Rig) -> int | None:
 
 
 def arms_of(skeleton: Skeleton, rig: Rig) -> tuple[tuple[int, int, int], ...]:
-    """Find shoulder, elbow and wrist of each arm that names tell."""
+    """Find shoulder, elbow and wrist of each arm by joint names."""
     found: dict[str, tuple[int, int, int]] = {}
     legs = {joint for leg in rig.legs for joint in leg.chain}
     for joint in range(len(skeleton)):
@@ -91,7 +91,7 @@ def end_effectors(skeleton: Skeleton, rig: Rig) -> tuple[int, ...]:
 
 
 def segments(skeleton: Skeleton, rig: Rig) -> tuple[Segment, ...]:
-    """The masses of a body by de Leva 1996; what is not found in the skeleton belongs to the trunk."""
+    """Make the segments of a body by de Leva 1996; those not found in the skeleton are added to the trunk."""
     found = []
     for leg in rig.legs:
         toe = leg.ankle if leg.toe is None else leg.toe
@@ -115,7 +115,7 @@ def segments(skeleton: Skeleton, rig: Rig) -> tuple[Segment, ...]:
 
 
 def centres(clip: Clip, body: tuple[Segment, ...]) -> Floats:
-    """Find (S, F, 3) [m] where the masses of a body's segments are in the world."""
+    """Compute the centres of mass of a body's segments in the world, (S, F, 3) [m]."""
     joints = sorted({joint for each in body for end in each.ends for joint in end})
     pose = forward(clip, joints)
     return np.stack([_between(pose, each) for each in body])
@@ -159,7 +159,7 @@ def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> tuple[
 
 
 def lean_for(speed: Floats, curvature: Floats, stride: float) -> Floats:
-    """Tell (F,) [rad] how far a figure leans to the left: atan(v^2 kappa / g), both in the mean over a stride.
+    """Compute the lean to the left, (F,) [rad]: atan(v^2 kappa / g), averaged over a stride.
 
     Args:
         speed: (F,) [m/s] along the path.
@@ -177,8 +177,8 @@ def corrected_lean(lean: Floats, off: Floats, height: float, stride: float) -> F
 
     Args:
         lean: (F,) [rad] to the left.
-        off: (F,) [m] how much farther to the left the zero-moment point is than in the straight walk, in the mean.
-        height: [m] of the body's centre: by so much a radian moves it.
+        off: (F,) [m] mean distance of the zero-moment point to the left of that in the straight walk.
+        height: [m] of the body's centre: the distance that it moves per radian.
         stride: [frames].
     """
     step = -averaged(off, stride) / height

@@ -1,4 +1,4 @@
-"""Handing one walk over to another: how long it takes, and how it comes in."""
+"""Blending one walk into another: duration and weight."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from footfix.motion.kinematics import places
 
 
 def ease(u: Floats) -> Floats:
-    """A step from 0 to 1 over u from 0 to 1, at rest at both ends: 6 u^5 - 15 u^4 + 10 u^3."""
+    """Evaluate a smooth step from 0 to 1 over u from 0 to 1: 6 u^5 - 15 u^4 + 10 u^3."""
     u = np.clip(u, 0.0, 1.0)
     return np.asarray(u * u * u * (u * (6.0 * u - 15.0) + 10.0))
 
 
 def handed(u: Floats) -> Floats:
-    """How much of the next walk is there over u from 0 to 1: 3 u^2 - 2 u^3, the least steep step from rest to rest.
+    """Compute the weight of the next walk: smoothstep 3 u^2 - 2 u^3.
 
-    A steeper one hands a foot over in a single swing.
+    A steeper step would blend a foot within a single swing.
     """
     u = np.clip(u, 0.0, 1.0)
     return np.asarray(u * u * (3.0 - 2.0 * u))
@@ -31,17 +31,17 @@ def handed(u: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Transition:
-    """One walk handed over to another.
+    """A blend from one walk to another.
 
     Args:
-        before, after: index of either walk.
+        before, after: indices of the walks.
         start, end: [s] from the start, of the blend.
         metres: [m] on the path where it starts.
-        effector: joint by which its length was told.
-        asked: [s] its length by K 6.2.
-        clamped: whether it takes longer or shorter.
-        peak: the most by which a joint accelerates in it [times the 99th percentile in the walks],
-        asked_peak: and in one that takes as long as asked; None where that was not looked at.
+        effector: joint that determined its duration.
+        asked: [s] its duration by K 6.2.
+        clamped: whether that was limited.
+        peak: largest acceleration of a joint in it [times the 99th percentile in the walks],
+        asked_peak: and in a blend of the asked duration; None where that was not computed.
     """
 
     before: int
@@ -59,11 +59,11 @@ class Transition:
 def blend_length(
     one: Walk, other: Walk, keys: tuple[Keys, Keys], at: float, ends: Sequence[int]
 ) -> tuple[int, float]:  # fmt: skip
-    """Tell how long the change from one walk to another takes (K 6.2): dD / |T_a - T_b|, at equal phase.
+    """Compute the duration of a blend from one walk to another (K 6.2): dD / |T_a - T_b|, at equal phase.
 
     Args:
         one, other: the walks.
-        keys: of either.
+        keys: of both.
         at: generic time [strides] at which it starts.
         ends: the end effectors: head, hands and feet.
 
@@ -81,13 +81,13 @@ def blend_length(
 
 
 def _speed(walk: Walk, joint: int) -> float:
-    """[m/s] of a joint in the world, in the mean."""
+    """Compute the mean speed of a joint in the world [m/s]."""
     track = places(walk.clip)[:, joint] + np.outer(np.arange(walk.frames + 1), [0.0, 0.0, walk.length / walk.frames])
     return float(np.linalg.norm(np.diff(track, axis=0), axis=1).mean()) / walk.clip.frame_time
 
 
 def check_order(starts: Sequence[float], names: Sequence[str]) -> None:
-    """See that walks begin one after the other.
+    """Check that walks begin one after the other.
 
     Raises:
         UsageError: they do not.

@@ -1,4 +1,4 @@
-"""Body and feet of walks laid along a path."""
+"""Place body and feet of walks on a path."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import forward
 
-_SWING = 3  # frames that a swing has at least
+_SWING = 3  # least number of frames of a swing
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,8 +23,8 @@ class Lean:
 
     Args:
         angle: (F,) [rad] to the left, about the path's tangent on the floor.
-        neck: the joint that takes it back, None for none.
-        share: how much of it.
+        neck: the joint that compensates it, None for none.
+        share: share of the lean that it compensates.
         lower: (F,) [m] by which the body is lowered.
     """
 
@@ -35,7 +35,7 @@ class Lean:
 
 
 def lay_body(posed: WalkPoses, ground: Ground, lean: Lean) -> Clip:
-    """Put the body on a path; feet go along with it.
+    """Place the body on a path, with its feet.
 
     Args:
         posed: F frames on the spot.
@@ -44,7 +44,7 @@ def lay_body(posed: WalkPoses, ground: Ground, lean: Lean) -> Clip:
     """
     floor, phi = posed.rig.floor, lean.angle
     laid, leans = posed.clip, posed.root
-    if posed.body is not None:  # what carries the body keeps upright, and to the path
+    if posed.body is not None:  # the joint that carries the body stays upright, and on the path
         position, turn = root_in_world(laid, posed.root)
         leans, path = posed.body, replace(ground, aside=np.zeros_like(ground.aside))
         laid = with_root(laid, posed.root, path.lay(position), rotation.multiply(ground.turn, turn))
@@ -71,12 +71,12 @@ def lay_body(posed: WalkPoses, ground: Ground, lean: Lean) -> Clip:
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """Where a foot is to be in the world.
+    """The goal of a foot in the world.
 
     Args:
         ankle: (F, 3) [m].
         turn: (F, 4) of the ankle's frame.
-        swings: frames in which it goes from stance to stance with its leg, wherever that leads it.
+        swings: frames in which it swings with its leg from stance to stance, without a goal.
         usual: (F, 3) [m/s^2] by how much knee, ankle and toe accelerate in the walks.
     """
 
@@ -86,7 +86,7 @@ class Goal:
     usual: Floats
 
     def held(self) -> Bools:
-        """(F,) whether the foot is to be there, not with its leg."""
+        """Mark the frames (F,) in which the goal counts."""
         out = np.ones(len(self.ankle), dtype=np.bool_)
         for some in self.swings:
             out[some] = False
@@ -94,7 +94,7 @@ class Goal:
 
 
 def goal_of(foot: WalkingFoot, ground: Ground, yaw: Floats, shift: Floats, height: Floats) -> Goal:
-    """Where a foot is on the path.
+    """Compute a foot's goal on the path.
 
     Args:
         foot: as it walks along z.
@@ -109,10 +109,10 @@ def goal_of(foot: WalkingFoot, ground: Ground, yaw: Floats, shift: Floats, heigh
 
 
 def _free_swings(foot: WalkingFoot) -> tuple[slice, ...]:
-    """Frames between stances in which a foot is mixed, or its body.
+    """List the swings in which a foot, or its body, is blended.
 
-    A foot that is mixed by itself leaves the floor when its own stance is over, a little before or after its leg is
-    bent for that, and a knee that is nearly straight is torn by it.
+    A foot blended separately leaves the floor a little before or after its leg bends for that, which would make a
+    nearly straight knee jerk.
     """
     swings = [b + np.flatnonzero(foot.mixed[b:a]) for (_, b), (a, _) in pairwise(foot.steps.stances)]
     return tuple(slice(int(each[0]), int(each[-1]) + 1) for each in swings if len(each) >= _SWING)

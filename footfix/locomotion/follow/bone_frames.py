@@ -1,4 +1,4 @@
-"""Walks of one skeleton whose joints have other frames: they are led over to those of the first walk."""
+"""Convert walks of one skeleton whose joints have different frames to the frames of the first walk."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ALONG = 1e-3  # [rad] by which bones may differ and still lie along one line
 
 
 def in_frames_of_first(walks: Sequence[Walk]) -> tuple[Walk, ...]:
-    """Lead walks over to the frames that the joints of the first one have; what is one walk stays one."""
+    """Convert walks to the joint frames of the first one; equal walks stay the same object."""
     led: dict[int, Walk] = {}
     for walk in walks:
         if id(walk) not in led:
@@ -28,14 +28,13 @@ def in_frames_of_first(walks: Sequence[Walk]) -> tuple[Walk, ...]:
 
 
 def in_frames_of(first: Walk, other: Walk) -> Walk:
-    """Turn the frames of a walk's joints to how the first walk has them, if those of its legs differ widely.
+    """Convert a walk to the joint frames of the first walk, if those of the legs differ widely.
 
-    A bone can be turned about itself, and a joint without bones anyhow, and nothing is seen of it on a figure of lines;
-    solvers of inverse kinematics leave it to chance. Mixed with frames of another make, a figure would be wrung. It
-    stays where it is.
+    The twist of a bone about itself does not show on a stick figure, and solvers of inverse kinematics choose it
+    arbitrarily. Blended with other twists, the figure's mesh would be distorted. Joint positions do not change.
 
     Args:
-        first: the walk whose frames count.
+        first: the walk whose frames are used.
         other: with the same skeleton.
     """
     skeleton = first.clip.skeleton
@@ -57,7 +56,7 @@ def in_frames_of(first: Walk, other: Walk) -> Walk:
 
 
 def _ahead(walk: Walk, pose: Pose) -> Floats:
-    """(4,) how far the figure is turned in the mean, by its hips: backwards one walks alike, turned round."""
+    """Compute the mean heading of the hips (4,)."""
     if len(walk.rig.legs) < 2:
         return rotation.identity()
     one, two = (pose.position(leg.hip).mean(axis=0) for leg in walk.rig.legs[:2])

@@ -1,4 +1,4 @@
-"""Key-times of walks: which moments of two walks belong together."""
+"""Key-times of walks: which times of two walks correspond."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.spline import Cubic, monotone
 
-_EXACT = 1e-8  # [strides] a step of Newton's that is shorter is the last: it leaves its square
+_EXACT = 1e-8  # [strides] Newton's method ends after a step shorter than this
 
 
 @dataclass(frozen=True, eq=False)
 class Keys:
     """The key-times of a walk (K 6.1): its frame at each moment of a generic stride, and back.
 
-    K leads linearly from key to key, F(t) = F_i + (F_i+1 - F_i) (t - K_i) / (K_i+1 - K_i); here a monotone cubic does,
-    so that no foot changes its speed at a key.
+    K interpolates linearly, F(t) = F_i + (F_i+1 - F_i) (t - K_i) / (K_i+1 - K_i); here a monotone cubic is used, so
+    that feet do not change speed abruptly at a key.
 
     Args:
         times: (n,) generic times [strides] of the keys of a round, from 0.
@@ -80,7 +80,7 @@ def stance_of(walk: Walk, keys: Keys, leg: int) -> tuple[float, float] | None:
 
 
 def in_step(time: Floats, strike: float, stands: Floats, own: float) -> Floats:
-    """Find (F,) generic times [strides] at which a leg that stands for `own` is where one is that stands for `stands`.
+    """Convert generic times (F,) [strides] of a leg with stance duration `stands` to those of one with `own`.
 
     Middle of stance to middle of stance, strike to strike, lift to lift, by tan(pi u') = k tan(pi u): the smoothest map
     of a circle that does.
@@ -101,10 +101,10 @@ def in_step(time: Floats, strike: float, stands: Floats, own: float) -> Floats:
 def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
     """Find key-times of walks (K 6.1): strikes of every leg.
 
-    K takes lifts, too. The whole figure would then hurry from key to key where it stands for longer in one walk than in
-    the other, and be jolted; `in_step` brings lifts of each leg together by itself.
+    K uses lifts, too. With stances of different duration the whole figure would then speed up and slow down between
+    keys; instead `in_step` aligns the lifts of each leg separately.
 
-    Walks of unlike numbers of strides are aligned stride by stride, which is what K's shorter clip as go-between does.
+    Walks with different numbers of strides are aligned stride by stride, as by K's shorter clip in between.
     """
     strikes = [_strikes(walk) for walk in walks]
     legs = [leg for leg in strikes[0] if all(leg in each for each in strikes)]

@@ -1,4 +1,4 @@
-"""Legs that lead from a body on a path to where its feet step."""
+"""Bend the legs of a body on a path to its footsteps."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ from footfix.motion.kinematics import forward
 from footfix.motion.vectors import cross, dot, norm, unit
 from footfix.rig.rig import Rig
 
-_BENT = 0.992  # of a leg's bones, to which it is stretched where it is kept from being straight
-_PLANE = 0.8  # [rad] a knee that is bent by more tells the plane of its leg
-_STEADY = 0.3  # [s] over which that plane is smoothed
-_MOVED = 1e-7  # [m, rad] a foot that is off by less is where it is to be
+_BENT = 0.992  # of the length of a leg's bones: longest leg where it is kept from being straight
+_PLANE = 0.8  # [rad] flexion from which a knee determines the plane of its leg
+_STEADY = 0.3  # [s] smoothing window of that plane
+_MOVED = 1e-7  # [m, rad] a foot nearer to its goal than this is not moved
 
 
 def hips_of(clip: Clip, rig: Rig) -> list[Floats]:
-    """For each leg (F, 3) [m] the hip."""
+    """Get the hip of each leg, (F, 3) [m]."""
     seen = forward(clip, [leg.hip for leg in rig.legs])
     return [seen.position(leg.hip) for leg in rig.legs]
 
 
 def reaches(clip: Clip, rig: Rig, reach: Sequence[float], bent: Floats) -> list[Floats]:
-    """Tell for each leg (F,) [m] how far from hip to ankle it may be stretched.
+    """Compute the greatest allowed distance from hip to ankle of each leg, (F,) [m].
 
-    That is as far as it ever was captured. Where its foot steps elsewhere it is kept from being that straight: near
-    the straight line a knee shoots forwards and back by what an ankle hardly moves.
+    It is the greatest captured distance. Where a foot is moved, the leg is kept from being that straight: near straight
+    a tiny motion of the ankle moves the knee a lot.
 
     Args:
         clip: F frames.
         rig: its legs.
         reach: [m] of each, as far as it ever was captured.
-        bent: (F,) how much of that is wanted, 0 to 1.
+        bent: (F,) how much of that to apply, 0 to 1.
     """
     seen = forward(clip, [joint for leg in rig.legs for joint in (leg.hip, leg.knee, leg.ankle)])
     most = list[Floats]()
@@ -60,7 +60,7 @@ def reaches(clip: Clip, rig: Rig, reach: Sequence[float], bent: Floats) -> list[
 
 
 def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[float], way: Floats) -> Clip:
-    """Bend legs so that ankles are at their goals; what is there already keeps its numbers.
+    """Bend legs so that ankles reach their goals; legs that are there already are unchanged.
 
     Args:
         clip: the body, as `lay_body` has put it.
@@ -91,13 +91,13 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
 
 
 def astray(leg: CapturedLeg, way: Floats, wide: int) -> Floats:
-    """Find (F,) [rad] by which a leg that was nearly straight, and is bent now, turns about its own line.
+    """Find the turn (F,) [rad] about its own line of a leg that was nearly straight and is bent now.
 
-    The plane of a leg that is nearly straight means little, and may swing round within some frames, unseen; when the
-    leg is bent, its knee would be thrown aside. So it goes by the frames around in which the leg was bent more.
+    The plane of a nearly straight leg is badly determined, and may turn within some frames unnoticed; once the leg is
+    bent, its knee would jump aside. So the plane is taken from frames nearby in which the leg was bent more.
 
-    It is seen from the way, not from the pelvis: a pelvis that has joints between it and the hips may turn otherwise
-    in one walk than in another, and both figures look the same.
+    It is measured relative to the direction of travel, not to the pelvis, whose frame may turn differently in two walks
+    that look the same.
 
     Args:
         leg: as it was.

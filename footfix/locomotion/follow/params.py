@@ -1,4 +1,4 @@
-"""What can be asked of walks that follow a path."""
+"""Parameters of walks that follow a path."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import Literal
 
 @dataclass(frozen=True, kw_only=True)
 class FollowParams:
-    """How captured walks are led along a path.
+    """How captured walks follow a path.
 
     Args:
-        speed: times as fast as captured; the time of a stride and its length share it [times].
-        speed_to: of every walk; None for the captured one [m/s].
-        seconds: how long; None for as long as the path takes [s].
-        stride: whether strides, and so speed, shrink where the path is curved.
+        speed: factor on the captured speed, shared by stride time and stride length [times].
+        speed_to: speed of every walk; None for the captured one [m/s].
+        seconds: duration; None for as long as the path takes [s].
+        stride: whether strides, and so the speed, are shorter where the path is curved.
         lean: whether the figure leans into curves.
-        head: how much of the lean the head takes back, 1 for a level head [share].
-        on_path: what keeps to the path: "root", while feet step outwards by what the figure leans, or "feet".
-        shrink: of a stride by so much, where a leg length is turned by a radian [share].
-        shortest: of a stride, however curved the path is [share].
-        stance_turn: by which the path may turn at most while a foot stands; sharper kinks are rounded [degrees].
-        kink: at which points of a path count as a corner, not as points of a curve [degrees].
-        unit: of the points of a path that is read [m].
-        shortest_blend: from one walk to another [s].
-        longest_blend: from one walk to another [strides].
+        head: share of the lean that the head compensates, 1 for a level head [share].
+        on_path: what stays on the path in curves: "root", with footsteps farther outwards, or "feet".
+        shrink: reduction of a stride where the path turns by a radian per leg length [share].
+        shortest: shortest stride, however curved the path is, relative to the captured one [share].
+        stance_turn: greatest turn of the path during one stance; sharper kinks are rounded [degrees].
+        kink: turn at a point of the path from which it is a corner, not part of a curve [degrees].
+        unit: unit of the points of a path read from a file [m].
+        shortest_blend: shortest blend from one walk to another [s].
+        longest_blend: longest blend from one walk to another [strides].
     """
 
     speed: float = 1.0

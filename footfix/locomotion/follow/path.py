@@ -1,4 +1,4 @@
-"""A path over the floor: smoothed, its kinks rounded, and known by its arc length."""
+"""A path on the floor: smoothed, with rounded kinks, as a function of arc length."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from footfix.motion.spline import Cubic, spline
 from footfix.notes import Note
 
 _SPACING = 0.025  # [m] between points that are smoothed
-_MOST = 400_000  # points
-_SAME = 1e-9  # of a path's length: points nearer than this are one, and lines straighter than this straight
+_MOST = 400_000  # greatest number of points
+_SAME = 1e-9  # of a path's length: points nearer than this are equal, lines with less deviation are straight
 _CLOSED = 1e-3  # [m] from the last point to the first, where a path is closed
 _TAPS = 7  # N_p of K sec. 4
-_ROUND = 0.1  # [m] width of one pass of what rounds a kink
+_ROUND = 0.1  # [m] width of the Gaussian in one pass of rounding a kink
 _PASSES = 300
-_TOO_SHARP = 1.3  # times as sharp as allowed: rounding did not help
+_TOO_SHARP = 1.3  # rounding has failed if the curvature is still this multiple of the limit
 _ENOUGH = 0.02  # [share] by which a rounded kink may be sharper than asked for
-_NOTICED = 0.005  # [m] what is moved by less is no news
+_NOTICED = 0.005  # [m] no note is made on points moved less than this
 
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A path by its arc length.
+    """A path on the floor as a function of arc length.
 
     Headings are angles about the vertical, 0 along z, and grow to the left.
 
     Args:
         points: (N, 2) [m] x and z, evenly spaced along it; of a closed path the last is the first.
         length: [m].
-        closed: whether it goes on from its end at its start.
+        closed: whether its end continues at its start.
         notes: what was rounded.
     """
 
@@ -50,7 +50,7 @@ class Path:
 
     @cached_property
     def straight(self) -> bool:
-        """Whether it is a straight line."""
+        """Tell whether it is a straight line."""
         return not self.closed and _is_straight(self.points)
 
     @cached_property
@@ -59,12 +59,12 @@ class Path:
 
     @cached_property
     def _headings(self) -> tuple[Floats, Floats]:
-        """Headings [rad] at the points, without leaps, for telling the turns of other places."""
+        """Compute continuous headings [rad] at the points."""
         at = np.linspace(0.0, self.length, len(self.points))
         return at, np.unwrap(np.arctan2(*self._spline(at, 1).T))
 
     def position(self, s: Floats) -> Floats:
-        """(..., 2) [m] x and z at arc lengths (...) [m]; an open path goes straight on beyond its ends."""
+        """Get x and z (..., 2) [m] at arc lengths (...) [m]; an open path continues straight beyond its ends."""
         s = np.asarray(s, dtype=np.float64)
         if self.straight:
             way = (self.points[-1] - self.points[0]) / self.length
@@ -75,7 +75,7 @@ class Path:
         return np.asarray(self._spline(on) + beyond[..., None] * way)
 
     def heading(self, s: Floats) -> Floats:
-        """(...) [rad] the direction at arc lengths (...) [m]."""
+        """Get the heading (...) [rad] at arc lengths (...) [m]."""
         s = np.asarray(s, dtype=np.float64)
         if self.straight:
             return np.full(s.shape, np.arctan2(*(self.points[-1] - self.points[0])))
@@ -87,7 +87,7 @@ class Path:
         return np.asarray(exact - 2.0 * np.pi * np.round((exact - near) / (2.0 * np.pi)) + turns)
 
     def curvature(self, s: Floats) -> Floats:
-        """(...) [rad/m] by which it turns to the left at arc lengths (...) [m]."""
+        """Get the curvature (...) [rad/m], positive to the left, at arc lengths (...) [m]."""
         s = np.asarray(s, dtype=np.float64)
         if self.straight:
             return np.zeros(s.shape)
@@ -95,7 +95,7 @@ class Path:
         return np.where(beyond == 0.0, _bent(self._spline, on), 0.0)
 
     def _on(self, s: Floats) -> tuple[Floats, Floats, Floats]:
-        """Arc lengths within the path, what lies beyond its ends [m], and laps of a closed one."""
+        """Split arc lengths into those within the path, the excess beyond its ends [m], and laps of a closed path."""
         if self.closed:
             laps = np.floor(s / self.length)
             return s - laps * self.length, np.zeros_like(s), laps
@@ -110,11 +110,11 @@ def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = 0.25 * 
 
     Args:
         points: (N, 2) [m] x and z.
-        sharpest: [rad/m] curvature up to which it may be bent.
-        kink: [rad] a larger turn at a point is a corner.
+        sharpest: [rad/m] greatest curvature.
+        kink: [rad] turn at a point from which it is a corner.
 
     Raises:
-        ArgumentError: these points are no path.
+        ArgumentError: the points do not make a path.
     """
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.all(np.isfinite(points)):

@@ -1,4 +1,4 @@
-"""Walks laid along a path: body and feet, strides, and lean."""
+"""Lay walks along a path: body, feet, stride length, and lean."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.rig import Rig
 
-_CURVES = 0.5  # of what a leg is kept from being straight where walks are mixed, on curves
+_CURVES = 0.5  # on curves, how much legs are kept from being straight, relative to blends
 _LINE = Path(np.array([[0.0, 0.0], [0.0, 1.0]]), 1.0, False)  # along z
 
 
 @dataclass(frozen=True, eq=False)
 class Laid:
-    """Walks laid along a path, F frames with what is cut off at both ends.
+    """Walks laid along a path: F frames, including those that are cut off later at both ends.
 
     Args:
         posed: the same on the spot.
-        laid: bodies on the path, before legs were bent.
+        laid: the body on the path, before legs are bent.
         clip: with feet where they step.
         arc: (F,) [m] arc length on the path.
         speed: (F,) [m/s] along it.
-        scale: (F,) how long strides are, of captured ones.
+        scale: (F,) length of strides, relative to captured ones.
         lean: of the body.
-        aside: (F,) [m] how far feet step beside the path, to the left.
+        aside: (F,) [m] distance of footsteps from the path, to the left.
         balance: (F,) [m] how far the zero-moment point is from where the straight walk has it, to the left.
         stride: (F,) [frames] of a stride.
     """
@@ -65,19 +65,19 @@ class Laid:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """How a figure gets on along a path, frame by frame, and leans.
+    """The progress of a figure along a path, frame by frame, and its lean.
 
     Args:
         path: the path.
         arc: (F,) [m] arc length on it.
         speed: (F,) [m/s] along it.
-        scale: (F,) how long strides are, of captured ones.
+        scale: (F,) length of strides, relative to captured ones.
         angle: (F,) [rad] of the lean, to the left.
-        height: (F,) [m] of the pelvis; times the lean's sine, feet step outwards by it,
-        outwards: if they do.
-        firm: (F,) how much of what a foot slides and turns while it stands is taken out.
-        neck: the joint that takes the lean back, None for none,
-        head: and how much of it.
+        height: (F,) [m] of the pelvis; feet step outwards by this times the lean's sine,
+        outwards: if this is set.
+        firm: (F,) share of a planted foot's slide and turn that is removed.
+        neck: the joint that compensates the lean, None for none,
+        head: and the share of the lean that it compensates.
     """
 
     path: Path
@@ -93,7 +93,7 @@ class Course:
 
     @property
     def aside(self) -> Floats:
-        """(F,) [m] how far feet step beside the path, to the left."""
+        """Compute the distance of footsteps from the path, (F,) [m] to the left."""
         return np.asarray(-self.height * np.sin(self.angle) * self.outwards)
 
     @property
@@ -111,16 +111,16 @@ def course_on(
     path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams, *, paced: bool,
     since: float = 0.0,
 ) -> Course:  # fmt: skip
-    """Tell how walks get on along a path.
+    """Compute the progress of walks along a path.
 
     Args:
-        path: the path,
-        way: and how they get on along it.
-        walks: one after the other,
-        timeline: and when.
-        params: how.
-        paced: whether they are gone at another speed.
-        since: [m] that were gone before the timeline starts.
+        path: the path.
+        way: distances on the path by distances walked.
+        walks: one after the other.
+        timeline: when each is shown.
+        params: of the walk along the path.
+        paced: whether they are at another speed than captured.
+        since: [m] walked before the timeline starts.
     """
     arc = way.arc(timeline.gone + since)
     first, leads, stride = walks[0], timeline.leads(), _strides(walks, timeline)
@@ -139,14 +139,14 @@ def course_on(
 
 
 def _strides(walks: Sequence[Walk], timeline: Timeline) -> Floats:
-    """(F,) [frames] that a stride of the walk that leads takes."""
+    """Compute the duration of a stride of the leading walk, (F,) [frames]."""
     return np.array([walk.stride_seconds for walk in walks])[timeline.leads()] / timeline.frame_time
 
 
 def lay_walks(
     path: Path, way: Way, walks: Sequence[Walk], timeline: Timeline, params: FollowParams, *, paced: bool
 ) -> Laid:  # fmt: skip
-    """Lay body and feet along a path, and lean; `paced` says whether walks are gone at another speed."""
+    """Lay body and feet along a path, and lean; `paced` tells whether the speed differs from the captured one."""
     posed, first = pose(walks, timeline), walks[0]
     course = course_on(path, way, walks, timeline, params, paced=paced)
     stride, arc = _strides(walks, timeline), course.arc
@@ -170,9 +170,9 @@ def lay_walks(
 def _balance(
     clip: Clip, rig: Rig, body: tuple[Segment, ...], path: Path, arc: Floats, aside: Floats, stride: float
 ) -> Floats:  # fmt: skip
-    """(F,) [m] how far the zero-moment point is to the left of where feet step along a path.
+    """Measure how far the zero-moment point is to the left of the footsteps along a path, (F,) [m].
 
-    The mean over a stride, by how hard the body presses on the floor: in free flight it does not.
+    It is the mean over a stride, weighted by the force on the floor, which is zero in flight.
     """
     point, press = zero_moment_point(clip, rig, body)
     heading = path.heading(arc)
@@ -185,7 +185,7 @@ def _balance(
 
 
 def lay_figure(posed: WalkPoses, course: Course) -> tuple[Clip, Clip, Floats]:
-    """The body on its course, the same with its feet where they step, and by how much it is lowered for that."""
+    """Place the body on its course, bend its legs to the footsteps, and lower it as far as legs require."""
     rig, dt, path, firm = posed.rig, posed.clip.frame_time, course.path, course.firm
     ground, aside = course.ground, course.aside
     laid = lay_body(posed, ground, course.lean)

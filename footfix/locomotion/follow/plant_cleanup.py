@@ -1,4 +1,4 @@
-"""Plants of walks along a path: what still slides is held, only where it does."""
+"""Hold the plants of walks along a path that still slide."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
 
-_KEEP = 1e-3  # [leg lengths] only what slides no farther stays as it is
-_HEEL = 6e-3  # [leg lengths] that a heel may slide while its toe stands: a heel is round, and nobody sees it
+_KEEP = 1e-3  # [leg lengths] plants that slide no farther are unchanged
+_HEEL = 6e-3  # [leg lengths] slide allowed for a heel while its toe is planted: invisible, since heels are round
 _EDGE = 0.015  # [s] at both ends of a contact in which a foot may still land or leave
 
 
@@ -30,8 +30,8 @@ def held_on(
         clip: F frames.
         rig: its legs.
         contacts: which sole points are planted when.
-        params: how.
-        needed: whether anything may slide otherwise than in the walks; it is seen to where something does.
+        params: of enforcement.
+        needed: whether anything may slide more than in the walks, and must be held.
     """
     needed = needed and not stands(clip, rig, contacts)
     keep = min(params.pins.keep_slide, _KEEP)
@@ -46,7 +46,7 @@ def held_on(
 def as_straight(
     plants: Sequence[Footplant], clip: Clip, straight: Clip, gone: Floats, rig: Rig
 ) -> tuple[Footplant, ...]:  # fmt: skip
-    """Tell of plants that slide no farther than in the straight walk that they are kept as captured.
+    """Mark plants that slide no farther than in the straight walk as kept.
 
     Args:
         plants: as they were held.
@@ -79,7 +79,7 @@ def _strays(track: Floats) -> float:
 
 
 def stands(clip: Clip, rig: Rig, contacts: Contacts, slack: float = 1.0) -> bool:
-    """Whether whatever is planted stands as it is, or slides no farther than `slack` times what nobody sees."""
+    """Tell whether all plants slide at most `slack` times an invisible slide."""
     edge = max(1, round(_EDGE / clip.frame_time))
     for sole, track, effector in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), contacts.effectors, strict=True):
         most = slack * (_HEEL if sole.part == "heel" else _KEEP) * rig.leg_length

@@ -1,4 +1,4 @@
-"""Tracks and poses of two walks, mixed by how much of the second is wanted."""
+"""Blend tracks and poses of two walks by the weight of the second."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from footfix.motion.clip import Bools, Clip, Floats
 
 
 def mixed(one: Floats, two: Floats, seen: Sequence[Bools], weight: Floats, *, turn: bool = False) -> Floats:
-    """Mix tracks of two walks that are seen in some of n frames each.
+    """Blend tracks of two walks, each given in some of n frames.
 
     Args:
         one, two: (..., n1, D), (..., n2, D) the tracks in the frames in which they are seen.
         seen: for either (n,) in which frames that is; the first where the weight is below 1, the second where it is
             above 0.
-        weight: (n,) how much of the second.
+        weight: (n,) of the second.
         turn: whether they are rotations.
 
     Returns:
-        (..., n, D), the very numbers of one track where only that counts.
+        (..., n, D), exactly one track's values where only that counts.
     """
     if not np.any(seen[1]):
         return one
@@ -38,7 +38,7 @@ def mixed(one: Floats, two: Floats, seen: Sequence[Bools], weight: Floats, *, tu
 
 
 def _on_one_side(a: Floats, b: Floats, weight: Floats) -> Floats:
-    """(..., n, 4) from rotations a to b, all the time round the side that is shorter where they count alike.
+    """Compute the rotations from a to b (..., n, 4), always by the arc that is shorter where weights are equal.
 
     The shorter arc of each frame by itself changes sides where two poses come to be half a turn apart.
     """
@@ -57,13 +57,13 @@ def _on_one_side(a: Floats, b: Floats, weight: Floats) -> Floats:
 def mixed_clip(
     clips: tuple[Clip, Clip], seen: Sequence[Bools], weight: Floats, joints: Mapping[int, tuple[Clip, Clip, Floats]]
 ) -> Clip:  # fmt: skip
-    """Mix the poses of two walks.
+    """Blend the poses of two walks.
 
     Args:
         clips: of either walk in the frames in which it is seen.
         seen: see `mixed`.
         weight: (n,) how much of the second.
-        joints: those that go by clips and a weight (n,) of their own.
+        joints: joints with their own clips and weight (n,).
     """
     count = len(clips[0].skeleton)
     places: list[Floats] = [np.zeros((0, 3))] * count
@@ -107,7 +107,7 @@ def _still(one: Floats, two: Floats) -> bool:
 
 
 def joined(clips: Sequence[Clip]) -> Clip:
-    """Clips of one skeleton one after the other."""
+    """Join clips of one skeleton end to end."""
     if len(clips) == 1:
         return clips[0]
     joints = range(len(clips[0].skeleton))

@@ -1,4 +1,4 @@
-"""Leading round where a path turns back on itself: who walks there swings out and comes back."""
+"""Pure-pursuit path following with a curvature limit, for paths that turn back."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 
-_AHEAD = 0.8  # of the smallest radius: how far ahead one looks
-_SWINGS = 0.5  # of that radius: the way in which a curve becomes as sharp as it gets
-_LONGER = 3.0  # times as long as the path the way may be
+_AHEAD = 0.8  # look-ahead distance, as a share of the smallest radius
+_SWINGS = 0.5  # distance over which curvature builds up, as a share of the smallest radius
+_LONGER = 3.0  # greatest length of the result, as a multiple of the path's
 
 
 def pursued(points: Floats, step: float, sharpest: float) -> Floats:
-    """The way of somebody who looks ahead on a path, goes there, and turns no more sharply than allowed.
+    """Follow a path by steering towards a point ahead on it, with a limit on curvature.
 
     Source: R. C. Coulter, Implementation of the pure pursuit path tracking algorithm, CMU-RI-TR-92-01 (1992):
     the arc to a point at an angle a and a distance d has the curvature 2 sin(a) / d.
@@ -38,7 +38,7 @@ def pursued(points: Floats, step: float, sharpest: float) -> Floats:
         angle = float(np.arctan2(*line)) - heading
         angle -= 2.0 * np.pi * round(angle / (2.0 * np.pi))
         wanted = 2.0 * np.sin(angle) / max(float(np.hypot(*line)), step)
-        if abs(angle) > 0.5 * np.pi:  # it lies behind: round, on the side on which one turns already
+        if abs(angle) > 0.5 * np.pi:  # it lies behind: keep turning to the same side
             wanted = np.copysign(sharpest, bent if abs(angle) > 0.75 * np.pi and bent else angle)
         bent += float(np.clip(np.clip(wanted, -sharpest, sharpest) - bent, -change, change))
         heading += bent * step

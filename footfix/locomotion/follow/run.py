@@ -1,4 +1,4 @@
-"""Captured walks along a path, one handed over to the next: root, feet, lean, and plants held."""
+"""Make captured walks follow a path, one blended into the next: root, feet, lean, and held plants."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_GRIP = np.radians(40.0)  # of lean, at which shoes slip on most floors: a friction of 0.84
+_GRIP = np.radians(40.0)  # lean at which shoes slip on most floors: a friction coefficient of 0.84
 
 
 @dataclass(frozen=True, eq=False)
 class Walked:
-    """How a path was walked, frame by frame.
+    """Frame-by-frame data of a walk along a path.
 
     Args:
         arc: (F,) [m] arc length on the path.
         root: (F, 2) [m] x and z of the root, in the mean over a stride.
-        off: (F,) [m] how far that is from the path, to the left.
+        off: (F,) [m] distance of the root from the path, to the left.
         speed: (F,) [m/s] along the path.
-        scale: (F,) how long strides are, of captured ones.
+        scale: (F,) length of strides, relative to captured ones.
         lean: (F,) [rad] to the left.
-        aside: (F,) [m] how far feet step beside the path, to the left.
+        aside: (F,) [m] distance of footsteps from the path, to the left.
         balance: (F,) [m] how far the zero-moment point is from where the straight walk has it, to the left, in the
             mean over a stride; zeros where nothing leans.
         lowered: (F,) [m] by which the body is lowered for its legs to reach.
@@ -66,17 +66,17 @@ class Follow:
     Args:
         clip: F frames, the figure's own skeleton.
         laid: the same before legs were bent and plants held.
-        straight: the walks as they would go straight on, F frames on the spot.
+        straight: the same walks on a straight path, F frames on the spot.
         rig: legs, soles and floor.
         contacts: of `clip`.
-        path: that was walked.
-        walked: how.
+        path: the path.
+        walked: frame-by-frame data.
         transitions: from walk to walk.
         walks: the loops that were laid.
-        frames: (F,) which frame of the first captured clip each is written like.
-        plants: each contact, where it stands.
-        correction: what makes `clip` of `laid`.
-        notes: what a person should know.
+        frames: (F,) the frame of the first captured clip that each corresponds to when it is written.
+        plants: each contact with its place.
+        correction: the change from `laid` to `clip`.
+        notes: for the user.
     """
 
     clip: Clip
@@ -98,19 +98,19 @@ def follow_path(
     points: Floats, walks: Sequence[Walk], ats: Sequence[At], params: FollowParams, holding: EnforceParams, *,
     relative: bool = False,
 ) -> Follow:  # fmt: skip
-    """Lead walks along a path.
+    """Make walks follow a path.
 
     Args:
         points: (N, 2) [m] x and z of the path.
         walks: one after the other.
         ats: where each of them begins; the first at the start.
-        params: how.
+        params: of the walk along the path.
         holding: how footplants are enforced.
         relative: whether points are seen from where the first walk is, to its left and ahead.
 
     Raises:
-        ArgumentError: the points are no path.
-        UsageError: walks begin where they can't.
+        ArgumentError: the points do not make a path.
+        UsageError: a walk can't begin where it should.
         InputError: the walks have different skeletons.
     """
     check_alike(walks)
@@ -132,7 +132,7 @@ def _one_key(walk: Walk) -> Keys:
 
 
 def _path(points: Floats, walks: Sequence[Walk], params: FollowParams, relative: bool) -> Path:
-    """The path in the world, no kink of it sharper than a stance can turn."""
+    """Make the path in the world, with kinks no sharper than a stance can turn."""
     if relative:
         x, z, heading = walks[0].start
         c, s = np.cos(heading), np.sin(heading)
@@ -152,14 +152,14 @@ def _path(points: Floats, walks: Sequence[Walk], params: FollowParams, relative:
 
 
 def _stance_way(walk: Walk) -> float:
-    """[m] that a walk goes while a foot stands, in the mean."""
+    """Compute the mean distance walked during a stance [m]."""
     own = [e for e, sole in enumerate(walk.rig.soles) if sole.leg == 0]
     share = float(walk.contacts.mask()[:-1, own].any(axis=1).mean())
     return share * walk.length / walk.strides
 
 
 def _until(path: Path, params: FollowParams, walks: Sequence[Walk], paces: Sequence[Pace]) -> float:
-    """[m] how far at most walks get."""
+    """Compute an upper bound on the distance walked [m]."""
     if params.seconds is None:
         return path.length
     fastest = max(w.speed * p.stride / p.time for w, p in zip(walks, paces, strict=True))
@@ -190,7 +190,7 @@ def _finished(
 
 
 def _too_much(walked: Walked, plants: Sequence[Footplant]) -> tuple[Note, ...]:
-    """Say where a path asks for more than a figure could do."""
+    """Make notes where a path demands more than a figure could do."""
     notes: tuple[Note, ...] = ()
     at = int(np.argmax(np.abs(walked.lean)))
     lean, speed = abs(float(walked.lean[at])), float(walked.speed[at])
@@ -212,7 +212,7 @@ def _too_much(walked: Walked, plants: Sequence[Footplant]) -> tuple[Note, ...]:
 
 
 def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
-    """What makes of a clip another one whose body is somewhere else and whose legs are bent otherwise."""
+    """Compute the correction from one clip to another with another root and other leg rotations."""
     shift = root_in_world(clip, rig.root)[0] - root_in_world(laid, rig.root)[0]
     joints = [joint for leg in rig.legs for joint in (*leg.chain, *(() if leg.toe is None else (leg.toe,)))]
     turned = [joint for joint in joints if np.any(clip.rotation(joint) != laid.rotation(joint))]

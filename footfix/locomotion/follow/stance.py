@@ -1,4 +1,4 @@
-"""Feet that stand on a path: where it is curved they neither slide nor turn by more than their captured roll."""
+"""Planted feet on a curved path: remove slide and turn, except the captured roll."""
 
 from __future__ import annotations
 
@@ -12,28 +12,27 @@ from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.contacts import runs
 from footfix.motion.vectors import cross, norm, unit
 
-_TURNS = 0.05  # [rad/m] from this curvature on feet do not turn while they stand
-_STRAYS = 0.012  # [m] a toe that strays farther while it stands is left to inverse kinematics over the whole clip
-_ROLLS = 0.025  # [m] and a heel that does until its toe comes down
+_TURNS = 0.05  # [rad/m] curvature from which planted feet do not turn
+_STRAYS = 0.012  # [m] a planted toe that strays farther is left to enforcement over the whole clip
+_ROLLS = 0.025  # [m] the same for a heel before its toe comes down
 _EDGE = 0.015  # [s] at both ends of a contact in which the toe may still land or leave
-_EASE = 0.16  # [s] in which a foot gets back to how it was captured
-_SMOOTH = 0.1  # [s] over which the turn that is taken out of a stance is smoothed
-_SLACK = np.radians(1.0)  # that one way to read how far a foot turns may grow by for the sake of others
+_EASE = 0.16  # [s] over which a foot returns to its captured motion
+_SMOOTH = 0.1  # [s] smoothing window of the turn removed from a stance
+_SLACK = np.radians(1.0)  # greatest increase of one measure of a foot's turn for the benefit of others
 _UP = np.array([0.0, 1.0, 0.0])
 
 
 def firmness(curvature: Floats) -> Floats:
-    """Tell (F,) from 0 on straight paths, where feet stand as captured, to 1 on curves, where they are held."""
+    """Compute (F,) from 0 on straight paths, where feet stand as captured, to 1 on curves, where they are held."""
     return ease(np.abs(curvature) / _TURNS)
 
 
 def yaws(turn: Floats, ahead: Floats, stands: Ints) -> Floats:
-    """Tell (5, F) [rad] how far a foot turns about the vertical, in the ways in which it can be read.
+    """Measure a foot's turn about the vertical in several ways, (5, F) [rad].
 
-    They are one while it lies flat, and differ while it rolls over its toes: its direction seen from above, which
-    means little once the heel is high; the turn about the vertical of the whole rotation; and the direction of the
-    axis across it, about which it rolls. The last two are seen from how it stands in the middle, where they are 0, and
-    from where it is flattest.
+    They agree while it lies flat, and differ while it rolls over its toes: its direction seen from above, which means
+    little once the heel is high; the turn about the vertical of the whole rotation; and the direction of the axis
+    across it, about which it rolls. The last two are relative to the middle of the stance, and to its flattest frame.
 
     Args:
         turn: (F, 4) of the ankle's frame.
@@ -52,7 +51,7 @@ def yaws(turn: Floats, ahead: Floats, stands: Ints) -> Floats:
 
 
 def fair(readings: Floats) -> Floats:
-    """Find (F,) [rad] the turn that makes the largest of readings (N, F) smallest, while none grows past `_SLACK`."""
+    """Find the turn (F,) [rad] that minimises the largest of measures (N, F), none growing by more than `_SLACK`."""
     most = np.maximum(np.abs(readings), _SLACK)
     centre = -0.5 * (readings.min(axis=0) + readings.max(axis=0))
     return np.asarray(np.clip(centre, (-readings - most).max(axis=0), (most - readings).min(axis=0)))
@@ -61,12 +60,12 @@ def fair(readings: Floats) -> Floats:
 def unturned(
     turn: Floats, ankle: Floats, heel: Floats, toes: Bools, steps: Steps, share: Floats, frame_time: float
 ) -> tuple[Floats, Floats]:  # fmt: skip
-    """Find by how much a foot is turned about the vertical so that it does not turn while it stands.
+    """Find the rotation about the vertical that keeps a foot from turning while it is planted.
 
-    One rigid frame of the path carries a stance, so that a foot turns as in the straight walk. What it turned there is
-    taken out as far as it turns less then however one looks at it: all of it while it lies flat (K 7.1 gives a plant
-    its mean swivel angle), little while it rolls over its toes. This leads back to the captured foot before and after.
-    It turns about its toe; before that is down, about its heel.
+    A stance is placed by one rigid frame of the path, so that a foot turns as in the straight walk. That turn is
+    removed as far as all measures of it decrease: completely while the foot lies flat (K 7.1 gives a plant its mean
+    swivel angle), little while it rolls over its toes. Before and after, this fades back to the captured foot. The
+    foot turns about its toe; before that is down, about its heel.
 
     Args:
         turn: (F, 4) of the foot, walking along z.
@@ -74,7 +73,7 @@ def unturned(
         heel: (F, 3) [m] from its toe to its heel.
         toes: (F,) whether the toe stands.
         steps: its stances.
-        share: (F,) how much of that is wanted: none on a straight path.
+        share: (F,) how much of that to apply: none on a straight path.
         frame_time: [s].
 
     Returns:
@@ -112,7 +111,7 @@ def _about_heel(yaw: Floats, heel: Floats, rolls: slice) -> Floats:
 
 
 def unslid(toe: Floats, toes: Bools, share: Floats, frame_time: float) -> Floats:
-    """Find (F, 3) [m] by which a toe is moved over the floor so that it stands in one place while it is planted.
+    """Find the horizontal shift (F, 3) [m] that keeps a planted toe in one place.
 
     Args:
         toe: (F, 3) [m] in the frame that carries it.
@@ -138,10 +137,9 @@ def unslid(toe: Floats, toes: Bools, share: Floats, frame_time: float) -> Floats
 
 
 def rolled(heel: Floats, heels: Bools, toes: Bools, mixed: Bools, frame_time: float) -> Floats:
-    """Find (F, 3) [m] by which a foot is moved over the floor so that it rolls over its heel until its toe comes down.
+    """Find the horizontal shift (F, 3) [m] that keeps a planted heel in one place until the toe comes down.
 
-    Mixed of two walks, one that comes down on its heel and one that does on its toe, a heel slides on by some
-    millimetres.
+    Blended from a walk that lands on the heel and one that lands on the toe, a heel would slide by some millimetres.
 
     Args:
         heel: (F, 3) [m] in the frame that carries the foot.
@@ -165,7 +163,7 @@ def rolled(heel: Floats, heels: Bools, toes: Bools, mixed: Bools, frame_time: fl
 
 
 def _decay(fix: Floats, frames: int) -> Floats:
-    """(frames,) how a value that begins as `fix` goes on outwards, with its slope, and comes to rest at zero."""
+    """Continue a value and slope that start as in `fix` until they come to rest at zero, (frames,)."""
     if frames <= 0:
         return np.zeros(0)
     slope = 0.0 if len(fix) < 3 else float(fix[0] - fix[2]) / 2.0

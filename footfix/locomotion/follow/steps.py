@@ -1,4 +1,4 @@
-"""Where feet step along a path: each stance in one rigid frame of it, and from one to the next between."""
+"""Footsteps along a path: each stance in one rigid frame of the path, with interpolation in between."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import runs
 
-_BRIEF = 0.06  # [s] a swing that is shorter is none
-_TOUCH = 0.04  # [s] a stance that is shorter is none; of a gallop they are this short
+_BRIEF = 0.06  # [s] shorter swings are ignored
+_TOUCH = 0.04  # [s] shorter stances are ignored; in a gallop they last about this long
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Steps:
 
     Args:
         stances: frames `[start, end)`.
-        moment: (F,) the frame whose place on the path carries the foot: the middle of a stance throughout it.
+        moment: (F,) the frame whose place on the path positions the foot: the middle of the stance throughout it.
         swing: (F,) 0 to 1 from one stance to the next; 0 while it stands.
     """
 
@@ -35,7 +35,7 @@ class Steps:
 
 
 def find_steps(down: Bools, frame_time: float) -> Steps:
-    """Tell which moment carries a foot in each frame.
+    """Find which time positions a foot on the path in each frame.
 
     Args:
         down: (F,) whether it stands.
@@ -66,12 +66,12 @@ def find_steps(down: Bools, frame_time: float) -> Steps:
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """A path as feet and body stand on it, frame by frame.
+    """Places on a path for feet or body, frame by frame.
 
     Args:
         position: (F, 2) [m] x and z.
         heading: (F,) [rad].
-        aside: (F,) [m] by which what stands there is moved to the left.
+        aside: (F,) [m] shift to the left.
     """
 
     position: Floats
@@ -97,12 +97,12 @@ class Ground:
 
 
 def ground_at(path: Path, s: Floats, aside: Floats) -> Ground:
-    """A path at arc lengths (F,) [m]."""
+    """Get places on a path at arc lengths (F,) [m]."""
     return Ground(path.position(s), path.heading(s), aside)
 
 
 def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:
-    """Give (F,) [m] heights of a foot that is lifted less where strides are shorter (K 7.2).
+    """Compute the heights (F,) [m] of a foot that is lifted less where strides are shorter (K 7.2).
 
     Args:
         height: (F,) [m] as captured.
@@ -120,7 +120,7 @@ def lower_swing(height: Floats, steps: Steps, scale: Floats) -> Floats:
 
 
 def reach_lack(hips: Sequence[Floats], ankles: Sequence[Floats], farthest: Sequence[Floats]) -> Floats:
-    """Tell (F,) [m] by how much a figure is to be lowered so that no leg is stretched too far.
+    """Compute by how much to lower a figure so that no leg is stretched too far, (F,) [m].
 
     Args:
         hips, ankles: for each leg (F, 3) [m], the ankle where it is to be.
@@ -136,7 +136,7 @@ def reach_lack(hips: Sequence[Floats], ankles: Sequence[Floats], farthest: Seque
 
 
 def envelope(lack: Floats, width: int) -> Floats:
-    """Draw (F,) [m] a smooth curve that is nowhere below `lack` (F,) [m]: the largest within a window, in the mean."""
+    """Compute a smooth curve (F,) [m] nowhere below `lack` (F,) [m]: the moving maximum, averaged over a window."""
     if not np.any(lack):
         return lack
     half = max(2, width // 2)

@@ -1,4 +1,4 @@
-"""How long strides are: shorter in curves, and sharing a change of speed with the time that they take."""
+"""Stride length: shorter in curves, and sharing a change of speed with stride time."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.spline import spline
 
-_TIME, _STRIDE = -0.42, 0.58  # powers of a speed: how a stride's time and length share it
+_TIME, _STRIDE = -0.42, 0.58  # exponents of the speed factor for a stride's time and length
 _STEP = 0.02  # [m]
 
 
 def pace_of(walk: Walk, params: FollowParams) -> Pace:
-    """How a walk is gone at the speed that is asked for.
+    """Compute stride time and length at the requested speed.
 
-    Speed k is shared by time, k^-0.42, and length, k^0.58, of strides: step length and cadence of people grow nearly
-    alike, and k^0.42 is how often those step who walk k times as fast.
+    A speed factor k is split into stride time, k^-0.42, and stride length, k^0.58: people who walk k times as fast step
+    k^0.42 times as often.
 
     Args:
         walk: as captured.
-        params: how fast.
+        params: with the requested speed.
     """
     k = params.speed if params.speed_to is None else params.speed * params.speed_to / walk.speed
     return Pace() if k == 1.0 else Pace(float(k**_TIME), float(k**_STRIDE))
 
 
 def smoothed(values: Floats, width: int) -> Floats:
-    """Smooth values (F,) over some frames about each, by a window that rises and falls smoothly; constants stay.
+    """Smooth values (F,) with a smooth window; constants are preserved.
 
     Args:
         values: (F,), going on at the ends as they are there.
@@ -57,7 +57,7 @@ def averaged(values: Floats, width: float) -> Floats:
 
 
 def scale_of(curvature: Floats, leg_length: float, params: FollowParams) -> Floats:
-    """Tell (F,) how long strides are where a path is bent, 1 on a straight line.
+    """Compute the factor (F,) on stride length on a curved path, 1 on a straight line.
 
     K 7.2 takes 1 % for each 0.2 degrees between neighbouring samples of the path, which depends on how densely it is
     sampled; this goes by curvature times leg length, and also ends at half a stride.
@@ -74,13 +74,13 @@ def scale_of(curvature: Floats, leg_length: float, params: FollowParams) -> Floa
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """How far on a path walks are that have gone so far, strides being shorter in curves.
+    """Converts distances walked to arc lengths on a path, with shorter strides in curves.
 
     ds = scale(s) du, so u(s) is the integral of 1 / scale.
 
     Args:
         s: (N,) [m] arc lengths,
-        u: (N,) [m] and what the walks would have gone straight on; 0 at the start. None where they are the same.
+        u: (N,) [m] and distances that the walks would cover straight on; 0 at the start. None where they are equal.
     """
 
     s: Floats
@@ -96,14 +96,14 @@ class Way:
 
 
 def way_on(path: Path, stride: float, leg_length: float, until: float, params: FollowParams) -> Way:
-    """How walks get on along a path.
+    """Compute the progress of walks along a path.
 
     Args:
         path: the path.
         stride: [m] over which curvature is taken in the mean.
         leg_length: [m].
         until: [m] how far at most.
-        params: by how much strides shrink.
+        params: with the reduction of strides in curves.
     """
     if path.straight or not params.stride:
         return Way(np.zeros(0), None)

@@ -1,4 +1,4 @@
-"""Legs that swing from one stance to the next where walks are mixed."""
+"""Legs that swing from one stance to the next while walks are blended."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.vectors import norm, unit
 
-_ROUNDED = (0.15, 0.5, 1.0)  # [rad] of a knee's flexion, below which it is taken to be less than it is told by
-_MORE = 0.15  # [rad] by which a knee is bent more for its leg's plane to be steadied
-_CLEAR = 0.01  # [m] over which a foot that gets too low is lifted
-_ENDS = 0.25  # of a swing, in which that comes and goes
-_OUT = 0.3  # [rad] by which slopes at the ends of a swing carry a leg out, at most
-_BESIDE = 3  # frames before a swing, and after it
+_ROUNDED = (0.15, 0.5, 1.0)  # [rad] flexions below which a knee's flexion is rounded off before interpolation
+_MORE = 0.15  # [rad] increase of a knee's flexion from which its leg's plane is fully stabilised
+_CLEAR = 0.01  # [m] clearance over which a foot that swings too low is lifted
+_ENDS = 0.25  # share of a swing over which the lift fades in and out
+_OUT = 0.3  # [rad] greatest overshoot from slopes at the ends of a swing
+_BESIDE = 3  # frames before and after a swing that are compared, too
 
 
 @dataclass(frozen=True, eq=False)
 class _Swing:
-    """What becomes of a leg, or several ways (W, ...) of that.
+    """A leg's pose in a swing, or several candidates (W, ...) for it.
 
     Args:
         bent: (..., n) [rad] its knee's flexion.
@@ -37,17 +37,18 @@ class _Swing:
 
 
 def swung(leg: CapturedLeg, ankle: Floats, goal: Goal, astray: Floats) -> tuple[LegTurns, Floats]:
-    """Solve a leg for where its foot stands; where it swings, as it is mixed, led over from one stance to the next.
+    """Solve a leg for its planted foot; in swings, add to the blended pose an offset from one stance to the next.
 
-    Led over are the knee's flexion, the direction from hip to ankle, and the turn of the foot. Flexion may be led over
-    by itself, or the more it is rounded off, the more like the distance from hip to ankle. A knee that is straightened
-    with a jolt, as many are before a foot comes down, hardly moves a foot while the leg is nearly straight. Led over by
-    itself to a bent one, it would move the foot; where the leg gets nearly straight, by its length, it would be torn.
-    Directions may also be those that the foot asks for. Which of all that jolts a leg least is seen for each swing.
+    Interpolated are the knee's flexion, the direction from hip to ankle, and the turn of the foot. Flexion is
+    interpolated as it is, or rounded off near zero, which comes closer to interpolating the distance from hip to ankle.
+    Many knees straighten abruptly before a foot comes down, which hardly moves the foot while the leg is nearly
+    straight. Interpolated as it is, towards a bent knee, this would move the foot; by leg length it would make the knee
+    jerk near straight. Directions may also be those that the foot requires. For each swing the candidate with the least
+    acceleration is used.
 
     Args:
-        leg: as it is mixed.
-        ankle: (F, 3) [m] where it is to be.
+        leg: as blended.
+        ankle: (F, 3) [m] goal of the ankle.
         goal: its foot.
         astray: (F,) [rad] see `legs.astray`.
 
@@ -71,7 +72,7 @@ def swung(leg: CapturedLeg, ankle: Floats, goal: Goal, astray: Floats) -> tuple[
 def _least(
     leg: CapturedLeg, asked: _Swing, some: slice, lowest: float, astray: Floats, usual: Floats
 ) -> _Swing:  # fmt: skip
-    """The way to lead a swing over that jolts a leg least, in frames about it."""
+    """Choose the interpolation of a swing in which the leg accelerates least."""
     led = _led(leg, asked, some)
 
     def best_of(ways: _Swing) -> tuple[int, _Swing]:
@@ -86,7 +87,7 @@ def _least(
 
 
 def _led(leg: CapturedLeg, asked: _Swing, some: slice) -> _Swing:
-    """A swing whose directions are led over from how its leg is mixed."""
+    """Interpolate the directions of a swing's offset from the blended leg."""
     aside = rotation.to_rotation_vector(rotation.between(leg.ankle - leg.hip, asked.line))
     turned = rotation.to_rotation_vector(rotation.continuous(rotation.multiply(asked.foot, rotation.inverse(leg.turn))))
     line, foot = asked.line.copy(), asked.foot.copy()
@@ -96,7 +97,7 @@ def _led(leg: CapturedLeg, asked: _Swing, some: slice) -> _Swing:
 
 
 def _part(leg: CapturedLeg, some: slice) -> CapturedLeg:
-    """A leg in some frames."""
+    """Take some frames of a leg."""
     tracks = {name: getattr(leg, name)[some] for name in _TRACKS}
     return replace(leg, **tracks)
 
@@ -105,7 +106,7 @@ _TRACKS = ("hip", "knee", "ankle", "turn", "heel", "toe", "knee_axis", "flexion"
 
 
 def steadying(leg: CapturedLeg, bent: Floats, astray: Floats) -> Floats:
-    """Tell (F,) [rad] by which a leg that is bent (F,) [rad] now turns about its own line, see `legs.astray`."""
+    """Compute the turn (F,) [rad] of a leg, now bent by (F,) [rad], about its own line; see `legs.astray`."""
     return np.asarray(astray * ease((np.abs(bent) - np.abs(leg.flexion)) / _MORE))
 
 
@@ -117,7 +118,7 @@ def _turns(leg: CapturedLeg, led: _Swing, astray: Floats) -> LegTurns:
 
 
 def _jolts(leg: CapturedLeg, led: _Swing, astray: Floats, usual: Floats) -> Floats:
-    """(W,) the most by which knee, ankle or toe accelerate, of what is usual (n, 3) for each."""
+    """Compute the largest acceleration (W,) of knee, ankle or toe, relative to usual ones (n, 3)."""
     knee = leg.hip + rotation.rotate(_turns(leg, led, astray).swing, leg.knee - leg.hip)
     ankle = leg.hip + _far(leg, led.bent)[..., None] * unit(led.line)
     toe = ankle + rotation.rotate(led.foot, leg.in_foot(leg.toe))
@@ -138,7 +139,7 @@ def _low(leg: CapturedLeg, ankle: Floats, foot: Floats) -> Floats:
 
 
 def _lifted(leg: CapturedLeg, led: _Swing, some: slice, lowest: float) -> _Swing:
-    """Lift a swinging foot so that it gets no lower than `lowest` [m], than it ever does by itself.
+    """Lift a swinging foot that would get lower than `lowest` [m].
 
     Args:
         leg: as it is mixed.
@@ -158,15 +159,14 @@ def _lifted(leg: CapturedLeg, led: _Swing, some: slice, lowest: float) -> _Swing
 
 
 def _led_flexions(mixed: Floats, asked: Floats, some: slice) -> Floats:
-    """(W, F) [rad] ways to lead a knee's flexion over while its foot swings.
+    """Make candidates (W, F) [rad] of a knee's flexion during a swing.
 
-    It is told by itself, or by how straight it is, the more rounded off the more like its leg's length. A knee that is
-    overstretched by some degrees in one frame and bent in the next, its leg being straight in both, is told by the
-    latter.
+    Flexion is interpolated as it is, or rounded off near zero, which comes closer to leg length. The latter suits a
+    knee that is overstretched by some degrees in one frame and bent in the next, with a straight leg in both.
 
     Args:
-        mixed: (F,) [rad] as the leg is mixed,
-        asked: (F,) [rad] and as its stances ask.
+        mixed: (F,) [rad] of the blended leg,
+        asked: (F,) [rad] and as its stances require.
         some: frames of the swing.
     """
     signs = np.sign(mixed[some])
@@ -182,10 +182,10 @@ def _led_flexions(mixed: Floats, asked: Floats, some: slice) -> Floats:
 
 
 def _led_over(track: Floats, some: slice) -> Floats:
-    """(n, D) a curve over frames of a track (F, D) that leads on at both ends with the slopes there.
+    """Fill frames of a track (F, D) by a curve (n, D) that continues the slopes at both ends.
 
-    It is the cubic that does. Where its slopes are so steep that they would carry it far out, each of them comes to
-    rest earlier: a leg that is nearly straight at the one end is bent quickly there, and no farther for that.
+    It is a cubic. Where steep slopes would make it overshoot, each slope fades out earlier, as for a leg that is nearly
+    straight at one end, where flexion changes fast.
     """
     a, b = max(some.start - 1, 1), min(some.stop, len(track) - 2)
     count = np.arange(some.start, some.stop, dtype=np.float64)
@@ -198,7 +198,7 @@ def _led_over(track: Floats, some: slice) -> Floats:
 
 
 def _led_on(slope: Floats, away: Floats, frames: int) -> Floats:
-    """(n, D) how far a slope (D,) [rad a frame] carries (n,) frames away, at rest after so many of them or fewer."""
+    """Compute the offset (n, D) from a slope (D,) [rad a frame] that fades to rest within some frames."""
     most = _OUT / (4.0 / 27.0 * max(float(np.linalg.norm(slope)), 1e-12))  # u (1 - u)^2 gets to 4 / 27
     until = min(float(frames), most)
     u = np.clip(away / until, 0.0, 1.0)[:, None]

@@ -1,4 +1,4 @@
-"""Walks one after the other in time, blended where one is handed over to the next: which moment each frame shows."""
+"""The timeline of blended walks: which time of which walk each frame shows."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from footfix.locomotion.follow.key_times import Keys
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Bools, Floats, Ints
 
-_FINE = 16  # steps a frame, in which a blend's clock is told
-_ROUNDS = 6  # in which weights and time are told by each other
+_FINE = 16  # steps per frame in which a blend's clock is integrated
+_ROUNDS = 6  # iterations between weights and time
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +25,8 @@ class Zone:
         frames: `[start, end)` of the timeline.
         walks: index of the walk before, and after.
         at: for either (F,) its moment [frames of its round], in all frames of the timeline.
-        weight: (F,) how much of the second.
-        time: (F,) the generic times [strides] at which both are; those of no account where one goes on by itself.
+        weight: (F,) of the second walk.
+        time: (F,) the generic times [strides] of both; meaningless where only one is shown.
     """
 
     frames: slice
@@ -38,11 +38,11 @@ class Zone:
 
 @dataclass(frozen=True, eq=False)
 class Timeline:
-    """Which moment of which walk each frame shows.
+    """Which time of which walk each frame shows.
 
     Args:
         zones: one after the other.
-        gone: (F,) [m] that the walks have gone, without what curves take; 0 at frame `first`.
+        gone: (F,) [m] distance walked, not reduced by curves; 0 at frame `first`.
         first: frames before the start.
         frame_time: [s].
         keys: of each walk.
@@ -60,26 +60,26 @@ class Timeline:
         return len(self.gone)
 
     def blended(self) -> Bools:
-        """(F,) whether two walks are blended in a frame."""
+        """Mark the frames (F,) in which two walks are blended."""
         weight = self.weight()
         return np.asarray((weight > 0.0) & (weight < 1.0))
 
     def weight(self) -> Floats:
-        """(F,) how much the second of two walks counts; 0 where one goes on by itself."""
+        """Get the weight of the second of two walks, (F,); 0 where only one is shown."""
         return np.concatenate([np.where(z.at[0] is z.at[1], 0.0, z.weight[z.frames]) for z in self.zones])
 
     def leads(self) -> Ints:
-        """(F,) index of the walk that leads in each frame."""
+        """Get the index of the walk with the greater weight, (F,)."""
         return np.concatenate([np.where(z.weight[z.frames] >= 0.5, z.walks[1], z.walks[0]) for z in self.zones])
 
 
 @dataclass(frozen=True)
 class Pace:
-    """How a walk is gone otherwise than captured.
+    """Scale of a walk's stride time and length, relative to the capture.
 
     Args:
-        time: how much longer a stride takes.
-        stride: how much longer it is.
+        time: factor on the duration of a stride.
+        stride: factor on its length.
     """
 
     time: float = 1.0
@@ -88,7 +88,7 @@ class Pace:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Walk `k` from a time [s] on, at a frame, having gone so far [m]."""
+    """Walk `k` from a time [s] on, with its frame and the distance walked [m] at that time."""
 
     k: int
     since: float
@@ -101,7 +101,7 @@ START = Piece(0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Blend:
-    """One blend on fine steps: times [s], frames of either walk, weight and way [m]."""
+    """One blend in fine steps: times [s], frames of both walks, weight and distance [m]."""
 
     before: Piece
     then: Piece
@@ -113,7 +113,7 @@ class Blend:
     def lay(
         self, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], time: Floats, where: slice
     ) -> tuple[Zone, Floats]:
-        """The zone about it."""
+        """Make the zone of the blend."""
         a, b = self.before.k, self.then.k
         one, gone = _uniform(walks, paces, self.before, time)
         two, gone_after = _uniform(walks, paces, self.then, time)
@@ -137,12 +137,12 @@ def make_timeline(
     walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition],
     frames: int | None, lead: int, frame_time: float, piece: Piece = START,
 ) -> Timeline:  # fmt: skip
-    """Lay walks one after the other, blended where one is handed over to the next.
+    """Make the timeline of walks one after the other, each blended into the next.
 
-    While they are blended, time goes as the mean of both by their weights, phase for phase.
+    In a blend the phase advances at the weighted mean rate of both walks.
 
     Args:
-        walks: in their order.
+        walks: in order.
         keys: of each.
         paces: of each.
         wanted: the transitions, in order; their times are those of the start.
@@ -175,7 +175,7 @@ def lay_blends(
     walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition],
     piece: Piece = START,
 ) -> list[Blend]:  # fmt: skip
-    """The blends one after the other, on their own clocks, from what the first walk shows at the start on."""
+    """Compute the blends in order, starting from the first walk's frame at the start."""
     blends = list[Blend]()
     for change in wanted:
         blends.append(_blend(walks, keys, paces, piece, change))
@@ -186,7 +186,7 @@ def lay_blends(
 def time_at(
     gone: float, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
 ) -> float:  # fmt: skip
-    """Tell [s] after which walks have gone so far [m], whatever curves take."""
+    """Compute after which time [s] walks have covered a distance [m], not reduced by curves."""
     piece = START
     for blend in lay_blends(walks, keys, paces, wanted):
         if gone <= blend.gone[0]:
@@ -201,7 +201,7 @@ def time_at(
 def frame_at(
     time: float, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], wanted: Sequence[Transition]
 ) -> tuple[float, float]:  # fmt: skip
-    """The frame of the last of the walks at a time [s] after all transitions, and what was gone till then [m]."""
+    """Compute the last walk's frame at a time [s] after all transitions, and the distance walked until then [m]."""
     blends = lay_blends(walks, keys, paces, wanted)
     at, gone = _uniform(walks, paces, blends[-1].then if blends else START, np.array([time]))
     return float(at[0]), float(gone[0])
@@ -245,9 +245,9 @@ def _blend(
 
 
 def _weights(one: Floats, two: Floats) -> tuple[Floats, Floats, Floats]:
-    """How one walk is handed over to another, evenly in time, which goes as the mean of both by these very weights.
+    """Compute blend weights that are smooth in time, where time itself advances by the weighted mean of both walks.
 
-    Handed over evenly in phase, a walk with short strides would go too quickly at first.
+    With weights smooth in phase, a walk with short strides would be blended in too fast at first.
 
     Args:
         one, two: (n,) [s] that steps take in either walk.
@@ -266,7 +266,7 @@ def _weights(one: Floats, two: Floats) -> tuple[Floats, Floats, Floats]:
 def _on_whole_frames(times: Floats, frame: float, step: float, frame_time: float) -> Floats:
     """Stretch a blend by up to half a frame, (n,) [s], smoothly, so that the next walk shows its very frames after it.
 
-    Between them a foot that strikes is less sharp, or sharper.
+    Between frames interpolation would change the sharpness of strikes.
 
     Args:
         times: (n,) [s] of the blend.

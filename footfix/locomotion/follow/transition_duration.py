@@ -1,4 +1,4 @@
-"""How long a walk takes to be handed over to another: by what differs most, or so that no joint is thrown."""
+"""Duration of the blend from one walk to another: by the largest difference, or so that no joint jerks."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ from footfix.locomotion.loop.seam import accelerations_of
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward, places
 
-_SMOOTH = 1.08  # times what joints accelerate by in the walks: enough, since plants held on the whole way add some
-_ENOUGH = 1.1  # times that: no blend that begins later is looked for
-_LENGTHS = (1.2, 0.5, 1.4, 0.4, 2.0, 0.75, 1.0)  # [strides] that are tried where the asked length is too steep
-_LATER = ((0.2, 0.85), (0.3, 0.75), (0.4, 0.6))  # [strides] by which it begins later then, and how long it takes
-_WORTH = 0.05  # times that, by which joints accelerate less for it
-_ALIKE = 0.1  # of a length, by which another one differs that is tried
-_BESIDE = 0.7  # [strides] before a blend and after it that are laid, too: feet step into it and out of it
-_SLACK = 5.0  # times what nobody sees: plants that slide no farther are held without a jolt
-_FAINT = 0.05  # of what the joint accelerates that does most; less is no matter
+_SMOOTH = 1.08  # smooth enough: peak acceleration as a multiple of that in the walks
+_ENOUGH = 1.1  # below this multiple no later start of the blend is tried
+_LENGTHS = (1.2, 0.5, 1.4, 0.4, 2.0, 0.75, 1.0)  # [strides] durations tried where the asked one is too short
+_LATER = ((0.2, 0.85), (0.3, 0.75), (0.4, 0.6))  # [strides] delays tried then, each with a duration
+_WORTH = 0.05  # least reduction of the multiple for a delay
+_ALIKE = 0.1  # least difference of durations tried, as a share
+_BESIDE = 0.7  # [strides] before and after a blend that are computed, too
+_SLACK = 5.0  # plants that slide at most this multiple of an invisible slide are held without a jerk
+_FAINT = 0.05  # of the largest acceleration of any joint; joints with less are ignored
 
 
 @dataclass(frozen=True)
 class Length:
-    """How long a blend takes.
+    """The duration of a blend.
 
     Args:
-        seconds: [s] that were chosen.
-        asked: [s] by the end effector that differs most (K 6.2), within what a blend may take.
-        peak: the most by which a joint accelerates in it [times the 99th percentile in the walks],
-        asked_peak: and in one that takes as long as asked; None where that was not looked at.
+        seconds: [s] the chosen duration.
+        asked: [s] the duration by the end effector that differs most (K 6.2), within the limits.
+        peak: largest acceleration of a joint in it [times the 99th percentile in the walks],
+        asked_peak: and in a blend of the asked duration; None where that was not computed.
         wait: [s] by which it begins later than asked.
     """
 
@@ -56,17 +56,17 @@ class Length:
 
 @dataclass(frozen=True, eq=False)
 class Handover:
-    """Two walks, one handed over to the other.
+    """A blend from one walk to another.
 
     Args:
         walks: both.
-        keys, paces: of either its key-times, and how it is gone.
+        keys, paces: of each its key-times, and its changed stride time and length.
         start: [s] on the clock of the frames written.
         frame: of the first walk then.
         holding: how footplants are enforced.
-        path, way: that is followed, and how walks get on along it.
-        gone: [m] that is gone at the start.
-        params: how it is followed.
+        path, way: the path, and the progress of walks along it.
+        gone: [m] distance walked at the start.
+        params: of the walk along the path.
     """
 
     walks: tuple[Walk, Walk]
@@ -82,16 +82,16 @@ class Handover:
 
     @property
     def stride(self) -> float:
-        """[s] of a stride, in the mean."""
+        """Compute the mean duration of a stride [s]."""
         return float(np.mean([w.stride_seconds * p.time for w, p in zip(self.walks, self.paces, strict=True)]))
 
     @property
     def changes(self) -> bool:
-        """Whether there is anything to blend."""
+        """Tell whether there is anything to blend."""
         return self.walks[0] is not self.walks[1] or self.paces[0] != self.paces[1]
 
     def later(self, seconds: float) -> Handover:
-        """The same, begun later."""
+        """Start the blend later."""
         walk, pace = self.walks[0], self.paces[0]
         frames = seconds / (walk.clip.frame_time * pace.time)
         gone = self.gone + frames * walk.length * pace.stride / walk.frames
@@ -99,17 +99,17 @@ class Handover:
 
 
 def choose_length(over: Handover, asked: float, room: float = 0.0) -> Length:
-    """Choose how long a blend takes.
+    """Choose the duration of a blend.
 
-    That is what K 6.2 asks for, where no joint accelerates by more than in the walks; or else the one of a few other
-    lengths in which joints do that least. Too short, it throws them; and what comes in the middle of a blend, a strike
-    or a swing, is another thing for every length. Where a walk itself is jolted just there, no length helps: then the
-    blend waits for a fraction of a stride.
+    It is the duration of K 6.2 if no joint accelerates more than in the walks; otherwise that of a few others in which
+    joints accelerate least. A short blend makes joints jerk, and each duration puts another part of the stride in the
+    middle of the blend. Where the walk itself jerks just there, no duration helps: then the blend starts a fraction of
+    a stride later.
 
     Args:
         over: the walks, and where they are handed over.
-        asked: [s] its length by K 6.2.
-        room: [s] after its start in which it may wait and be over.
+        asked: [s] its duration by K 6.2.
+        room: [s] available after its start, for delay and blend.
     """
     low = over.params.shortest_blend
     high = max(low, over.params.longest_blend * over.stride)
@@ -134,7 +134,7 @@ def choose_length(over: Handover, asked: float, room: float = 0.0) -> Length:
 def _later(
     over: Handover, found: Length, peak: float, usual: Floats, limits: tuple[float, float], room: float
 ) -> Length:  # fmt: skip
-    """A blend that begins a little later, if joints accelerate less in it; `found` if not, see `choose_length`."""
+    """Try a blend that starts a little later; keep `found` unless joints accelerate less, see `choose_length`."""
     least = peak - _WORTH
     for strides, own in _LATER:
         dt = over.walks[0].clip.frame_time
@@ -150,9 +150,9 @@ def _later(
 
 
 def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) -> float:
-    """The most by which a joint accelerates in a blend of some length [s], of what (J,) [m/s^2] is usual.
+    """Compute the largest acceleration of a joint in a blend of some duration [s], relative to usual ones (J,) [m/s^2].
 
-    Where the body alone does by more than `best`, legs are not looked at.
+    Where the body alone exceeds `best`, legs are not computed.
     """
     dt = over.walks[0].clip.frame_time
     rest = over.start - np.floor(over.start / dt) * dt  # frames are where they will be written
@@ -176,7 +176,7 @@ def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) ->
     every, laid = range(len(skeleton)), lay_figure(posed, course)[1]
     peak = steepest(laid, every)
     contacts = contacts_of(posed, slice(0, len(laid)))
-    # holding plants takes time, and makes it no smoother; where they hardly slide, it makes no difference
+    # holding plants takes time, and does not change the result where they hardly slide
     if peak > _SMOOTH or stands(laid, posed.rig, contacts, _SLACK):
         return peak
     held = held_on(laid, posed.rig, contacts, over.holding)
@@ -184,7 +184,7 @@ def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) ->
 
 
 def _usual(walk: Walk, pace: Pace, dt: float) -> Floats:
-    """(J,) [m/s^2] the 99th percentile of each joint's acceleration in a walk, seen every `dt` seconds."""
+    """Compute the 99th percentile of each joint's acceleration in a walk, (J,) [m/s^2], sampled every `dt` seconds."""
     step = dt / (walk.clip.frame_time * pace.time)  # [frames]
     count = int(np.ceil(walk.frames / step))
     tracks = places(walk.at(np.arange(count + 2, dtype=np.float64) * step))

@@ -1,4 +1,4 @@
-"""When walks are handed over along a path, and which moment of which walk each frame shows."""
+"""When walks blend into the next along a path, and which time of which walk each frame shows."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from footfix.locomotion.follow.transition_duration import Handover, Length, choo
 from footfix.locomotion.follow.walk import Walk
 from footfix.notes import Note
 
-_MOST = 300_000  # frames
-_LEAD = 1.6  # strides before the start, and after the end, that are laid and cut off
+_MOST = 300_000  # greatest number of frames
+_LEAD = 1.6  # strides before the start and after the end that are computed and cut off
 
 
 @dataclass(frozen=True)
 class At:
-    """Where on the way a walk begins.
+    """Where a walk begins.
 
     Args:
         seconds: [s] after the start, or
@@ -41,21 +41,21 @@ def transitions_of(
     walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace], ats: Sequence[At], path: Path, way: Way,
     params: FollowParams, holding: EnforceParams,
 ) -> tuple[tuple[Transition, ...], tuple[Note, ...]]:  # fmt: skip
-    """Tell when each walk is handed over to the next, and for how long (K 6.2).
+    """Find when each walk blends into the next, and for how long (K 6.2).
 
     Args:
-        walks: in their order,
-        keys, paces, ats: and of each its key-times, how it is gone, and where it begins.
-        path: the path,
-        way: and how they get on along it.
-        params: how long a blend may be.
+        walks: in order.
+        keys, paces, ats: of each its key-times, its changed stride time and length, and where it begins.
+        path: the path.
+        way: distances on the path by distances walked.
+        params: with the limits on blends.
         holding: how footplants are enforced.
 
     Returns:
-        The transitions, and what a person should know.
+        The transitions, and notes.
 
     Raises:
-        UsageError: a walk begins before the one that it follows.
+        UsageError: a walk begins before the one ahead of it in the list.
     """
     rig, skeleton = walks[0].rig, walks[0].clip.skeleton
     ends = end_effectors(skeleton, rig)
@@ -106,18 +106,18 @@ def timeline_of(
     path: Path, way: Way, walks: Sequence[Walk], keys: Sequence[Keys], paces: Sequence[Pace],
     wanted: Sequence[Transition], params: FollowParams,
 ) -> tuple[Timeline, tuple[Note, ...]]:  # fmt: skip
-    """Tell which moment each frame shows, until the path ends or the time is over.
+    """Find which time of which walk each frame shows, until the path or the duration ends.
 
     Args:
-        path: the path,
-        way: and how walks get on along it.
-        walks: in their order,
-        keys, paces: and of each its key-times, and how it is gone.
+        path: the path.
+        way: distances on the path by distances walked.
+        walks: in order.
+        keys, paces: of each its key-times, and its changed stride time and length.
         wanted: the transitions.
-        params: for how long.
+        params: with the duration.
 
     Returns:
-        The timeline, and what a person should know.
+        The timeline, and notes.
 
     Raises:
         UsageError: a walk begins after the end, or there are too few frames or too many.

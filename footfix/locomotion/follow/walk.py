@@ -1,4 +1,4 @@
-"""A straight loop as it is laid along a path: on the spot, walking along z, at any moment of its round."""
+"""A straight loop prepared for a path: on the spot, walking along z, sampled at any time of its round."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from footfix.motion.spline import Cubic, spline
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
-_MARGIN = 12  # frames before and after a round, over which what lies between frames is found
-_SAME_BONES = 2e-3  # [leg lengths] by which offsets of one skeleton may differ
-_ON_THE_SPOT = 0.1  # [leg lengths] that a round in place gets on, at most
-_STILL = 1e-3  # [m/s^2] by which anything may be accelerated
+_MARGIN = 12  # frames before and after a round that interpolation uses
+_SAME_BONES = 2e-3  # [leg lengths] greatest difference of offsets in equal skeletons
+_ON_THE_SPOT = 0.1  # [leg lengths] greatest travel of a round in place
+_STILL = 1e-3  # [m/s^2] least usual acceleration, to avoid division by zero
 _NEAR = 1e-9  # of a frame
 
 
@@ -38,9 +38,9 @@ class Walk:
         rig: its legs; the floor as `clip` has it.
         contacts: of the L + 1 frames.
         strides: of one round.
-        length: [m] that one round goes.
+        length: [m] travel of one round.
         start: where its reference line starts: (x, z) [m] in the captured clip, with its heading [rad].
-        loop: that it was made of.
+        loop: from which it was made.
     """
 
     name: str
@@ -74,30 +74,30 @@ class Walk:
 
     @cached_property
     def root(self) -> int:
-        """What carries it."""
+        """Get the joint that carries the figure."""
         return carrier(self.clip, self.rig)
 
     @cached_property
     def body(self) -> int | None:
-        """The joint by which the body can be placed below what carries it, as game engines have it; None for none."""
+        """Get the joint that places the body below the root, as in game engines; None without one."""
         able = self.clip.skeleton.translates & self.clip.skeleton.rotates
         below = [joint for joint in (self.rig.root, self.rig.pelvis) if joint != self.root and able[joint]]
         return below[0] if below else None
 
     @cached_property
     def height(self) -> float:
-        """[m] of the pelvis over the floor, in the mean."""
+        """Compute the mean height of the pelvis over the floor [m]."""
         return float(pelvis_of(self.clip, self.rig)[:-1, 1].mean()) - self.rig.floor
 
     @cached_property
     def reach(self) -> Floats:
-        """(legs,) [m] from hip to ankle, as far as each leg ever is stretched."""
+        """Compute the greatest distance from hip to ankle of each leg, (legs,) [m]."""
         seen = forward(self.clip, [joint for leg in self.rig.legs for joint in (leg.hip, leg.ankle)])
         return np.array([norm(seen.position(leg.ankle) - seen.position(leg.hip)).max() for leg in self.rig.legs])
 
     @cached_property
     def jolts(self) -> Floats:
-        """(legs, 3) [m/s^2] the 99th percentile of accelerations of knee, ankle and toe of each leg."""
+        """Compute the 99th percentile of accelerations of knee, ankle and toe of each leg, (legs, 3) [m/s^2]."""
         round_ = self.clip.frames(np.arange(-1, self.frames + 1) % self.frames)
         seen = self.rig.pose(round_)
         ends = zip(self.rig.soles, effector_tracks(self.rig, seen), strict=True)
@@ -107,9 +107,9 @@ class Walk:
         return np.asarray(np.maximum(np.percentile(second, 99.0, axis=2), _STILL))
 
     def at(self, frames: Floats, joints: tuple[int, ...] | None = None) -> Clip:
-        """The cycle on the spot at moments (F,) between frames, of any round; at whole frames their very numbers.
+        """Sample the cycle on the spot at times (F,) [frames] of any round; exact at whole frames.
 
-        Between frames cubic splines through all of them lead, of rotations through their quaternions.
+        Between frames it interpolates by cubic splines; rotations through their quaternions.
 
         Args:
             frames: (F,) moments.
@@ -172,7 +172,7 @@ class Walk:
 
 
 def _three(contacts: Contacts) -> Contacts:
-    """The contacts of three rounds, what goes on over a seam as one."""
+    """Get the contacts of three rounds; one that continues across a seam is a single contact."""
     mask = np.concatenate([contacts.mask()[:-1]] * 3)
     return replace(contacts, frames=len(mask)).with_mask(mask)
 
@@ -185,7 +185,7 @@ def make_walk(loop: Loop, name: str) -> Walk:
         name: for messages.
 
     Raises:
-        InputError: it goes nowhere, nor is it on a belt; or it goes round.
+        InputError: it does not travel and is not on a belt, or it walks in a circle.
     """
     clip, rig = loop.round, loop.rig
     laps = round(_turned(clip, rig) / (2.0 * np.pi))
@@ -220,14 +220,14 @@ def make_walk(loop: Loop, name: str) -> Walk:
 
 
 def _turned(clip: Clip, rig: Rig) -> float:
-    """[rad] by which the pelvis turns from the first frame to the last, whole turns and all."""
+    """Compute the turn of the pelvis from the first frame to the last, including whole turns [rad]."""
     turn = forward(clip, [rig.pelvis]).rotation(rig.pelvis)
     yaw = np.unwrap(rotation.yaw(rotation.multiply(turn, rotation.inverse(turn[0]))))
     return float(yaw[-1] - yaw[0])
 
 
 def _off_the_belt(loop: Loop) -> Travel:
-    """The travel of a walk in place: against the way on which its planted feet are taken along."""
+    """Compute the travel of a walk in place: opposite to the motion of its planted feet."""
     x, _, z = loop.ground[0] - loop.ground[-1]
     return Travel(0.0, float(x), float(z))
 
@@ -242,10 +242,10 @@ def _exactly_closed(clip: Clip) -> Clip:
 
 
 def check_alike(walks: Sequence[Walk]) -> None:
-    """See that walks have one skeleton, by names and offsets.
+    """Check that walks have the same skeleton, by names and offsets.
 
     Raises:
-        InputError: they have not; it says where the first difference is.
+        InputError: they do not; the message gives the first difference.
     """
     first = walks[0]
     for other in walks[1:]:
@@ -275,7 +275,7 @@ def _difference(one: Walk, other: Walk) -> str:
 
 
 def on_one_floor(walks: Sequence[Walk]) -> tuple[Walk, ...]:
-    """Walks raised or lowered to the floor of the first one, with its rig, so that they can be blended."""
+    """Raise or lower walks to the floor of the first one, with its rig, so that they can be blended."""
     first = walks[0]
     out: list[Walk] = []
     for walk in walks:

@@ -1,4 +1,4 @@
-"""Poses of walks one after the other, on the spot, and of their feet."""
+"""Poses of blended walks on the spot, with the motion of their feet."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import Pose, forward
 from footfix.rig.rig import Rig
 
-_BRIEF = 0.06  # [s] a gap in a contact that is shorter is none
-_LEADS = 0.12  # [s] after the middle of a stance, at which its weight is told
-_ROUNDS = 3  # in which lengths of stances and weights are told by each other
-_ALIKE = 0.01  # [strides] by which stances of two walks may differ and still be of one length
+_BRIEF = 0.06  # [s] shorter gaps in a contact are filled
+_LEADS = 0.12  # [s] after the middle of a stance, at which its blend weight is taken
+_ROUNDS = 3  # iterations between durations of stances and their weights
+_ALIKE = 0.01  # [strides] stances of two walks whose durations differ less are treated as equal
 
 
 @dataclass(frozen=True, eq=False)
 class WalkingFoot:
-    """A foot as it walks along z, in the frame that carries it.
+    """A foot of a walk along z, in the frame of its stance.
 
     Args:
         steps: its stances.
@@ -36,8 +36,8 @@ class WalkingFoot:
         turn: (F, 4) of the ankle's frame.
         ankle: (F, 3) [m] from the toe to the ankle, in the ankle's frame.
         heel: (F, 3) [m] from the toe to the heel, in the same.
-        mixed: (F,) whether it is mixed of two walks' feet, or hangs from a body that is mixed of two.
-        usual: (F, 3) [m/s^2] by how much its knee, ankle and toe accelerate in the walks, see `Walk.jolts`.
+        mixed: (F,) whether the foot, or the body above it, is blended from two walks.
+        usual: (F, 3) [m/s^2] usual accelerations of its knee, ankle and toe in the walks, see `Walk.jolts`.
     """
 
     steps: Steps
@@ -61,9 +61,9 @@ class WalkPoses:
         feet: one a leg.
         planted: (F, E) which sole points are planted.
         sure: (F, E) confidence of that.
-        mixed: (F,) 0 where one walk is shown, 1 where two count.
-        reach: [m] from hip to ankle of each leg, as far as it ever is stretched in the walks.
-        stride: [frames] that the longest stride takes.
+        mixed: (F,) 0 where one walk is shown, 1 where both count equally.
+        reach: [m] greatest distance from hip to ankle of each leg in the walks.
+        stride: [frames] duration of the longest stride.
     """
 
     clip: Clip
@@ -81,11 +81,11 @@ class WalkPoses:
 def pose(walks: Sequence[Walk], timeline: Timeline) -> WalkPoses:
     """Take the poses of a timeline from its walks.
 
-    A foot is blended by one weight throughout its stance: so it stands still in a blend, too.
+    A foot is blended with a constant weight throughout each stance, so that it stands still in a blend, too.
 
     Args:
         walks: with one skeleton, on one floor.
-        timeline: which moment of which walk each frame shows.
+        timeline: which time of which walk each frame shows.
     """
     rig = walks[0].rig
     steps = _steps(walks, timeline)
@@ -159,7 +159,7 @@ def _sure(walks: Sequence[Walk], zone: Zone) -> Floats:
 def _weight(zone: Zone, moment: Floats, frame_time: float) -> Floats:
     """(F,) the weight of a little after the moment that carries a leg, when it lifts.
 
-    A leg that lags behind the body is still down where that takes off already, and its knee is torn along.
+    A leg that lags behind the body would still be down when the body moves on, and its knee would jerk.
     """
     return np.interp(moment + _LEADS / frame_time, np.arange(len(zone.weight)), zone.weight)
 
@@ -216,10 +216,10 @@ def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequen
 
 
 def _in_step(keys: Sequence[Keys], leg: int, zone: Zone, weight: Floats) -> tuple[Floats, Floats]:
-    """Moments (F,) of two walks at which one leg is equally far in its stance, or in its swing.
+    """Find times (F,) of two walks at which one leg is at the same point of its stance or swing.
 
-    Key-times bring strikes together, but a foot that stands for longer in one walk than in the other would be lifted
-    by the one while it stands in the other. Where they are mixed, it stands for as long as in both in the mean.
+    Key-times align strikes, but a foot whose stance is longer in one walk would be lifted by the other walk during it.
+    In a blend its stance lasts the mean of both.
     """
     one, two = (key.stances[leg] for key in keys)
     mix = (weight > 0.0) & (weight < 1.0)
