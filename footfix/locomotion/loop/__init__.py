@@ -1,1 +1,1 @@
-"""Loops: where a walk repeats, how its ends are joined, and rounds held as one."""
+"""Loops: find where a walk repeats, join its ends, and hold its plants across the seam."""

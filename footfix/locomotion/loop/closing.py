@@ -1,4 +1,4 @@
-"""Closing a cycle: its last frame becomes its first one, moved on by one round, with the velocity of the first."""
+"""Close a cycle: its last frame becomes the first, moved by one round, with the first frame's velocity."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from footfix.rig.rig import Rig
 # shares of the time for the gap, and for its slope: the sooner they decay the less do joints swing out, and the more
 # are they jolted. The first is tried, the others where it does not do.
 _TIMES = ((1.0, 0.4), (1.6, 0.6), (1.0, 0.25), (0.75, 0.25), (0.5, 0.2))
-_MOST = 0.6  # of the largest gap, by which a joint may be moved
-_CALM = 1.1  # times what a joint accelerates elsewhere, up to which a seam is calm
-_FAR = 5.0  # times as bad as the same share of such an acceleration it is to be moved by more
-_NO_GAP = 1e-3  # [leg lengths] less is none
+_MOST = 0.6  # greatest shift of a joint, as a share of the largest gap
+_CALM = 1.1  # greatest acceleration at a calm seam, as a multiple of that elsewhere
+_FAR = 5.0  # weight of excess shift, relative to excess acceleration
+_NO_GAP = 1e-3  # [leg lengths] a smaller gap counts as none
 _NONE: Floats = np.zeros(3)
-_FEWEST = 4  # frames that K's blend needs to be one
+_FEWEST = 4  # least number of frames of K's blend
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Closed:
         clip: L + 1 frames; the last one is the first moved by `travel`.
         start: the frame of the captured clip that became the first.
         travel: of one round.
-        worst_ratio: of all joints the largest acceleration beside the seam over that elsewhere (`seam.ratios`).
+        worst_ratio: largest ratio, over all joints, of acceleration beside the seam to that elsewhere (`seam.ratios`).
     """
 
     clip: Clip
@@ -53,10 +53,10 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
         clip: F frames.
         rig: its root.
         cut: the cycle in it.
-        params: by which method.
+        params: with the method.
 
     Raises:
-        InputError: the method finds no room for its blend.
+        InputError: there are too few frames for the blend.
     """
     root, travel = carrier(clip, rig), fit(clip, rig, cut.start, cut.end, params.window)
     if params.method == "kim-neff":
@@ -85,12 +85,12 @@ def close(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Closed:
 
 @dataclass(frozen=True, eq=False)
 class Decay:
-    """How a gap of value and slope decays over the frames of a cycle, from both of its ends.
+    """Fade-out of a gap of value and slope over the frames of a cycle, from both of its ends.
 
-    Cubics that begin with a value, or a slope, and end at rest at zero.
+    The curves are cubics that begin with a value, or a slope, and end at rest at zero.
 
     Args:
-        value_ahead, slope_ahead: (F,) what is left of them after the start, the slope [s].
+        value_ahead, slope_ahead: (F,) remaining share of the value, and of the slope [s], after the start.
         value_behind, slope_behind: (F,) before the end.
     """
 
@@ -100,27 +100,27 @@ class Decay:
     slope_behind: Floats
 
     def frames(self, which: Ints) -> Decay:
-        """The same in some frames."""
+        """Take some frames only."""
         parts = (self.value_ahead, self.slope_ahead, self.value_behind, self.slope_behind)
         return Decay(*(part[which] for part in parts))
 
     def ahead(self, gap: Floats = _NONE, speed: Floats = _NONE) -> Floats:
-        """(..., F, 3) the start's share of gaps (..., 3) and of their change (..., 3) [1/s]."""
+        """Compute the start's offsets (..., F, 3) for gaps (..., 3) and their rates (..., 3) [1/s]."""
         return _outer(RATIO * self.value_ahead, gap) + _outer(RATIO * self.slope_ahead, speed)
 
     def behind(self, gap: Floats = _NONE, speed: Floats = _NONE) -> Floats:
-        """(..., F, 3) the end's share, which takes away what the start adds."""
+        """Compute the end's offsets (..., F, 3), of the opposite sign."""
         rest = 1.0 - RATIO
         return _outer(rest * self.slope_behind, speed) - _outer(rest * self.value_behind, gap)
 
 
 def _outer(share: Floats, vector: Floats) -> Floats:
-    """(..., F, 3) a share (F,) of vectors (..., 3)."""
+    """Multiply shares (F,) by vectors (..., 3): (..., F, 3)."""
     return (share * vector[..., None]).swapaxes(-1, -2)
 
 
 def decay(frames: int, frame_time: float, tau: float, slope: float) -> Decay:
-    """The decay of a gap over `tau` [s] at either end of some frames; of its slope over `slope` [s]."""
+    """Make the fade-out of a gap over `tau` [s] at each end of some frames, and of its slope over `slope` [s]."""
     time: Floats = np.asarray(np.arange(frames) * frame_time, dtype=np.float64)
     parts = []
     for since in (time, time[-1] - time):
@@ -132,18 +132,18 @@ def decay(frames: int, frame_time: float, tau: float, slope: float) -> Decay:
 def _offset(
     clip: Clip, root: int, below: tuple[Gap, Gap], of_root: tuple[Gap, Gap], travel: Travel, fade: Decay
 ) -> Clip:  # fmt: skip
-    """The gap of position, rotation and velocity is shared by both ends, and decays from either.
+    """Close gaps of position, rotation and velocity by offsets at both ends that fade out.
 
-    A joint is so moved by half of what a blend on one side moves it. Rotations are offset by rotation vectors on the
-    left, what carries the figure in the frame of the travel. First the poses are joined, by offsets that begin at
-    rest; the velocities are compared as these turn them, and their gap decays after.
+    A joint moves half as far as in a blend on one side. Rotations are offset by rotation vectors on the left, those of
+    the root in the frame of the travel. First the poses are joined, by offsets that start with zero velocity; then
+    velocities are compared, and their gap is closed in the same way.
 
     Args:
         clip: the L + 1 frames of the cut.
         root: what carries it (`carrier`).
         below, of_root: the gaps of places and of rotations.
         travel: of one round.
-        fade: how they decay.
+        fade: how they fade out.
 
     Source: D. Holden, Creating looping animations from motion capture, theorangeduck.com 2022.
     """
@@ -171,14 +171,14 @@ def _offset(
 
 
 def _tracks(track: Callable[[int], Floats], joints: Sequence[int]) -> Floats:
-    """(J, F, n) a copy of some joints' tracks, each component's frames side by side in memory."""
+    """Copy some joints' tracks to (J, F, n), each component contiguous over frames."""
     if not joints:
         return np.zeros((0, 0, 3))
     return np.stack([track(joint).T for joint in joints]).transpose(0, 2, 1)
 
 
 def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
-    """The last frame is the first, to the last bit; the root's moved on."""
+    """Set the last frame exactly to the first, with the root moved by the travel."""
     joints = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
     places, turns = dict[int, Floats](), dict[int, Floats]()
     for joint in joints:
@@ -193,7 +193,7 @@ def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
 
 
 def _blended(clip: Clip, rig: Rig, root: int, cut: Cut, travel: Travel) -> Closed:
-    """The frames after the end are blended into those after the start: the last ones first, then the first ones.
+    """Blend the frames after the end into those after the start (K 5.2).
 
     The window is what is left of the shorter of both plants, N_b = min(F_fs - F_s, F_fe - F_e) frames, of which the
     first half is put behind the end and the second in the start's place. So the cycle starts in mid-blend, its
@@ -238,7 +238,7 @@ def _blended(clip: Clip, rig: Rig, root: int, cut: Cut, travel: Travel) -> Close
 
 
 def _root_blended(clip: Clip, root: int, a: Ints, b: Ints, w: Floats, travel: Travel) -> tuple[Floats, Floats]:
-    """The root after the end, blended into that after the start moved on by one round."""
+    """Blend the root after the end into that after the start, moved by one round."""
     place, turn = root_in_world(clip, root)
     place_b, turn_b = travel.places(place[b]), rotation.multiply(travel.turn, turn[b])
     return (1.0 - w)[:, None] * place[a] + w[:, None] * place_b, rotation.slerp(turn[a], turn_b, w)

@@ -1,4 +1,4 @@
-"""Where a cycle can be cut out of a clip: between two stances of the same foot, in poses that are alike."""
+"""Find where to cut a cycle out of a clip: between two stances of the same foot, at similar poses."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
 
-_MOST = 60  # cuts whose frames are looked at one by one, the likeliest of them
+_MOST = 60  # most cuts that are refined frame by frame
 _COARSE = 1.0 / 30.0  # [s] between the frames that cuts are compared at
-_CLEAR = 1.0 / 30.0  # [s] from the ends of a clip, so that the velocity of a cut is known
-_BY_HAND = 0.25  # of a stride, by which one may differ from the usual one where one end is given
-_TURN = 0.06  # [m/rad] a stride that turns the figure counts as much less alike: a degree is a millimetre
-_PERIOD = 0.3  # of a stride, by which a cut may differ from what the starts of its stances say
-_STRANGE = 0.25  # [leg lengths] where strides differ by more, the clip is no gait
-_UNREST = 0.015  # [m] that poses in violent motion count as much less alike, at either end
-_SEEN = 0.04  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
-_OFF_BEAT = 0.1  # [leg lengths/s] that a cut costs for each second by which it is longer or shorter than its stride
-_UNSEEN = 0.5  # times the usual, from which on it does
-_NEARLY = 0.03  # [leg lengths] by which poses may be less alike where they are calmer
-_STRIKE = 0.02  # [m] that poses count as much less alike when a foot comes down just then, at either end
-_NEAR_STRIKE = 6  # frames before and after that
-_BETTER = 0.85  # of the loss of style: more strides must leave less than this to be worth it
+_CLEAR = 1.0 / 30.0  # [s] least distance from the ends of a clip, so that velocities at a cut are known
+_BY_HAND = 0.25  # greatest difference from the usual stride, as a share of it, where one end is given
+_TURN = 0.06  # [m/rad] penalty for a stride that turns the figure: one millimetre per degree
+_PERIOD = 0.3  # greatest difference of a cut's length from the time between stance starts, in strides
+_STRANGE = 0.25  # [leg lengths] if strides differ by more, the clip is not a gait
+_UNREST = 0.015  # [m] penalty for an end in violent motion
+_SEEN = 0.04  # [leg lengths] penalty for each multiple of its usual acceleration that a joint has at the seam
+_OFF_BEAT = 0.1  # [leg lengths/s] penalty for the difference between a cut's length and its strides
+_UNSEEN = 0.5  # multiple of the usual acceleration without penalty
+_NEARLY = 0.03  # [leg lengths] greatest increase of pose distance accepted for a calmer seam
+_STRIKE = 0.02  # [m] penalty for an end at a strike
+_NEAR_STRIKE = 6  # frames before and after a strike that get it
+_BETTER = 0.85  # more strides are chosen only if they reduce the loss of style to this share
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Cut:
         start, end: its first frame, and the frame whose pose is the first one's.
         leg: index among `Rig.legs`, of the foot that stands at both; -1 where the frames are given.
         strides: how many it has.
-        frames: its length as the starts of its stances tell it; 0 where the frames are given.
+        frames: its length by the starts of its stances; 0 where the frames are given.
         gap: [m] root mean square distance of the joints of both ends.
-        loss: [m] by how much the clip's other strides differ from its own; 0 where there are none.
+        loss: [m] mean difference of the clip's other strides from its own; 0 where there are none.
         turn: [rad] by which it turns the figure.
-        unrest: [m] by how much worse it is for violent motion at its ends.
+        unrest: [m] penalty for violent motion at its ends.
         stands: the stances that its ends lie in.
     """
 
@@ -63,21 +63,21 @@ class Cut:
 
     @property
     def cost(self) -> float:
-        """[m] by which cuts are ranked."""
+        """Compute the cost by which cuts are ranked [m]."""
         return self.gap + 0.5 * self.loss + self.unrest + _TURN * abs(self.turn)
 
 
 def find_cuts(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Cut, ...]:
-    """The cuts of a clip, the best one first.
+    """Find the cuts of a clip, the best one first.
 
     Args:
         clip: F frames.
         rig: its legs.
         contacts: when the feet are planted.
-        params: what is asked for.
+        params: of the loop.
 
     Raises:
-        InputError: it holds no cycle, or not the one that is asked for.
+        InputError: it contains no cycle, or not the requested one.
     """
     if params.start is not None and params.end is not None:
         return (_given(clip, rig, params),)
@@ -104,7 +104,7 @@ def find_cuts(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> t
 
 
 def _near_strikes(contacts: Contacts, rig: Rig) -> Floats:
-    """(F,) 1 where a foot comes down about then, else 0."""
+    """Mark with 1 (F,) the frames near a strike."""
     strikes = np.zeros(contacts.frames, dtype=np.bool_)
     strikes[[start for leg in range(len(rig.legs)) for start, _ in stances(contacts, rig, leg) if start > 0]] = True
     around = np.lib.stride_tricks.sliding_window_view(np.pad(strikes, _NEAR_STRIKE), 2 * _NEAR_STRIKE + 1)
@@ -122,7 +122,7 @@ def _no_match(cuts: Sequence[Cut], near: float) -> str:
 
 
 def _told(contacts: Contacts, rig: Rig) -> str:
-    """What was found instead of a cycle."""
+    """Describe what was found instead of a cycle."""
     counts = ", ".join(f"{leg.name} {len(stances(contacts, rig, k))}" for k, leg in enumerate(rig.legs))
     return f"a cycle needs two plants of one foot and one of the other between them; plants found: {counts}"
 
@@ -138,7 +138,7 @@ def _given(clip: Clip, rig: Rig, params: LoopParams) -> Cut:
 
 
 def _half_given(clip: Clip, rig: Rig, strides: Sequence[Sequence[Stride]], params: LoopParams) -> Cut:
-    """One end is given: the other is a usual stride away, or several, where the poses are most alike."""
+    """Find the other end of a cut from a given one: one or several usual strides away, at the most similar pose."""
     usual = float(np.median([s.frames for own in strides for s in own]))
     count = params.strides or 1
     near, far = round((count - _BY_HAND) * usual), round((count + _BY_HAND) * usual)
@@ -161,7 +161,7 @@ def _gaps(clip: Clip, rig: Rig, first: Ints, last: Ints, params: LoopParams) -> 
 
 
 def _rough(clip: Clip, rig: Rig, strides: Sequence[Stride], params: LoopParams) -> list[Cut]:
-    """All cuts of one leg, from the middles of stances, with the loss of style of each."""
+    """List all cuts of one leg, from the middles of stances, with the loss of style of each."""
     apart = style_distances(clip, rig, strides) * rig.leg_length
     counts = [params.strides] if params.strides else range(1, params.most_strides + 1)
     found = []
@@ -187,7 +187,7 @@ def _rough(clip: Clip, rig: Rig, strides: Sequence[Stride], params: LoopParams) 
 
 
 def _likeliest(rough: Sequence[Cut]) -> list[Cut]:
-    """Of each number of strides the best few."""
+    """Choose the best few cuts for each number of strides."""
     counts = sorted({cut.strides for cut in rough})
     each = max(4, _MOST // len(counts))
     return [
@@ -198,7 +198,7 @@ def _likeliest(rough: Sequence[Cut]) -> list[Cut]:
 
 
 def _fine(clip: Clip, rig: Rig, cuts: Sequence[Cut], rough_at: Floats, params: LoopParams) -> list[Cut]:
-    """Cuts at those frames of their stances in which poses are most alike, and calm; K takes the middles."""
+    """Move cuts to the frames of their stances with the most similar, calm poses; K takes the middles."""
     if params.method == "kim-neff":
         return list(cuts)
     clear = max(1, round(_CLEAR / clip.frame_time))
@@ -221,16 +221,16 @@ def _fine(clip: Clip, rig: Rig, cuts: Sequence[Cut], rough_at: Floats, params: L
 
 
 def calmer(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Cut:
-    """The same cycle, cut where its seam is likely to be the least seen of all frames of both stances.
+    """Move a cut to the frames of its two stances at which its seam is probably least visible.
 
-    Beside a seam no joint should accelerate by more than it does elsewhere in the round: a heel strike that only one
-    of both ends has would be met as a jolt.
+    Near a seam no joint should accelerate more than elsewhere in the round: a heel strike at only one of both ends
+    would show as a jerk.
 
     Args:
         clip: F frames.
         rig: its legs.
-        cut: one whose stances are known.
-        params: what is asked for.
+        cut: with known stances.
+        params: of the loop.
     """
     if cut.leg < 0 or params.method == "kim-neff":
         return cut
@@ -249,7 +249,7 @@ def calmer(clip: Clip, rig: Rig, cut: Cut, params: LoopParams) -> Cut:
 
 
 def _off_beat(cut: Cut, first: Ints, last: Ints, frames: int) -> Floats:
-    """(N, M) [frames] by how much rounds are longer or shorter than the starts, or the ends, of both stances tell."""
+    """Compute how much rounds differ from the time between starts, or ends, of both stances, (N, M) [frames]."""
     (a, b), (c, d) = cut.stands
     told = [c - a] * (a > 0) + [d - b] * (d < frames) or [cut.frames]
     length = last - first[:, None]
@@ -257,12 +257,12 @@ def _off_beat(cut: Cut, first: Ints, last: Ints, frames: int) -> Floats:
 
 
 def jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:
-    """(N, M) [m] that seams cost for what a joint accelerates within some frames of them by more than elsewhere.
+    """Compute the penalty (N, M) [m] of seams for accelerations near them that exceed those elsewhere.
 
     Args:
         clip: F frames.
         rig: its root and size.
-        first, last: (N,), (M,) the frames of either end, in order.
+        first, last: (N,), (M,) the frames of the two ends, in order.
     """
     sharp = accelerations(clip.frames(slice(first[0], last[-1] + 1)), rig)
     a, b, near = first - first[0], last - first[0], BESIDE
@@ -278,13 +278,13 @@ def jolts(clip: Clip, rig: Rig, first: Ints, last: Ints) -> Floats:
 
 
 def _frames_of(span: tuple[int, int], clear: int, frames: int) -> Ints:
-    """The frames of a stance, but for those at the ends of the clip."""
+    """List the frames of a stance, except those at the ends of the clip."""
     start, end = max(span[0], clear), min(span[1], frames - clear)
     return np.arange(start, end) if end > start else np.array([(span[0] + span[1]) // 2])
 
 
 def _ranked(cuts: Sequence[Cut], style: float) -> tuple[Cut, ...]:
-    """As few strides as tell the style; among those the best cut first, then the others by their cost."""
+    """Rank cuts: first those with the fewest strides that represent the style, each group by cost."""
     best = {count: min((c for c in cuts if c.strides == count), key=lambda cut: cut.cost)
             for count in sorted({cut.strides for cut in cuts})}  # fmt: skip
     chosen, *more = best.values()

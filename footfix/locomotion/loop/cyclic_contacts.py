@@ -1,4 +1,4 @@
-"""Contacts of a closed cycle: what is planted at its last frame is planted at its first."""
+"""Contacts of a closed cycle, the same at its last frame as at its first."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import replace
 
 from footfix.motion.contacts import Contact, Contacts, Effector
 
-_BRIEF = 0.05  # [s] what is left of a contact at the seam, and does not go on over it, is none below this
+_BRIEF = 0.05  # [s] a shorter remainder of a contact at the seam that does not continue across it is dropped
 
 
 def wrapped(contacts: Contacts, start: int, length: int) -> Contacts:
-    """The contacts of a cycle.
+    """Make the contacts of a cycle.
 
     Args:
         contacts: of the clip that it was cut from.
@@ -44,6 +44,6 @@ def _wrapped(effector: Effector, start: int, length: int, brief: float) -> Effec
 def _changed(
     inside: list[Contact], old: Contact, new: Contact, more: list[Contact], brief: float
 ) -> list[Contact]:
-    """A contact at the seam with its continuation; without either where hardly anything of it is left."""
+    """Join a contact at the seam with its continuation; drop it where it is too short."""
     rest = [each for each in inside if each is not old]
     return rest if old.end - old.start < brief and old.wish is None else [*rest, new, *more]

@@ -1,4 +1,4 @@
-"""Clips that are cycles already: nothing is to be cut out of them, nor closed."""
+"""Recognise clips that are closed cycles already, and need no cutting or closing."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from footfix.motion.contacts import PUT_TO_REST, Contacts
 from footfix.rig.cycle import find_cycle
 from footfix.rig.rig import Rig
 
-_TURNED = 1e-4  # [rad] what three decimals of a degree leave, and their sum over a few axes
+_TURNED = 1e-4  # [rad] rounding error of angles with three decimals of a degree
 _MOVED = 2e-4  # [leg lengths]
 _FEWEST = 8  # frames
-_LEADS = 0.3  # of the usual step, root mean square over the joints: a step over the seam like those beside it
-_BENDS = 0.7  # of the usual step: as much may a step over the seam be unlike those beside it, where others are, too
-_MOVES = 0.2  # of the usual step: less at the seam is a pause, not a stride
-_HEIGHT = 0.02  # [leg lengths] by which the root's height may go on otherwise
-_FEW, _RESTS = 4, 0.3  # steps of a plant that tell, and the share of them in which a foot rests that is held
-_STILL = 1e-3  # [rad] a step less than this at the seam is a pose that is held
+_LEADS = 0.3  # of the usual step (rms over the joints): greatest difference of the seam's step from its neighbours
+_BENDS = 0.7  # of the usual step: the same where other steps differ from their neighbours as much
+_MOVES = 0.2  # of the usual step: a smaller step across the seam is a pause, not a stride
+_HEIGHT = 0.02  # [leg lengths] greatest discontinuity of the root's height
+_FEW, _RESTS = 4, 0.3  # least number of steps of a plant, and the share of them at rest in a locked foot
+_STILL = 1e-3  # [rad] a smaller step across the seam is a held pose
 
 
 def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
-    """How a closed cycle travels in one round; None where the last frame is not the first one again.
+    """Find the travel of a closed cycle in one round; None where the last frame does not repeat the first.
 
     Args:
         clip: F frames.
@@ -50,7 +50,7 @@ def closed_travel(clip: Clip, rig: Rig) -> Travel | None:
 
 
 def put_to_rest(clip: Clip, rig: Rig, contacts: Contacts) -> bool:
-    """Whether a program has held the feet of a cycle already, where they are planted: captured ones are never so still.
+    """Tell whether a program has locked the planted feet of a cycle: captured feet are never so still.
 
     Args:
         clip: L + 1 frames.
@@ -68,23 +68,23 @@ def put_to_rest(clip: Clip, rig: Rig, contacts: Contacts) -> bool:
 
 
 def whole_cycle(clip: Clip, rig: Rig) -> Clip | None:
-    """A clip that is one round as it is, or lacks its last frame; None where it is none.
+    """Get a clip that is one round as it is, or lacks its last frame; None for other clips.
 
-    Its ends are alike, not the same: it is to be closed.
+    Its ends are similar, not equal: it still has to be closed.
     """
     found = find_cycle(clip, rig, pose_of(clip, rig))
     return clip if found is not None and found.frames == len(clip) - 1 else completed(clip, rig)
 
 
 def completed(clip: Clip, rig: Rig, held: bool = False) -> Clip | None:
-    """A cycle whose last frame is a step before its first one, with the frame that it lacks; None where it is no cycle.
+    """Add the missing last frame to a cycle that ends one step before its first frame; None for other clips.
 
-    How far the root goes in that step is what it goes in the one before it.
+    The root moves in that step as in the one before it.
 
     Args:
         clip: F frames.
         rig: its root and size.
-        held: whether its feet were put to rest by a program, as those of a loop are: the step may then bend more.
+        held: whether its feet were locked by a program, as in a loop: the step may then differ more.
     """
     if len(clip) < _FEWEST or not _leads_on(clip, rig, _BENDS if held else _LEADS):
         return None
@@ -100,12 +100,12 @@ def completed(clip: Clip, rig: Rig, held: bool = False) -> Clip | None:
 
 
 def _leads_on(clip: Clip, rig: Rig, bends_most: float) -> bool:
-    """Whether a step from the last frame to the first is what the steps before and after it make one expect.
+    """Tell whether the step from the last frame to the first is consistent with the steps before and after it.
 
     Args:
         clip: F frames.
         rig: its root and size.
-        bends_most: of the usual step, by which it may differ from those beside it where others do, too.
+        bends_most: greatest difference from neighbouring steps, in usual steps, where others differ as much.
     """
     root = carrier(clip, rig)
     below = [joint for joint in range(len(clip.skeleton)) if joint not in clip.skeleton.ancestors(root)]
@@ -127,7 +127,7 @@ def _size(turns: Floats) -> float:
 
 
 def travel_between(first: tuple[Floats, Floats], last: tuple[Floats, Floats]) -> Travel:
-    """The travel that takes a root's place (3,) [m] and heading (4,) to others."""
+    """Compute the travel from a root's place (3,) [m] and heading (4,) to others."""
     turn = Travel(float(rotation.yaw(rotation.multiply(last[1], rotation.inverse(first[1])))))
     x, _, z = last[0] - turn.places(first[0])
     return Travel(turn.yaw, float(x), float(z))

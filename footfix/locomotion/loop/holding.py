@@ -1,4 +1,4 @@
-"""Rounds of a closed cycle laid end to end, so that what stands over the seam is held as one plant."""
+"""Hold the plants of a closed cycle on several rounds end to end, so that plants across the seam are one."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from footfix.motion.kinematics import forward
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_BESIDE = 1.5  # [s] of rounds on either side of the middle one: a correction dies out in less
-_RATE = 60.0  # [Hz] of the frames by which it is told where feet stand
-_OPEN = 4e-5  # [leg lengths] neighbouring rounds that differ by less are the same
-_KEEP = 1e-4  # [leg lengths] only what slides no farther stays as it is: a loop is seen again and again
+_BESIDE = 1.5  # [s] of rounds on each side of the middle one: end effects of a correction fade in less
+_RATE = 60.0  # [Hz] frame rate at which places of plants are found first
+_OPEN = 4e-5  # [leg lengths] neighbouring rounds that differ less are equal
+_KEEP = 1e-4  # [leg lengths] plants that slide no farther are unchanged; small, since a loop is seen repeatedly
 
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A closed cycle whose plants are held.
+    """A closed cycle with held plants.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by the travel.
@@ -42,22 +42,22 @@ class Held:
 
 
 def hold(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: EnforceParams) -> Held:
-    """Hold the plants of a closed cycle, over its seam too.
+    """Hold the plants of a closed cycle, also across its seam.
 
-    Where feet stand is nearly, but not quite, the same in the middle round and in its neighbours: the outermost rounds
-    have nothing that leads on. So it is done twice, the second time with the places of the middle round asked for in
-    all of them. Places are told well enough by fewer frames a second.
+    Places of plants are nearly, but not exactly, the same in the middle round and in its neighbours, since the
+    outermost rounds have no continuation. So plants are held twice, the second time with the places of the middle round
+    requested in all rounds. For the first time a lower frame rate is enough.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
         rig: its legs, soles and floor.
-        contacts: of the cycle; what stands at its last frame stands at its first.
+        contacts: of the cycle; the same at its last frame as at its first.
         travel: of one round.
         params: how footplants are enforced.
     """
     length, beside = len(clip) - 1, round(_BESIDE / clip.frame_time)
-    rounds = max(1, -(-beside // length))  # on either side
-    start = max(rounds * length - beside, 0)  # the rest of the outermost rounds is left away
+    rounds = max(1, -(-beside // length))  # on each side
+    start = max(rounds * length - beside, 0)  # the outermost rounds are trimmed
     middle = slice(rounds * length - start, (rounds + 1) * length + 1 - start)
     long = lay(clip, carrier(clip, rig), travel, range(-rounds, rounds + 1))
     long = long.frames(slice(start, len(long) - start))
@@ -83,14 +83,14 @@ def hold(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: Enfor
 
 
 def ground_under(clip: Clip, rig: Rig, contacts: Contacts, travel: Travel, params: GroundParams) -> Floats:
-    """(L + 1, 3) [m] how far the ground under the planted feet of a closed cycle has moved, as on a treadmill.
+    """Find the motion of the ground under the planted feet of a closed cycle (a treadmill), (L + 1, 3) [m].
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
         rig: its legs and soles.
         contacts: of the cycle.
         travel: of one round.
-        params: what makes a belt.
+        params: when the ground is a belt.
     """
     length = len(clip) - 1
     long = lay(clip, carrier(clip, rig), travel, range(-1, 2))
@@ -103,18 +103,18 @@ def _cut(found: Correction, middle: slice) -> Correction:
 
 
 def _open(clip: Clip, rig: Rig, found: Enforcement, middle: slice, travel: Travel) -> float:
-    """[m] the farthest that a joint of the legs is from where it was one round before, where rounds meet."""
+    """Measure the largest distance [m] of a leg joint from its place one round before, where rounds meet."""
     ends = apply(clip, _cut(found.correction, middle)).frames(np.array([0, len(clip) - 1]))
     places = forward(ends, rig.joints()).positions
     return float(np.linalg.norm(places[1] - travel.places(places[0]), axis=1).max())
 
 
 def lay(clip: Clip, root: int, travel: Travel, rounds: range) -> Clip:
-    """Rounds of a closed cycle end to end; round 0 is where the cycle is.
+    """Lay rounds of a closed cycle end to end; round 0 is the cycle itself.
 
     Args:
         clip: L + 1 frames.
-        root: what carries it (`carrier`).
+        root: the joint that carries the figure (`carrier`).
         travel: of one round.
         rounds: R of them.
 
@@ -138,12 +138,12 @@ def lay(clip: Clip, root: int, travel: Travel, rounds: range) -> Clip:
 
 @dataclass(frozen=True)
 class Laid:
-    """A contact of one of several rounds.
+    """A contact in one of several rounds.
 
     Args:
         contact: in the frames of all rounds.
-        round: which one, from 0; of what stands over a seam the one that follows.
-        key: which contact of the cycle it is, by the frame where it starts; -1 for what stands over the seam.
+        round: its index from 0; for a contact across a seam the later round.
+        key: the start frame of the cycle's contact that it repeats; -1 for one across the seam.
     """
 
     contact: Contact
@@ -152,7 +152,7 @@ class Laid:
 
 
 def laid_contacts(contacts: Contacts, count: int) -> tuple[tuple[Laid, ...], ...]:
-    """For each effector the contacts of a closed cycle over some rounds; what goes on over a seam is one contact.
+    """Repeat each effector's contacts of a closed cycle over some rounds; one across a seam is a single contact.
 
     Args:
         contacts: of L + 1 frames.
@@ -185,7 +185,7 @@ def _laid(effector: Effector, length: int, count: int) -> tuple[Laid, ...]:
 
 
 def cropped(planted: Sequence[Sequence[Laid]], start: int, frames: int) -> tuple[tuple[Laid, ...], ...]:
-    """What some contacts have in so many frames from one on, counted from there."""
+    """Crop contacts to some frames, counted from the first of these."""
     out = []
     for own in planted:
         spans = [(max(each.contact.start - start, 0), min(each.contact.end - start, frames)) for each in own]
@@ -198,7 +198,7 @@ def cropped(planted: Sequence[Sequence[Laid]], start: int, frames: int) -> tuple
 
 
 def thinned(planted: Sequence[Sequence[Laid]], which: Ints) -> tuple[tuple[Laid, ...], ...]:
-    """The same contacts where only some frames are looked at, each in one of them at least.
+    """Convert contacts to a subset of frames, each with at least one frame.
 
     Args:
         planted: in the frames of a clip.
@@ -216,7 +216,7 @@ def thinned(planted: Sequence[Sequence[Laid]], which: Ints) -> tuple[tuple[Laid,
 
 
 def _as_contacts(contacts: Contacts, planted: Sequence[Sequence[Laid]], frames: int, every: int = 1) -> Contacts:
-    """Contacts of what is laid end to end, of which every frame is looked at, or only some."""
+    """Make contacts from laid ones, for every frame or for a subset of frames."""
     effectors = tuple(
         replace(effector, contacts=tuple(each.contact for each in own))
         for effector, own in zip(contacts.effectors, planted, strict=True)
@@ -227,7 +227,7 @@ def _as_contacts(contacts: Contacts, planted: Sequence[Sequence[Laid]], frames: 
 def _placed(
     planted: Sequence[Sequence[Laid]], plants: Sequence[Footplant], middle: int, travel: Travel
 ) -> tuple[tuple[Laid, ...], ...]:  # fmt: skip
-    """The contacts with the places asked for at which they stand in the middle round, moved by the travel in others."""
+    """Request the places of the middle round's plants in all rounds, moved by the travel."""
     out, stood = [], iter(plants)
     for own in planted:
         targets = {}
@@ -251,7 +251,7 @@ def _placed(
 
 
 def _closed(found: Correction, travel: Travel, clip: Clip) -> Correction:
-    """The correction of a round so that its end is its start: what is left of a difference decays from both ends."""
+    """Close the correction of a round: the remaining difference of its ends fades out from both."""
     half = 0.5 * (len(clip) - 1) * clip.frame_time
     fade = decay(len(clip), clip.frame_time, half, half)
     still = np.zeros(3)
@@ -269,7 +269,7 @@ def _closed(found: Correction, travel: Travel, clip: Clip) -> Correction:
 
 
 def _plants(found: Sequence[Footplant], contacts: Contacts, start: int) -> tuple[Footplant, ...]:
-    """The plants of the middle round, one for each contact of the cycle, in their order."""
+    """Get the plants of the middle round, one for each contact of the cycle, in order."""
     plants: list[Footplant] = []
     for e, effector in enumerate(contacts.effectors):
         own = [plant for plant in found if plant.effector == e]
@@ -286,7 +286,7 @@ def _plants(found: Sequence[Footplant], contacts: Contacts, start: int) -> tuple
 
 
 def _notes(notes: Sequence[Note], middle: slice, length: int) -> tuple[Note, ...]:
-    """The notes about the middle round."""
+    """Keep the notes about the middle round."""
     found = []
     for note in notes:
         if note.start is None or note.end is None:

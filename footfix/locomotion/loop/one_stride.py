@@ -1,4 +1,4 @@
-"""The cycle of a clip that holds one stride, and hardly more: its ends are alike."""
+"""Find the cycle of a clip that contains hardly more than one stride, from its similar ends."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import places
 from footfix.rig.rig import Rig
 
-_SHORT = 1.5  # times a cycle, up to which a clip may hold one stride only, and no second plant to tell it
+_SHORT = 1.5  # longest clip treated as one stride, as a multiple of the cycle
 _SHORTEST, _LONGEST = 0.3, 2.5  # [s] of a stride
-_ENDS = 0.2  # of the clip's frames, among which its ends are looked for
-_NEAR = 0.75  # of the distance of poses that else are alike: nothing is known of how the figure came there, and goes on
-_SAME = 0.03  # [leg lengths] poses so much alike are the same, whatever is said of the feet
-_SURE = 0.06  # [s] as exactly the ends of plants are known at the ends of a clip
-_WHOLE = 0.01  # [leg lengths] by which the clip's own ends may be worse than others
-_MOST, _APART = 8, 0.06  # cuts that are told, whose ends lie elsewhere by more than this share of the clip's frames
-_MOVES = 0.4  # of the usual speed: a figure that stands first and last has gone a step, which is no cycle
+_ENDS = 0.2  # share of the clip's frames at each end that are searched
+_NEAR = 0.75  # factor on the allowed distance of poses, since motion before and after them is unknown
+_SAME = 0.03  # [leg lengths] poses nearer than this are equal, whatever contacts say
+_SURE = 0.06  # [s] uncertainty of contacts at the ends of a clip
+_WHOLE = 0.01  # [leg lengths] the clip's own ends are preferred if they are at most this much worse than others
+_MOST, _APART = 8, 0.06  # most cuts returned, and the least difference of their ends as a share of the clip
+_MOVES = 0.4  # of the usual speed: a slower figure at the ends has taken a step, not walked a cycle
 
 
 def cuts_of(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Clip, tuple[Cut, ...]]:
     """Find where a clip can be cut: the best cut first.
 
-    One that is hardly more than a round is a cycle as a whole, and may lack its last frame; or its one stride is.
+    A clip hardly longer than a round is a cycle as a whole, perhaps without its last frame, or contains one stride.
 
     Args:
         clip: F frames.
         rig: its legs.
         contacts: when the feet are planted.
-        params: what is asked for.
+        params: of the loop.
 
     Returns:
-        The clip, with the frame that it lacked, and its cuts.
+        The clip, with its missing last frame if any, and its cuts.
 
     Raises:
-        InputError: it holds no cycle, or not the one that is asked for.
+        InputError: it contains no cycle, or not the requested one.
     """
     given = params.start is not None or params.end is not None
     try:
@@ -64,7 +64,7 @@ def cuts_of(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tup
 
 
 def _single(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, known: bool = False) -> tuple[Cut, ...]:
-    """The cycle of a clip that holds hardly more than one, the best cut first; all of it where that is known."""
+    """Find the cuts of a clip hardly longer than a cycle, the best first; the whole clip if that is known."""
     cuts = (Cut(0, len(clip) - 1, -1, 0, 0, 0.0),) if known else single_stride(clip, rig, contacts, params)
     counts = [count_strides(wrapped(contacts, cut.start, cut.end - cut.start), rig) for cut in cuts]
     found = (replace(cut, strides=count) for cut, count in zip(cuts, counts, strict=True))
@@ -72,10 +72,10 @@ def _single(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, known:
 
 
 def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) -> tuple[Cut, ...]:
-    """Find where the one stride of a short clip can be cut, the best cut first; nothing where it holds none.
+    """Find where to cut the one stride of a short clip, the best cut first; empty where it has none.
 
-    Its ends are poses that are alike, with the same feet planted; in between every foot is planted and lifted. So half
-    a stride is none, since at its ends the feet have changed places.
+    Its ends are similar poses with the same feet planted; in between every foot is planted and lifted. This excludes
+    half a stride, at whose ends the feet have changed places.
 
     Args:
         clip: F frames.
@@ -114,7 +114,7 @@ def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) 
 
 
 def _planted(contacts: Contacts, rig: Rig) -> Bools:
-    """(legs, F) whether heel or toe of a leg is planted."""
+    """Mark (legs, F) when heel or toe of a leg is planted."""
     down = np.zeros((len(rig.legs), contacts.frames), dtype=np.bool_)
     for leg in range(len(rig.legs)):
         for start, end in stances(contacts, rig, leg):
@@ -123,14 +123,14 @@ def _planted(contacts: Contacts, rig: Rig) -> Bools:
 
 
 def _near(said: Bools, reach: float) -> Bools:
-    """(legs, F) whether something is so in any of the frames that are so near."""
+    """Extend a mask (legs, F) by some frames before and after."""
     n = max(1, round(reach))
     padded = np.pad(said, ((0, 0), (n, n)))
     return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * n + 1, axis=1).any(axis=-1))
 
 
 def _speeds(clip: Clip, rig: Rig) -> Floats:
-    """(F,) [m/s] root mean square of the joints' speeds."""
+    """Compute the root mean square of the joints' speeds, (F,) [m/s]."""
     step = np.diff(places(clip), axis=0) / clip.frame_time
     size = np.sqrt(np.einsum("fji,fji,j->f", step, step, weights(clip, rig)))
     return np.asarray(np.maximum(np.append(size, size[-1]), np.append(size[0], size)))

@@ -1,8 +1,7 @@
-"""Poses compared as clouds of points: the joints of some frames before and after, so that velocity counts.
+"""Compare poses as point clouds: the joints in some frames before and after, so that velocity counts.
 
-Source: L. Kovar, M. Gleicher, F. Pighin, Motion graphs, SIGGRAPH 2002: of all turns about the vertical and shifts
-over the floor those are taken that bring two clouds nearest to one another, in closed form. All of it is products of
-matrices here.
+Source: L. Kovar, M. Gleicher, F. Pighin, Motion graphs, SIGGRAPH 2002: two clouds are aligned by the turn about the
+vertical and the horizontal shift that bring them nearest to one another, in closed form, here as matrix products.
 """
 
 from __future__ import annotations
@@ -17,14 +16,14 @@ from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.kinematics import places
 from footfix.rig.rig import Rig
 
-_SAMPLES = 5  # frames that make a cloud
-_USUAL = 0.97  # quantile of a joint's accelerations
-_NEAR = 0.042  # [s] about a frame, of which the accelerations count
+_SAMPLES = 5  # frames of a cloud
+_USUAL = 0.97  # quantile of a joint's accelerations that counts as its usual largest
+_NEAR = 0.042  # [s] around a frame in which accelerations count
 
 
 @dataclass(frozen=True, eq=False)
 class Clouds:
-    """The clouds of N frames, each about its own middle.
+    """The point clouds of N frames, each relative to its centre.
 
     Args:
         x, y, z: (N, P) [m], times the root of each point's weight.
@@ -40,12 +39,12 @@ class Clouds:
         return len(self.x)
 
     def some(self, which: Ints) -> Clouds:
-        """Those of some of its frames, by their places among them."""
+        """Take the clouds of some of its frames, by index."""
         return Clouds(self.x[which], self.y[which], self.z[which], self.middle[which])
 
 
 def clouds(clip: Clip, rig: Rig, frames: Ints, window: float) -> Clouds:
-    """The clouds of some frames.
+    """Make the point clouds of some frames.
 
     Args:
         clip: F frames.
@@ -67,7 +66,7 @@ def clouds(clip: Clip, rig: Rig, frames: Ints, window: float) -> Clouds:
 
 
 def distances(first: Clouds, second: Clouds) -> Floats:
-    """(N, M) [m] root mean square distance of each cloud to each, turned and shifted over the floor to fit."""
+    """Compute the root mean square distance of each cloud to each, (N, M) [m], after alignment."""
     along = first.x @ second.x.T + first.z @ second.z.T
     across = first.z @ second.x.T - first.x @ second.z.T
     size = [np.einsum("np,np->n", c.x, c.x) + np.einsum("np,np->n", c.z, c.z) for c in (first, second)]
@@ -78,9 +77,9 @@ def distances(first: Clouds, second: Clouds) -> Floats:
 
 
 def unrest(clip: Clip, rig: Rig) -> Floats:
-    """(F,) how violent the motion is about each frame: the joints' largest acceleration over its usual largest.
+    """Measure how violent the motion is around each frame, (F,): largest acceleration relative to the usual largest.
 
-    A heel strike, or a spike of noise, would be met in every round if a cycle began there.
+    A heel strike, or a spike of noise, would show in every round if a cycle began there.
 
     Args:
         clip: F frames.
@@ -99,14 +98,14 @@ def unrest(clip: Clip, rig: Rig) -> Floats:
 
 
 def turns(first: Clouds, second: Clouds) -> Floats:
-    """(N, M) [rad] the turn about the vertical that brings each cloud nearest to each."""
+    """Compute the turn about the vertical that brings each cloud nearest to each, (N, M) [rad]."""
     along = first.x @ second.x.T + first.z @ second.z.T
     across = first.z @ second.x.T - first.x @ second.z.T
     return np.asarray(np.arctan2(across, along))
 
 
 def fit(clip: Clip, rig: Rig, start: int, end: int, window: float) -> Travel:
-    """How a figure gets from the pose of one frame to that of another, over the floor.
+    """Compute the travel from the pose of one frame to that of another.
 
     Args:
         clip: F frames.

@@ -1,4 +1,4 @@
-"""What is left of a slide under held feet, a few millimetres at most, taken out by the legs alone."""
+"""Remove the residual slide of held feet, a few millimetres at most, by the legs alone."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from footfix.motion.contacts import runs
 from footfix.motion.vectors import norm
 from footfix.rig.rig import Rig
 
-_MOST = 0.0055  # [leg lengths] a pinned plant strays no farther; what does has a reason, and is left
-_FADE = 0.12  # [s] before and after a plant, over which the foot comes back to its way
-_FEWEST = 3  # frames
-_HARDLY = 0.06  # [rad] a knee that is bent by no more than before
+_MOST = 0.0055  # [leg lengths] greatest slide of a pinned plant; a larger one has a reason, and is left
+_FADE = 0.12  # [s] before and after a plant, over which the change fades
+_FEWEST = 3  # least number of frames of a plant
+_HARDLY = 0.06  # [rad] a smaller change of flexion counts as hardly any
 
 
 def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats) -> Clip:
-    """A closed cycle whose held toes stand exactly, over the seam too.
+    """Make held toes of a closed cycle stand exactly still, also across the seam.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
@@ -64,15 +64,15 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, g
 
 
 def _solved(leg: CapturedLeg, ankle: Floats, moves: Bools) -> LegTurns:
-    """Solve a leg for a goal of its ankle (F, 3) [m]; a knee that is overstretched and hardly moves stays so.
+    """Solve a leg for a goal of its ankle (F, 3) [m]; an overstretched knee that hardly moves stays so.
 
-    A leg as long bends forwards as far as backwards. Where a foot comes to be moved by a little, a knee that is bent
-    backwards by some degrees would be thrown forwards by twice as many, in one frame.
+    The same leg length is reached by flexion forwards or backwards. For a tiny motion of the foot, a knee bent
+    backwards by some degrees would otherwise jump forwards by twice as many in one frame.
 
     Args:
-        leg: as it is.
+        leg: as captured.
         ankle: (F, 3) [m] its goal.
-        moves: (F,) where that is anywhere else.
+        moves: (F,) where the goal differs from the ankle's place.
     """
     bent = flexion_for(leg, ankle)
     over: Bools = np.asarray(moves & (leg.flexion < 0.0) & (bent > 0.0))
@@ -86,7 +86,7 @@ def _solved(leg: CapturedLeg, ankle: Floats, moves: Bools) -> LegTurns:
 
 
 def _lifted(leg: CapturedLeg, ankle: Floats) -> Floats:
-    """Lift goals of the ankle (F, 3) [m] that the leg would have to be stretched for: they stay where they are."""
+    """Raise goals of the ankle (F, 3) [m] that would stretch the leg, without moving them horizontally."""
     limit = norm(within_reach(leg, ankle) - leg.hip)
     flat = norm((ankle - leg.hip)[:, [0, 2]])
     out = ankle.copy()
@@ -95,9 +95,9 @@ def _lifted(leg: CapturedLeg, ankle: Floats) -> Floats:
 
 
 def stretches(plant: Footplant, frames: int) -> tuple[tuple[int, int], ...]:
-    """The frames `[start, end)` in which a plant of a cycle of so many frames is held.
+    """List the frames `[start, end)` in which a plant of a cycle of so many frames is held.
 
-    What is pinned is held at a stretch, and the seam is no end of it.
+    A pinned plant is held without interruption, and does not end at the seam.
     """
     if plant.outcome not in ("pinned", "kept") or not plant.held:
         return plant.held
@@ -108,7 +108,7 @@ def stretches(plant: Footplant, frames: int) -> tuple[tuple[int, int], ...]:
 def _shift(
     toe: Floats, held: Sequence[tuple[int, int]], travel: Travel, ground: Floats, frame_time: float, most: float
 ) -> Floats:  # fmt: skip
-    """(L + 1, 3) [m] what brings a toe to the middle of where it stands, fading out before and after.
+    """Compute the shift (L + 1, 3) [m] of a toe to its mean place, fading out before and after.
 
     Args:
         toe: (L + 1, 3) [m].
@@ -116,7 +116,7 @@ def _shift(
         travel: of one round.
         ground: (L + 1, 3) [m] how far the ground has moved.
         frame_time: [s].
-        most: [m] what strays farther is left.
+        most: [m] a plant that strays farther is left.
     """
     length = len(toe) - 1
     three = np.concatenate([travel.places_back(toe[:-1]), toe[:-1], travel.places(toe)])  # (3 L + 1, 3)
@@ -139,7 +139,7 @@ def _shift(
 
 
 def _over_seam(held: Sequence[tuple[int, int]], length: int) -> list[tuple[int, int]]:
-    """The stretches in the middle of three rounds; one that goes on over the seam begins in the middle round."""
+    """Choose the stretches of the middle of three rounds; one across the seam begins in the middle round."""
     first = next((span for span in held if span[0] == 0 and span[1] <= length), None)
     last = next((span for span in held if span[1] == length + 1 and span[0] > 0), None)
     inner = [(a + length, b + length) for a, b in held if (a, b) not in (first, last) and b - a <= length]
@@ -151,7 +151,7 @@ def _over_seam(held: Sequence[tuple[int, int]], length: int) -> list[tuple[int, 
 
 
 def _one_round(shift: Floats, length: int, travel: Travel) -> Floats:
-    """(L + 1, 3) of shifts in three rounds (3 L + 1, 3): each turned to the middle one, where its plants are told."""
+    """Combine shifts in three rounds (3 L + 1, 3) to one round (L + 1, 3), each turned to the middle one."""
     back, same, on = shift[:length], shift[length : 2 * length], shift[2 * length : 3 * length]
     turn = travel.turn
     out = np.zeros((length + 1, 3))

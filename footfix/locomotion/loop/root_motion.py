@@ -1,4 +1,4 @@
-"""Where a figure gets to: a turn about the vertical and a shift over the floor, and what a clip is without it."""
+"""Root motion: travel as a turn about the vertical and a horizontal shift, and removing it from a clip."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
-_STRAIGHT = 1e-9  # [rad] less is no turn
+_STRAIGHT = 1e-9  # [rad] a smaller turn is none
 
 
 @dataclass(frozen=True)
@@ -38,27 +38,27 @@ class Travel:
         return rotation.about_vertical(self.yaw)
 
     def places(self, points: Floats) -> Floats:
-        """Where points (..., 3) [m] get to."""
+        """Move points (..., 3) [m] by the travel."""
         return np.asarray(rotation.rotate(self.turn, points) + self.shift)
 
     def places_back(self, points: Floats) -> Floats:
-        """Where points (..., 3) [m] came from."""
+        """Move points (..., 3) [m] back by the travel."""
         return rotation.rotate(rotation.inverse(self.turn), points - self.shift)
 
     def about(self, origin: Floats) -> Travel:
-        """The same with another origin (3,) [m] of its turn: what this one does to points counted from there."""
+        """Express the travel for points relative to another origin (3,) [m]."""
         x, _, z = self.places(origin) - origin
         return Travel(self.yaw, float(x), float(z))
 
     def straight(self) -> Travel:
-        """The same way walked straight on: as long as the arc is, in the direction in which it begins."""
+        """Straighten the travel: the length of its arc, in its initial direction."""
         half = 0.5 * self.yaw
         longer = half / np.sin(half) if abs(half) > _STRAIGHT else 1.0
         x, _, z = longer * rotation.rotate(rotation.about_vertical(-half), self.shift)
         return Travel(0.0, float(x), float(z))
 
     def share(self, part: Floats) -> tuple[Floats, Floats]:
-        """Parts of the travel: along the arc of a circle, or a straight line, at an even speed.
+        """Compute parts of the travel, along a circular arc or a straight line.
 
         Args:
             part: (F,) 0 for none of it, 1 for all.
@@ -76,7 +76,7 @@ class Travel:
 
 
 def carrier(clip: Clip, rig: Rig) -> int:
-    """The joint that carries figure and all through the world: the root, or what moves above it, as in game engines."""
+    """Find the joint that carries the figure through the world: the root, or a moving joint above it."""
     for joint in reversed(clip.skeleton.ancestors(rig.root)):
         if any(len(track) and np.any(track != track[0]) for track in (clip.position(joint), clip.rotation(joint))):
             return joint
@@ -84,13 +84,13 @@ def carrier(clip: Clip, rig: Rig) -> int:
 
 
 def root_in_world(clip: Clip, root: int) -> tuple[Floats, Floats]:
-    """(F, 3) [m] and (F, 4) of the root in the world."""
+    """Compute place (F, 3) [m] and rotation (F, 4) of the root in the world."""
     pose = forward(clip, [root])
     return pose.position(root), pose.rotation(root)
 
 
 def with_root(clip: Clip, root: int, place: Floats, turn: Floats) -> Clip:
-    """The clip with its root elsewhere in the world.
+    """Replace the root's place and rotation in the world.
 
     Args:
         clip: F frames.
@@ -113,21 +113,21 @@ def _even(clip: Clip, until: float = 1.0) -> Floats:
 
 
 def taken_out(clip: Clip, root: int, travel: Travel, *, until: float = 1.0) -> Clip:
-    """A closed cycle on the spot: travel and turn taken out at an even speed, so that its last frame is its first.
+    """Remove travel and turn from a closed cycle at constant speed, so that its last frame is its first.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
         root: what carries it (`carrier`).
         travel: of one round.
-        until: the share of a round that the last frame comes after, where it is not the first again.
+        until: the share of a round at the last frame, where that does not repeat the first.
     """
     return _moved_back(clip, root, travel, _even(clip, until))
 
 
 def without_drift(clip: Clip, root: int, travel: Travel) -> Clip:
-    """A closed cycle that stays where it is, as on a belt, which does not turn: what it drifts in a round is taken out.
+    """Remove the drift of one round from a closed cycle in place, as on a belt, without turn.
 
-    In the middle of the round it stays where it was, so that no frame is moved by more than half of the drift.
+    The middle of the round does not move, so that no frame moves by more than half of the drift.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
@@ -141,7 +141,7 @@ def without_drift(clip: Clip, root: int, travel: Travel) -> Clip:
 
 
 def _moved_back(clip: Clip, root: int, travel: Travel, part: Floats) -> Clip:
-    """A clip with parts (F,) of a travel taken out of its frames."""
+    """Remove parts (F,) of a travel from the frames of a clip."""
     place, turn = root_in_world(clip, root)
     origin = place[0] * [1.0, 0.0, 1.0]
     turns, shifts = travel.about(origin).share(part)
@@ -150,7 +150,7 @@ def _moved_back(clip: Clip, root: int, travel: Travel, part: Floats) -> Clip:
 
 
 def put_in(clip: Clip, root: int, travel: Travel) -> Clip:
-    """A closed cycle on the spot, made to travel: undoes `taken_out`."""
+    """Add travel to a closed cycle on the spot: undoes `taken_out`."""
     place, turn = root_in_world(clip, root)
     origin = place[0] * [1.0, 0.0, 1.0]
     turns, shifts = travel.about(origin).share(_even(clip))
@@ -159,7 +159,7 @@ def put_in(clip: Clip, root: int, travel: Travel) -> Clip:
 
 
 def straightened(clip: Clip, root: int, travel: Travel) -> tuple[Clip, Travel]:
-    """A closed cycle with the mean turn of its rounds taken out: it goes as far, straight on.
+    """Remove the mean turn of a closed cycle's rounds: it travels as far, but straight.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.

@@ -1,4 +1,4 @@
-"""A seamless cycle out of a captured walk: cut, closed, and cleaned as a cycle."""
+"""Make a seamless cycle from a captured walk: cut it, close it, and hold its plants."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 from footfix.rig.rig import Rig
 
-_OTHERS, _APART = 3, 0.2  # next best cuts that are told, whose ends lie elsewhere by more than this share of a round
-_NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts that cost no more than the best and this are closed, at most so many
-_SEEN = 0.025  # [leg lengths] that a cut costs for each time over the usual that a joint accelerates at its seam
-_JOLT, _USUAL = 1.5, 1.0  # times the usual acceleration at a seam, up to which it is well: of one joint, of the median
-_HELD = 3  # cuts that are held to get there
-_SLIDES = 0.002  # [leg lengths] that a foot slides over the seam of a loop whose feet are to be held
-_SPOT = 0.2  # [leg lengths] of travel, less of which is a walk on the spot, whose feet slide on purpose
-_TURNS = 1e-6  # [rad] of a round, from which on there is something to straighten
+_OTHERS, _APART = 3, 0.2  # number of next best cuts reported, and the least difference of their ends in rounds
+_NEARLY, _TRIED = 0.03, 5  # [leg lengths] cuts at most this much worse than the best are closed, too; at most 5
+_SEEN = 0.025  # [leg lengths] penalty for each multiple of its usual acceleration that a joint has at the seam
+_JOLT, _USUAL = 1.5, 1.0  # greatest acceleration ratios of a good seam: of the worst joint, and of the median
+_HELD = 3  # most cuts whose plants are held in search of a good seam
+_SLIDES = 0.002  # [leg lengths] slide across the seam from which the feet of an existing loop are held
+_SPOT = 0.2  # [leg lengths] a walk with less travel is on the spot, where feet slide on purpose
+_TURNS = 1e-6  # [rad] turn of a round from which it is straightened
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,19 +51,19 @@ class Loop:
     """A seamless cycle.
 
     Args:
-        clip: as it is to be written: closed (the last frame is the first, moved on by one round), or without the last
-            frame where that was asked for; on the spot where that was.
-        round: L + 1 frames: the same closed and with its travel.
-        captured: L + 1 frames of the clip that it was cut from.
-        closed: the same as they were closed, before plants were held.
+        clip: as written: closed (the last frame is the first, moved by one round), or without the last frame, or on the
+            spot, as requested.
+        round: L + 1 frames: the same, closed and with its travel.
+        captured: L + 1 frames of the source clip.
+        closed: the same after closing, before plants were held.
         rig: legs, soles, scale and floor.
         contacts: of `round`.
         start, end: the frames of the captured clip that became the first and the last one.
-        frames: (n,) which frame of the captured clip each of `clip` was.
-        strides: how many it has.
+        frames: (n,) the captured frame that each frame of `clip` was.
+        strides: number of strides.
         travel: of one round, over the floor; its `yaw` is the turn.
-        seam: what was joined, and what became of it.
-        plants, correction, notes, ground: what cleaning did to the closed cycle (`enforce.Enforcement`).
+        seam: measures of the seam.
+        plants, correction, notes, ground: result of holding the closed cycle's plants (`enforce.Enforcement`).
         others: the next best cuts.
     """
 
@@ -86,7 +86,7 @@ class Loop:
     others: tuple[Cut, ...] = ()
 
     def counted_from(self, first: int) -> Loop:
-        """The same with frames counted in a clip in which its own begins at a frame."""
+        """Renumber frames for a longer clip, in which the source clip begins at a frame."""
         others = tuple(replace(cut, start=cut.start + first, end=cut.end + first) for cut in self.others)
         start, end = self.start + first, self.end + first
         return replace(self, start=start, end=end, frames=frozen(self.frames + first, np.intp), others=others)
@@ -98,18 +98,18 @@ class Loop:
 
     @property
     def turn(self) -> float:
-        """[rad] by which a round turns the figure, to the left."""
+        """Get the turn of a round [rad], to the left."""
         return self.travel.yaw
 
     @property
     def travel_of_root(self) -> tuple[float, float]:
-        """(x, z) [m] from where the root is first to where it is one round later."""
+        """Compute the root's shift (x, z) [m] in one round."""
         place = root_in_world(self.round.frames(np.array([0, len(self.round) - 1])), carrier(self.round, self.rig))[0]
         return float(place[1, 0] - place[0, 0]), float(place[1, 2] - place[0, 2])
 
     @property
     def distance(self) -> float:
-        """[m] that the root goes in one round, along the arc."""
+        """Compute the root's distance in one round along its arc [m]."""
         place = root_in_world(self.round.frames(slice(0, 1)), carrier(self.round, self.rig))[0][0]
         straight = self.travel.about(place).straight()
         return float(np.hypot(straight.x, straight.z))
@@ -121,7 +121,7 @@ class Loop:
 
 
 def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding: EnforceParams) -> Loop:
-    """Cut a cycle out of a clip, close it, and hold its feet where they are planted, over the seam too.
+    """Cut a cycle out of a clip, close it, and hold its planted feet, also across the seam.
 
     Args:
         clip: F frames, metres, y up, all of them motion.
@@ -131,7 +131,7 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
         holding: how footplants are enforced.
 
     Raises:
-        InputError: the clip holds no cycle, or not the one that is asked for.
+        InputError: the clip contains no cycle, or not the requested one.
     """
     known = _known(clip, rig, contacts, params, holding)
     if known is not None:
@@ -147,7 +147,7 @@ def make_loop(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, hold
 
 
 def _seen(seam: Seam) -> float:
-    """How much of a seam is seen, 1 is well: by the joint that is jolted most, and by all of them."""
+    """Rate how visible a seam is, 1 being good: by the joint with the largest jerk, and by all joints."""
     return max(seam.worst_ratio / _JOLT, seam.median_ratio / _USUAL)
 
 
@@ -155,7 +155,7 @@ def _held(
     clip: Clip, rig: Rig, contacts: Contacts, cut: Cut, closed: Closed, params: LoopParams, holding: EnforceParams,
     frames: int,
 ) -> Loop:  # fmt: skip
-    """The loop of a cut that is closed, its plants held; `frames` is how many the captured clip has."""
+    """Make the loop of a closed cut by holding its plants; `frames` is the length of the captured clip."""
     length = cut.end - cut.start
     captured = clip.frames(slice(closed.start, closed.start + length + 1))
     within = wrapped(contacts, closed.start, length)
@@ -179,7 +179,7 @@ def _held(
 
 
 def _on_belt(closed: Closed, rig: Rig, contacts: Contacts, holding: EnforceParams) -> bool:
-    """Whether the ground carries the planted feet of a closed cycle along, and the figure hardly leaves its place."""
+    """Tell whether a closed cycle is on a belt: the ground carries planted feet, and the figure stays in place."""
     place = root_in_world(closed.clip.frames(slice(0, 1)), carrier(closed.clip, rig))[0][0]
     if np.linalg.norm(closed.travel.places(place) - place) > _SPOT * rig.leg_length:
         return False
@@ -187,14 +187,14 @@ def _on_belt(closed: Closed, rig: Rig, contacts: Contacts, holding: EnforceParam
 
 
 def _same(cut: Cut, loop: Loop) -> bool:
-    """Whether a cut is hardly another one than that which a loop was made of."""
+    """Tell whether a cut is nearly the same as that of a loop."""
     return abs(cut.start - loop.start) + abs(cut.end - loop.end) <= _APART * (loop.end - loop.start)
 
 
 def _calmest(
     clip: Clip, rig: Rig, cuts: Sequence[Cut], params: LoopParams
 ) -> tuple[tuple[Cut, Closed], ...]:  # fmt: skip
-    """Of the best cuts those that are least seen when they are closed, and those closed; the best one first."""
+    """Close the best cuts, and order them by the visibility of their seams."""
     best, near = cuts[0], _NEARLY * rig.leg_length
     tried = [c for c in cuts[1:] if c.strides == best.strides and c.cost <= best.cost + near]
     found = []
@@ -207,7 +207,7 @@ def _calmest(
 
 
 def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding: EnforceParams) -> Loop | None:
-    """The loop that a clip is already, unless another part of it is asked for; its feet held, if they slide."""
+    """Make a loop of a clip that is one already, unless another part is requested; hold its feet if they slide."""
     if params.start is not None or params.end is not None:
         return None
     whole: Clip | None = clip
@@ -234,7 +234,7 @@ def _known(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams, holding
 def _as_it_is(
     clip: Clip, whole: Clip, rig: Rig, within: Contacts, travel: Travel, ground: Floats, params: LoopParams
 ) -> Loop:
-    """A loop to which nothing is done but what of its travel is to be changed."""
+    """Make a loop without changes, except to its travel."""
     captured, length = whole, len(whole) - 1
     plants = _kept(within, rig)
     far = slide(whole, rig, plants, travel, ground)
@@ -252,7 +252,7 @@ def _as_it_is(
 
 
 def _kept(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
-    """The plants of a loop to which nothing is done."""
+    """List the plants of an unchanged loop."""
     found: list[Footplant] = []
     for e, (sole, effector) in enumerate(zip(rig.soles, contacts.effectors, strict=True)):
         for c in effector.contacts:
@@ -263,14 +263,14 @@ def _kept(contacts: Contacts, rig: Rig) -> tuple[Footplant, ...]:
 
 
 def _frames(start: int, length: int, frames: int, params: LoopParams) -> Ints:
-    """The frames of a clip that a loop is made of; the first stands in for one that the clip lacks at its end."""
+    """List the source frames of a loop; the first frame replaces a missing last one."""
     return frozen((start + np.arange(length + (not params.open))) % frames, np.intp)
 
 
 def _seam(
     gap: tuple[float, float], moved: tuple[float, float], clip: Clip, rig: Rig, travel: Travel, far: float | None
 ) -> Seam:  # fmt: skip
-    """What is told of a seam, of sizes in [m] and [rad]."""
+    """Make the measures of a seam from sizes in [m] and [rad]."""
     (gap_m, gap_rad), (moved_m, moved_rad) = gap, moved
     return Seam(
         1000.0 * gap_m, float(np.degrees(gap_rad)), 1000.0 * moved_m, float(np.degrees(moved_rad)),
@@ -279,14 +279,14 @@ def _seam(
 
 
 def as_written(cycle: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
-    """A closed cycle as it is to be written: on the spot, or without its last frame, where that is asked for."""
+    """Convert a closed cycle for writing: on the spot, or without its last frame, as requested."""
     if params.in_place:
         cycle = taken_out(cycle, carrier(cycle, rig), travel)
     return cycle.frames(slice(0, len(cycle) - 1)) if params.open else cycle
 
 
 def as_round(written: Clip, rig: Rig, travel: Travel, params: LoopParams) -> Clip:
-    """The closed cycle with its travel, from what was written: undoes `as_written`."""
+    """Restore the closed cycle with its travel from a written loop: undoes `as_written`."""
     if params.open:
         written = written.frames(np.append(np.arange(len(written)), 0))
         if not params.in_place:

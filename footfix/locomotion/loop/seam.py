@@ -1,4 +1,4 @@
-"""How a cycle looks where it begins again: measured on what repeats, not on what was meant."""
+"""Measures of a cycle's seam, where its end meets its start; measured on the finished cycle."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.kinematics import forward
 from footfix.rig.rig import Rig
 
-BESIDE = 5  # frames on either side of the seam
-_INNER = 4  # frames of a cycle at least that are not beside its seam
-_INSIDE = 99.0  # percentile of the accelerations that are the motion's own
-FLOOR = 0.5  # [m/s^2] a joint that hardly accelerates is not held against its own noise
-_LEAST = 5  # frames of a plant that is measured
-_TRIM = 1  # frames at either end of a plant that are not
+BESIDE = 5  # frames on each side of the seam
+_INNER = 4  # least number of frames of a cycle away from its seam
+_INSIDE = 99.0  # percentile of the accelerations away from the seam
+FLOOR = 0.5  # [m/s^2] least reference acceleration, so that noise of a joint that hardly moves does not count
+_LEAST = 5  # least number of frames of a measured plant
+_TRIM = 1  # frames at each end of a plant that are not measured
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,14 @@ class Seam:
     """The seam of a cycle.
 
     Args:
-        gap_mm: largest distance of a joint in the two poses that were joined, turned and shifted to fit.
+        gap_mm: largest distance of a joint between the two poses that were joined, after the best turn and shift.
         gap_deg: largest angle between a joint's rotations in its parent's frame.
         changed_mm: largest distance by which closing moved a joint.
         changed_deg: largest angle by which closing turned a joint in its parent's frame.
         median_ratio, worst_ratio: of the joints, the largest acceleration beside the seam over the 99th percentile
             elsewhere; 1 is a seam like any other frame.
-        slide_mm: farthest that a toe (its joint, else the ball of the sole) planted over the seam strays from its
-            median place; None where none is.
+        slide_mm: farthest distance of a toe (its joint, else the ball of the sole) planted across the seam from its
+            median place; None without such a plant.
     """
 
     gap_mm: float
@@ -49,7 +49,7 @@ class Seam:
 
 
 def figure(clip: Clip, rig: Rig) -> Floats:
-    """(F, joints, 3) [m] the root and what hangs on it, End Sites too."""
+    """Compute the root and all joints and End Sites below it, (F, joints, 3) [m]."""
     skeleton = clip.skeleton
     mine = [joint for joint in range(len(skeleton)) if rig.root in skeleton.ancestors(joint)]
     ends = [(j, at) for j, at in zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True) if j in mine]
@@ -59,7 +59,7 @@ def figure(clip: Clip, rig: Rig) -> Floats:
 
 
 def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[float, float]:
-    """[m] and [rad] by which the joints of two frames are at most apart, places moved by the travel.
+    """Measure the largest differences [m] and [rad] of joints in two frames, with places moved by the travel.
 
     Rotations are those in the parent's frame, so that a root's travel and turn do not count.
     """
@@ -72,7 +72,7 @@ def apart(clip: Clip, rig: Rig, start: int, end: int, travel: Travel) -> tuple[f
 
 
 def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
-    """[m] and [rad] by which joints differ at most in two clips of the same frames."""
+    """Measure the largest differences [m] and [rad] of joints in two clips of the same frames."""
     moved = float(np.linalg.norm(figure(after, rig) - figure(before, rig), axis=2).max(initial=0.0))
     turned = 0.0
     for joint in range(len(before.skeleton)):
@@ -83,7 +83,7 @@ def changes(before: Clip, after: Clip, rig: Rig) -> tuple[float, float]:
 
 
 def accelerations(clip: Clip, rig: Rig) -> Floats:
-    """(F, joints) [m/s^2] of the root and what hangs on it; nothing where the clip begins and ends."""
+    """Compute accelerations (F, joints) [m/s^2] of the root and all joints below it; zero at the clip's ends."""
     found = np.zeros((len(clip), 0))
     if len(clip) > 2:
         found = np.pad(accelerations_of(figure(clip, rig), clip.frame_time), ((1, 1), (0, 0)))
@@ -96,7 +96,7 @@ def accelerations_of(tracks: Floats, frame_time: float) -> Floats:
 
 
 def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
-    """Of all joints the median and the largest ratio of accelerations beside the seam and elsewhere.
+    """Compute the median and largest ratio, over all joints, of accelerations beside the seam to those elsewhere.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
@@ -107,7 +107,7 @@ def ratios(clip: Clip, rig: Rig, travel: Travel) -> tuple[float, float]:
 
 
 def ratios_of(seen: Floats, travel: Travel, frame_time: float) -> tuple[float, float]:
-    """The same of a figure (L + 1, joints, 3) [m] that is known, at so many seconds a frame."""
+    """Compute the same ratios from joint places (L + 1, joints, 3) [m] and a frame time [s]."""
     one = seen[:-1]
     length = len(one)
     track = np.concatenate([travel.places_back(one[-1:]), one, travel.places(one[:1])])
@@ -123,7 +123,7 @@ def ratios_of(seen: Floats, travel: Travel, frame_time: float) -> tuple[float, f
 def slide(
     clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, ground: Floats
 ) -> float | None:  # fmt: skip
-    """[m] the farthest that a toe, held over the seam, strays from its median place over the floor.
+    """Measure the farthest horizontal distance [m] of a toe held across the seam from its median place.
 
     It is the toe joint; the ball of the sole where a foot has none.
 

@@ -1,4 +1,4 @@
-"""The gap between the two ends of a cut: by how much place, rotation and velocity of each joint differ."""
+"""The gap between the two ends of a cut: differences of place, rotation and velocity of each joint."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from footfix.locomotion.loop.root_motion import Travel, root_in_world
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 
-_BESIDE = 1.0 / 30.0  # [s] before and after a frame, over which its velocity is taken
-RATIO = 0.5  # of the gap that the start takes; the end takes the rest
+_BESIDE = 1.0 / 30.0  # [s] before and after a frame, from which its velocity is computed
+RATIO = 0.5  # share of the gap closed at the start; the rest is closed at the end
 
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """What is to be closed in some tracks, from the start of a cut to its end.
+    """The gaps of some tracks from the start of a cut to its end.
 
     Args:
         joints: whose tracks they are.
@@ -30,13 +30,13 @@ class Gap:
     speed: Floats
 
     def some(self) -> Gap:
-        """Those that are not zero."""
+        """Keep the gaps that are not zero."""
         which = np.flatnonzero(np.any((self.value != 0.0) | (self.speed != 0.0), axis=1))
         return Gap(tuple(self.joints[k] for k in which.tolist()), self.value[which], self.speed[which])
 
 
 def gaps_below(clip: Clip, root: int, start: int, end: int) -> tuple[Gap, Gap]:
-    """The gaps of places [m] and of rotations [rad] of all joints but the root and those above it.
+    """Compute the gaps of places [m] and rotations [rad] of all joints except the root and those above it.
 
     Args:
         clip: F frames.
@@ -53,7 +53,7 @@ def gaps_below(clip: Clip, root: int, start: int, end: int) -> tuple[Gap, Gap]:
 
 
 def gaps_of_root(clip: Clip, root: int, start: int, end: int, travel: Travel) -> tuple[Gap, Gap]:
-    """The gaps of the root's place [m] and rotation [rad] in the world, the end moved back by the travel.
+    """Compute the gaps of the root's place [m] and rotation [rad] in the world, the end moved back by the travel.
 
     Args:
         clip: F frames.
@@ -78,7 +78,7 @@ _End = tuple[Floats, int, Floats]  # (J, n, 3 or 4) of the frames about an end, 
 
 
 def _place_gap(first: _End, last: _End) -> tuple[Floats, Floats]:
-    """(J, 3) [m] and (J, 3) [m/s] from the start of tracks to their end."""
+    """Compute the gaps (J, 3) [m] and (J, 3) [m/s] from the start of tracks to their end."""
     (a, i, weight_a), (b, j, weight_b) = first, last
     va, vb = weight_a @ (a - a[:, i, None]), weight_b @ (b - b[:, j, None])
     return b[:, j] - a[:, i], vb - va
@@ -98,12 +98,12 @@ def _turn_gap(first: _End, last: _End) -> tuple[Floats, Floats]:
 
 
 def _turned(turn: Floats, frame: int) -> Floats:
-    """(J, n, 3) [rad] from one of n frames to each."""
+    """Compute the rotation vectors (J, n, 3) [rad] from one of n frames to each."""
     return rotation.to_rotation_vector(rotation.multiply(turn, rotation.inverse(turn[:, frame, None])))
 
 
 def _beside(frame: int, frames: int, dt: float) -> tuple[Ints, Floats]:
-    """The frames that the velocity of a frame is told by, and the weight [1/s] of each: the slope of a polynomial.
+    """Choose the frames from which a frame's velocity is computed, and their weights [1/s]: a polynomial's slope.
 
     It is a cubic, so that a changing acceleration does not count as velocity, and a parabola where the clip ends.
     """

@@ -1,4 +1,4 @@
-"""The strides of a clip: from one stance of a foot to its next, and how they differ from one another."""
+"""The strides of a clip, from one stance of a foot to its next, and differences between them."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from footfix.motion.contacts import Contacts, runs
 from footfix.motion.kinematics import places
 from footfix.rig.rig import Rig
 
-_BRIEF = 0.08  # [s] a foot off the floor for less than this has not been lifted
+_BRIEF = 0.08  # [s] shorter gaps between contacts do not end a stance
 _SHORTEST = 0.3  # [s] of a stride
 _LONGEST = 2.5  # [s]
-_UNEVEN = 1.5  # times the usual stride: a longer one holds a pause, or a plant that was not found
+_UNEVEN = 1.5  # longest stride, as a multiple of the usual one; a longer one has a pause, or a missed plant
 _PHASES = 16  # at which strides are compared
 
 
 @dataclass(frozen=True)
 class Stride:
-    """From the start of a foot's stance to the start of its next one.
+    """One stride: from the start of a foot's stance to the start of its next.
 
     Args:
         leg: index among `Rig.legs`.
@@ -36,18 +36,18 @@ class Stride:
 
     @property
     def frames(self) -> int:
-        """How long it is; told by the ends of its stances where the clip begins in the first one."""
+        """Compute its length; from the ends of its stances where the clip begins in the first one."""
         edge = int(self.first[0] == 0)
         return self.second[edge] - self.first[edge]
 
     @property
     def start(self) -> int:
-        """Where it starts; before the clip does, where that begins in the first stance."""
+        """Compute its start, which is before the clip where that begins in the first stance."""
         return self.second[0] - self.frames
 
 
 def stances(contacts: Contacts, rig: Rig, leg: int) -> list[tuple[int, int]]:
-    """The frames `[start, end)` in which heel or toe of a leg is planted."""
+    """List the stances of a leg, frames `[start, end)` in which its heel or toe is planted."""
     own = [k for k, sole in enumerate(rig.soles) if sole.leg == leg]
     down: Bools = np.asarray(contacts.mask()[:, own].any(axis=1))
     brief = max(1, round(_BRIEF / contacts.frame_time))
@@ -58,9 +58,9 @@ def stances(contacts: Contacts, rig: Rig, leg: int) -> list[tuple[int, int]]:
 
 
 def find_strides(contacts: Contacts, rig: Rig) -> tuple[tuple[Stride, ...], ...]:
-    """For each leg its strides in order of time.
+    """List the strides of each leg in order of time.
 
-    On two legs there is a stance of the other foot between the two of a stride, so that half a stride is none.
+    On two legs the other foot must have a stance in between, which excludes half strides.
 
     Args:
         contacts: the effectors in the order of the rig.
@@ -81,7 +81,7 @@ def find_strides(contacts: Contacts, rig: Rig) -> tuple[tuple[Stride, ...], ...]
 
 
 def count_strides(contacts: Contacts, rig: Rig) -> int:
-    """How many strides a closed cycle has: how often a foot comes down in a round.
+    """Count the strides of a closed cycle: strikes of a foot in a round.
 
     Args:
         contacts: of L + 1 frames, the last of which is the first one again.
@@ -96,15 +96,15 @@ def count_strides(contacts: Contacts, rig: Rig) -> int:
 
 
 def _stepped(stride: Stride, others: Sequence[tuple[int, int]]) -> bool:
-    """Whether the other foot comes down during the stride; it may have stood before where the clip begins."""
+    """Tell whether the other foot comes down during the stride, or was planted before the clip began."""
     (a, _), (b, _) = stride.first, stride.second
     return any(a < start < b or (start == 0 and a == 0 and end < b) for start, end in others)
 
 
 def weights(clip: Clip, rig: Rig) -> Floats:
-    """(J,) how much each joint counts where poses are compared, 1 in all: half the length of its bones.
+    """Compute the weights (J,) of joints in pose comparison, with sum 1: half the length of a joint's bones.
 
-    What stands above the root, or beside it, is no part of the pose.
+    Joints above or beside the root are not part of the pose.
     """
     skeleton = clip.skeleton
     mine = np.array([rig.root in skeleton.ancestors(joint) for joint in range(len(skeleton))])
@@ -118,9 +118,9 @@ def weights(clip: Clip, rig: Rig) -> Floats:
 
 
 def style_distances(clip: Clip, rig: Rig, strides: Sequence[Stride]) -> Floats:
-    """(S, S) [leg lengths] by how much strides differ: the joints' distances in equal phases, root mean square.
+    """Measure the difference of strides, (S, S) [leg lengths]: root mean square joint distance at equal phases.
 
-    Poses are those a companion sees: without travel, each turned to the front by the line between its hips.
+    Poses are relative to the figure: without travel, each turned to the front by the line between its hips.
 
     Args:
         clip: F frames.
