@@ -45,7 +45,7 @@ def check_frame_time(frame_time: float) -> None:
 
 
 def check_clip(clip: Any) -> Clip:
-    """Refuse what is no clip, or a clip whose numbers are none.
+    """Raise if this is no Clip, or holds NaN or infinity.
 
     Args:
         clip: what was given.

@@ -33,7 +33,7 @@ def make_settings(preset: str | None = None, values: Mapping[str, Any] | None = 
 
 
 def check_settings(settings: Any) -> Settings:
-    """Refuse settings that are none.
+    """Raise if this is no valid Settings value.
 
     Args:
         settings: what was given; None stands for the defaults.

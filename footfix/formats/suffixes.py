@@ -1,4 +1,4 @@
-"""The formats of motion that are read, by the ends of their names: the one table of them."""
+"""The table of motion formats by file name suffix."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ MOTION: dict[str, str] = {
     ".vrma": "footfix.formats.gltf",
 }
 
-# What outputs beside their inputs have before that.
+# Infixes of output names: walk.clean.bvh.
 _OWN = (".clean", ".loop", ".events")
 
-# Formats that people may ask for by a name, and that are not written.
+# Formats that an output name may ask for but that are not written.
 OTHERS = frozenset({".fbx", ".c3d", ".trc", ".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc"}) - set(MOTION)
 
-# What standard input is taken for, since it has no name.
+# The name used for standard input.
 STDIN_NAME = "stdin.bvh"
 
 
@@ -29,7 +29,7 @@ def is_motion(name: str) -> bool:
 
 
 def in_file(name: str) -> tuple[str, str]:
-    """Part the name of a clip into that of its file and what it is called in it, as in character.glb#Walk.
+    """Split the name of a clip into file name and clip name, as in character.glb#Walk.
 
     Returns:
         The file, and the clip in it; "" where the name is that of a file.

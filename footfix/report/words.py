@@ -9,7 +9,7 @@ OUTCOMES: Mapping[str, tuple[str, str]] = {
     "pinned": ("pinned", "held at one place for as long as it stands"),
     "kept": ("left alone", "it stood still enough, or for too short a time to be held, so it was not touched"),
     "partly": ("held in part", "held at one place in most of its frames; in the others the foot still moves"),
-    "released": ("let go", "not held: holding it would have bent the motion too much"),
+    "released": ("let go", "not held: holding it would bend the motion too much, or the file lacks rotation channels"),
 }
 
 # Measure of the report -> what it is.

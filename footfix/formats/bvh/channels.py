@@ -1,4 +1,4 @@
-"""From channels to clips and back. Euler angles, file units and file axes exist only in this room."""
+"""Convert channels to clips and back. Euler angles, file units and file axes exist only in this package."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Walking and running of any speed, from a model of a figure's own cycles."""
+"""Locomotion engine: walking and running at any speed, from a model of a figure's own cycles."""

@@ -1,4 +1,4 @@
-"""Values led over time from one held stretch to the next, by the cubic step Gamma (G eq. 9, 10)."""
+"""Values eased over time from one held span to the next, by the cubic step Gamma (G eq. 9, 10)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Row = tuple[float, int, int, int, int, int]  # start, the four values at its end
 class Timelines:
     """Values (3,) over time, Q of them, each of stretches of time that lie end to end.
 
-    Over a stretch a value goes from one to another, or something else holds it.
+    In a stretch a value is eased from one to another, or is held by something else.
 
     Args:
         begins: (Q,) where the stretches of each value begin, among all S.
@@ -104,7 +104,7 @@ def timelines(every: Sequence[Sequence[Row]], some: Floats) -> Timelines:
 
 def held_rows(spans: Sequence[Span], values: Sequence[int], slopes: Sequence[int], holders: Sequence[int],
               sigma: float) -> list[Row]:  # fmt: skip
-    """Hold a value in spans, eased in before each and out after it, and led over where they are close.
+    """Hold a value in spans, eased in before each and out after it, and interpolated between close ones.
 
     Args:
         spans: [s] from when until when it is held, in order of time.

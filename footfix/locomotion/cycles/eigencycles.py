@@ -1,4 +1,4 @@
-"""Cycles as points of a space: the mean of each gait, its principal components, and where speed and style lie in it.
+"""The space of cycles: each gait's mean, principal components, and coefficients by speed and style.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), section 3: the components are of whole cycles, not of frames, in levels, of
@@ -24,7 +24,7 @@ CONTACT_RANGE, CONTACT_SPEEDS = 1.6, 9  # how far beyond the range of speeds con
 
 @dataclass(frozen=True, eq=False)
 class Code:
-    """What turns a sample into a row of numbers of like meaning, and back.
+    """Converts samples to rows of numbers, and back.
 
     Args:
         middle: (J, 4) rotations about which all others are rotation vectors.
@@ -68,7 +68,7 @@ class Code:
 
 @dataclass(frozen=True)
 class Ramp:
-    """What of a speed the cycle depends on: a polynomial in the range seen, straight lines outside.
+    """Features of speed on which the cycle depends: a polynomial in the captured range, linear outside.
 
     Args:
         low, high: the range, v / sqrt(g l).
@@ -100,7 +100,7 @@ class GaitSpace:
         gait: "walk" or "run".
         mean: (N, D) the mean cycle, as rows of a `Code`.
         components: (K, N, D) principal components.
-        ramp: what of the speed counts.
+        ramp: features of speed.
         map: (P, K) coefficients for each feature of the speed, then for each style.
         styles: their names.
         frequency: (2 + S,) of log frequency over log speed: at speed 1, slope, and what each style adds.

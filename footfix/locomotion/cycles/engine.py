@@ -1,4 +1,4 @@
-"""Locomotion frame by frame, foreseen: cycles for what is asked, carried along, with feet that stand.
+"""Prediction of locomotion: cycles for the requested parameters, moved along the course, with planted feet held.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), sections 3 to 6.
@@ -20,21 +20,21 @@ from footfix.locomotion.cycles.postures import Led, Postures, free_postures, hel
 from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
 from footfix.motion.clip import Floats
 
-_SOONEST = 0.25  # [s] within which parameters change at the soonest,
-_TURNED = np.radians(150.0)  # [rad/s^2] and turns,
-_HASTENED = 0.5  # [sqrt(g l)/s] and speeds,
-_RAN = 0.7  # [1/s] and the share of running: quicker than this no foot on the floor can follow
-_COMMITTED = 0.07  # [s] before a foot is set down, from when on its place does not change any more,
-_SETTLING = 0.2  # [s] and before that changes less and less
-_BRIEFEST = 0.03  # [s] a contact that is foreseen to be shorter is none
-_PAST = 0.25  # [s] that are told of the past where what stands is known
-_RESIDUAL = 0.3  # [s] in which what a changed plan left over is gone at the latest
-_SOON = 0.01  # [s] in which it is gone at the soonest
+_SOONEST = 0.25  # [s] shortest time in which parameters change,
+_TURNED = np.radians(150.0)  # [rad/s^2] fastest change of the turn rate,
+_HASTENED = 0.5  # [sqrt(g l)/s] of the speed,
+_RAN = 0.7  # [1/s] and of the share of running: planted feet can't follow faster changes
+_COMMITTED = 0.07  # [s] before a foot is set down, after which its place no longer changes,
+_SETTLING = 0.2  # [s] and after which it changes less and less
+_BRIEFEST = 0.03  # [s] shorter predicted contacts are ignored
+_PAST = 0.25  # [s] of the past included in a course
+_RESIDUAL = 0.3  # [s] longest fade-out of the offset left by a change of plan
+_SOON = 0.01  # [s] shortest such fade-out
 
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """What led the feet off the cycle when a plan changed, and does not any more: it fades (G eq. 11).
+    """Offsets of the feet left over from an earlier plan, which fade out (G eq. 11).
 
     Args:
         since: [s].
@@ -47,18 +47,18 @@ class Residual:
     value: Floats
 
     def faded(self, off: Floats, times: Floats) -> Floats:
-        """(T, L, Q, 3) how feet are led off at times (T,), that are to be led off by others (T, L, Q, 3)."""
+        """Add the fading offsets to the planned ones (T, L, Q, 3) at times (T,)."""
         return replanned(off, (times[:, None, None] - self.since) / (self.until - self.since), self.value)
 
 
 @dataclass(frozen=True, eq=False)
 class Foreseen:
-    """What is going to happen as long as nothing else is asked for.
+    """The prediction for an unchanged request.
 
     Args:
         course: phase, place and heading.
-        feet: what the feet are going to do.
-        residual: what is left of another plan.
+        feet: the coming stances.
+        residual: offsets left from an earlier plan.
     """
 
     course: Course
@@ -66,13 +66,13 @@ class Foreseen:
     residual: Residual | None = None
 
     def led_off(self, times: Floats, pose: LegPoses) -> Floats:
-        """(T, L, Q, 3) how the feet are led off the cycle, whose legs are posed so at times (T,) [s]."""
+        """Compute the offsets of feet from the cycle's leg poses at times (T,) [s], (T, L, Q, 3)."""
         off = self.feet.led_off(times, pose)
         return off if self.residual is None else self.residual.faded(off, times)
 
 
 def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
-    """Foresee the course of a plan and where the feet are going to stand.
+    """Predict the course of a plan, and where the feet will be planted.
 
     Args:
         model: the figure and its cycles.
@@ -89,7 +89,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
-    """Foresee the course, with some of the past [s], and until feet that stand in the end are lifted again."""
+    """Predict the course, with some of the past [s], until feet planted at its end are lifted again."""
     slow = 1.0 / float(model.frequency(plan.at(np.array([until])))[0])
     return make_course(plan, line, start, until + slow, start.time - past, model.frequency)
 
@@ -100,7 +100,7 @@ def _feet(model: CycleModel, stances: Sequence[Stance]) -> Feet:
 
 
 def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target: Plan) -> Plan:
-    """Make the plan whose parameters go to a target (one row), each by a time, or as soon as feet can follow.
+    """Make the plan whose parameters change to a target (one row), each by a time, or as soon as feet can follow.
 
     Args:
         model: the figure and its cycles.
@@ -119,13 +119,13 @@ def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """The first part of the work of foreseeing anew: the course, and when feet are going to stand on it.
+    """The first step of replanning: the course, and the times of stances on it.
 
     Args:
         now: [s] the time from which on it holds.
         course: phase, place and heading.
-        over: stances that are over, but still lead a foot.
-        stances: those that are or come, without the places of new ones.
+        over: stances that have ended, but still affect a foot.
+        stances: present and coming ones, new ones without places.
         stays: (n,) share of its known place that each of them keeps.
     """
 
@@ -137,14 +137,14 @@ class Begun:
 
 
 def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Begun:
-    """Begin to foresee anew from a time on, at which another plan holds, or more of it is wanted.
+    """Step 1 of replanning: compute the course and the times of stances from a time on.
 
-    What stands stays, and a foot about to be set down comes down where it was to. Others get new places.
+    Planted feet stay, and a foot about to be set down keeps its planned place. Others get new places.
 
     Args:
         model: the figure and its cycles.
-        old: what was going to happen.
-        plan: what is asked for; up to now it is what it was.
+        old: the earlier prediction.
+        plan: the request; unchanged up to now.
         now, until: [s].
     """
     course = _course(model, plan, old.course.line, old.course.point(now), until, _PAST)
@@ -153,26 +153,26 @@ def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float
 
 
 def posed(model: CycleModel, begun: Begun) -> LegPoses:
-    """Go on, with the legs as the cycles have them while feet are going to stand."""
+    """Step 2 of replanning: pose the legs at the stances' sample times."""
     return leg_poses(model, begun.course, sample_times(begun.stances).ravel())
 
 
 def placed(model: CycleModel, begun: Begun, poses: LegPoses) -> Feet:
-    """Go on, with the places of the feet."""
+    """Step 3 of replanning: choose the places of the feet."""
     return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
 
 
 def led(model: CycleModel, begun: Begun, feet: Feet, times: Floats) -> Led:
-    """Go on, with some frames: the time of the change, and those at times (T,) [s] from then on."""
+    """Step 4 of replanning: compute frames at the time of the change, and at later times (T,) [s]."""
     soon = np.concatenate([[begun.now], times])
     free = free_postures(model, begun.course, soon)
     return Led(soon, free, feet.led_off(soon, free.legs))
 
 
 def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen, Led]:
-    """Foresee anew what was begun.
+    """Step 5 of replanning: complete the prediction.
 
-    What led feet then to other places, and does not any more, fades (G eq. 11, put right: as printed it jumps).
+    Offsets of feet by the earlier plan fade out (G eq. 11, corrected: as printed it jumps).
 
     Args:
         old: what was going to happen.
@@ -181,7 +181,7 @@ def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen
         soon: `led`.
 
     Returns:
-        What is going to happen, and the frames without that of the change.
+        The prediction, and the frames without that of the change.
     """
     was = old.led_off(soon.times[:1], soon.free.legs.some(slice(0, 1)))[0]
     residual = _residual(was - soon.off[0], feet, begun.now)
@@ -225,7 +225,7 @@ def _kept(old: Stance, new: Stance, now: float) -> Stance:
 
 
 def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stance]]:
-    """When each foot is going to stand, by the phases at which it does in the cycles on the way; without places.
+    """Compute the times of each foot's stances from the contact phases of the cycles; without places.
 
     Of those that begin after `until` [s] each foot has one, to be led to.
     """
@@ -262,6 +262,6 @@ def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
 
 
 def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
-    """Make the postures at some times (T,) [s], feet held."""
+    """Make the postures at some times (T,) [s], with planted feet held."""
     free = free_postures(model, foreseen.course, times)
     return held(model, foreseen.feet, Led(times, free, foreseen.led_off(times, free.legs)))

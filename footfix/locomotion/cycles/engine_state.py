@@ -1,7 +1,7 @@
-"""An engine's state: frames one after another, while what is asked for changes.
+"""The state of a running engine: frames one after another, while requests change.
 
-What is to come is foreseen, and foreseen anew when something else is asked for. That takes as long as some frames do,
-so it is done in five parts, one a frame; frames in the meantime are as they were foreseen before.
+The future is predicted, and predicted again when the request changes, in five parts over five frames. Frames in the
+meantime follow the earlier prediction.
 """
 
 from __future__ import annotations
@@ -28,26 +28,26 @@ from footfix.locomotion.cycles.plan import Line, Plan, Point
 from footfix.locomotion.cycles.postures import Led, Postures, held
 from footfix.motion.clip import Bools, Floats
 
-_KNOWN = 0.9  # [s] that are foreseen when something else is asked for,
-_LEAST = 0.45  # [s] and when this is left, foreseen anew,
-_LONG = 1.6  # [s] and farther, since nothing else was asked for
-_PAST = 0.3  # [s] in which it is remembered what was asked for
-_JOIN = 0.15  # [s] in which what was asked for some frames ago is caught up with
-_BATCH = 5  # frames that are made at once: they cost little more than one
-_BRIEF = 0.02  # [s] frames that are longer do two parts of the work each
-_FRESH = 0.1  # [s] how old what is foreseen may be while something else is asked for all the time
+_KNOWN = 0.9  # [s] predicted after a change of the request,
+_LEAST = 0.45  # [s] predicted again when only this is left,
+_LONG = 1.6  # [s] this far, since the request has not changed
+_PAST = 0.3  # [s] for which past requests are kept
+_JOIN = 0.15  # [s] in which the motion catches up with a request made some frames ago
+_BATCH = 5  # frames made at once, which costs little more than one frame
+_BRIEF = 0.02  # [s] longer frames do two parts of the work each
+_FRESH = 0.1  # [s] greatest age of a prediction while requests change all the time
 
 
 @dataclass(frozen=True, eq=False)
 class _Work:
-    """What is being foreseen anew.
+    """A prediction in progress.
 
     Args:
         begun: the first part.
         until: [s] how far.
-        behind: (3 + S,) by how much the integrals of what is asked for are greater until then; None where nothing else
-            is asked for.
-        poses, feet, led: the next parts, if they are done.
+        behind: (3 + S,) integrals of the requested parameters until then, minus those predicted; None without a new
+            request.
+        poses, feet, led: the results of the next parts, once done.
     """
 
     begun: Begun
@@ -59,12 +59,12 @@ class _Work:
 
 
 class Live:
-    """A figure that goes on, frame by frame.
+    """A figure animated frame by frame.
 
     Args:
         model: the figure and its cycles.
-        plan: what is asked for.
-        line: the path to go along, if any.
+        plan: the request.
+        line: the path to follow, if any.
     """
 
     def __init__(self, model: CycleModel, plan: Plan, line: Line | None) -> None:
@@ -83,10 +83,10 @@ class Live:
         self._dt = 0.0  # [s] between the last two
 
     def ask(self, target: Plan, named: Bools, over: float) -> None:
-        """Ask for something else, from now on; what is asked for again, and no sooner, is not changed.
+        """Change the request from now on; parameters requested again without an earlier time are not changed.
 
         Args:
-            target: one row, what parameters are to become.
+            target: one row of target parameters.
             named: (3 + S,) which of them.
             over: [s] how long it takes, or as long as feet need to follow.
         """
@@ -99,7 +99,7 @@ class Live:
             self._plan = plan.since(self.time - _PAST)
 
     def step(self, dt: float) -> tuple[Postures, int]:
-        """Go on by `dt` [s]: frames, and which of them is the one then."""
+        """Advance by `dt` [s]; return frames, and the index of the new one."""
         steady, self._dt, self.time = dt == self._dt, dt, self.time + dt
         if self._work is not None and self._work.led is not None and self.time >= self._work.begun.now:
             self._made = self._finish(self._times(dt)), 0
@@ -117,9 +117,9 @@ class Live:
         return self._made
 
     def ahead(self, seconds: float, frames: int) -> Postures:
-        """Foresee what comes next, now and at even times from now on.
+        """Predict the postures now and at even times from now on.
 
-        What was asked for is in it, but while something else is asked for all the time.
+        They include the latest request, except while requests change all the time.
         """
         self._far = max(self._far, seconds)
         times = np.linspace(self.time, self.time + seconds, frames)
@@ -135,7 +135,7 @@ class Live:
         return postures(self.model, self.foreseen, times)
 
     def _go_on(self, dt: float) -> None:
-        """Do the next part of the work, if there is any, for frames `dt` [s] apart."""
+        """Do the next part of a prediction in progress, for frames `dt` [s] apart."""
         work = self._work
         if work is None:
             self._begin(_later(self.time, dt, 2 if dt > _BRIEF else 4)[-1])  # when the work is done
@@ -148,7 +148,7 @@ class Live:
             self._work = replace(work, led=led(self.model, work.begun, work.feet, np.array(times)))
 
     def _begin(self, now: float) -> bool:
-        """Begin to foresee anew from a time on, if something else is asked for, or too little is known."""
+        """Begin a prediction from a time on, if the request has changed, or too little is left."""
         least = max(_LEAST, self._far)
         if not self._asked and self._until - now >= least:
             return False
@@ -162,14 +162,14 @@ class Live:
         return True
 
     def _behind_at(self, now: float) -> Floats:
-        """(3 + S,) by how much the integrals of what is asked for are greater, at a time, than of what is foreseen."""
+        """Compute the integrals of the request minus those of the prediction at a time, (3 + S,)."""
         joined, behind = self._joined
         since = joined if now < joined + _JOIN else max(joined + _JOIN, now - _PAST)
         more = self._plan.sums(since, now) - self.foreseen.course.plan.sums(since, now)
         return more + behind if since == joined else more
 
     def _finish(self, times: Floats) -> Postures:
-        """Foresee what was begun, and make frames at some times."""
+        """Finish a prediction, and make frames at some times."""
         work = self._work
         assert work is not None and work.feet is not None
         soon = work.led
@@ -182,7 +182,7 @@ class Live:
         return held(self.model, self.foreseen.feet, frames)
 
     def _drop(self) -> None:
-        """Forget what was begun; it is to be foreseen from another time on."""
+        """Drop a prediction in progress, which has to start at another time."""
         if self._work is not None:
             self._asked, self._work = True, None
 

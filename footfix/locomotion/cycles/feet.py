@@ -1,4 +1,4 @@
-"""How the feet of an engine are led from one stance to the next, and held in between.
+"""Offsets that hold an engine's feet in stances, and lead them from one stance to the next.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), section 5.
@@ -21,15 +21,15 @@ from footfix.motion.clip import Bools, Floats
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
 _PEEL = 0.12  # [s] after the heel has left the floor, and before it is set down, in which it becomes free to turn
 _STRAIGHT = 0.1  # of a leg's reach: how near to it a leg is so straight that its foot turns about the toe
-_LOWEST = 0.08  # [leg lengths] by which a figure comes down at most
-_DOWN = 0.3  # [s] before and after a heel is set down, in which the figure comes down for it, and up again
+_LOWEST = 0.08  # [leg lengths] greatest lowering of a figure
+_DOWN = 0.3  # [s] before and after a heel is set down, over which the figure is lowered and raised again
 _LED = (*HELD, "share", "free", "down")
 _TWO = np.arange(2)
 
 
 @dataclass(frozen=True, eq=False)
 class Feet:
-    """What the feet are going to do.
+    """The coming stances of all feet.
 
     Args:
         stances: of each foot, in order of time.
@@ -83,7 +83,7 @@ class Feet:
 
 
 def make_feet(stances: Sequence[Sequence[Stance]]) -> Feet:
-    """Tell what feet are going to do, by the stances of each of them in order of time."""
+    """Make the motion of feet from the stances of each in order of time."""
     every = [each for own in stances for each in own]
     n = len(every)
     rows: list[list[Row]] = []
@@ -134,7 +134,7 @@ def _knots(stances: Sequence[Stance]) -> tuple[list[Span], list[Span], list[Span
 
 
 def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Where feet are to be.
+    """Compute the goals of feet.
 
     Args:
         pose: the legs as the cycle has them.
@@ -158,7 +158,7 @@ def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def lowered(pose: LegPoses, line: Floats, free: Floats, size: float) -> Floats:
-    """Tell by how much more (T,) [m] the figure has to come down for its legs to reach planted feet: hardly ever.
+    """Compute by how much more (T,) [m] to lower the figure so that its legs reach planted feet; rarely needed.
 
     Args:
         pose: the legs as the cycle has them.
@@ -171,9 +171,9 @@ def lowered(pose: LegPoses, line: Floats, free: Floats, size: float) -> Floats:
 
 
 def _peeled(pose: LegPoses, hip: Floats, ankle: Floats, toe: Floats, free: Floats) -> tuple[Floats, Floats]:
-    """Turn feet about their toes where a straight leg would be stretched farther than in the cycle: the heel comes up.
+    """Raise heels, turning feet about their toes, where a straight leg would be stretched farther than in the cycle.
 
-    While the knee is bent it gives way; hip, ankle and toe may lie in one line then, and no turn would be of use.
+    A bent knee extends instead; hip, ankle and toe may then lie on one line, where no turn would help.
 
     Returns:
         (T, L, 3) [m] the ankles, and (T, L, 3, 3) the turns.

@@ -1,4 +1,4 @@
-"""From captured cycles to a model."""
+"""Fit a model to captured cycles."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.motion.vectors import unit
 from footfix.rig.rig import Rig
 
-_MIXED = 9  # speeds at which contacts between walk and run are told
-_BRIEFEST = 0.03  # of a cycle: a contact that is shorter is none
+_MIXED = 9  # speeds at which contacts between walk and run are computed
+_BRIEFEST = 0.03  # of a cycle: shorter contacts are ignored
 _FINE = 128  # samples of a contact
-_WIDER = 0.02  # of a cycle, by which the enclosing time is wider than captured contacts
+_WIDER = 0.02  # of a cycle: margin around captured contacts
 _DELTA = 0.4  # G eq. 8
-_LEVEL = (0.012, 0.02)  # [leg lengths] that eps_p is higher than the least height, at least and at most
-_QUICK = 0.7  # [leg lengths/s] what moves faster is on its way
-_NEAR = 0.02  # [leg lengths] from where an effector rests
+_LEVEL = (0.012, 0.02)  # [leg lengths] least and greatest eps_p above the least height
+_QUICK = 0.7  # [leg lengths/s] a faster effector is not planted
+_NEAR = 0.02  # [leg lengths] greatest distance of a planted effector from its resting place
 
 
 def make_model(
@@ -43,7 +43,7 @@ def make_model(
         origins: the files.
 
     Returns:
-        The model, and how well it tells the cycles of files left out.
+        The model, and its errors on cycles of files left out of the fit.
     """
     skeleton = _without_what_is_above(skeleton, rig.root)
     rig = replace(rig, floor=0.0, notes=())
@@ -129,9 +129,9 @@ def _knees(model: CycleModel) -> Floats:
 def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
     """Contacts detected on the cycles themselves (G sec. 4.2), within the time in which captured ones were.
 
-    An effector is planted where it is lower than eps_p, of the least height and that at the ends of the time (eq. 8),
-    walking inwards from both ends; and slow, and near to where it rests, since in a cycle that is a mean of many no
-    foot leaves the floor in one moment.
+    An effector is planted where it is lower than eps_p, between the least height and that at the ends of the window
+    (eq. 8), searching inwards from both ends; and slow, and near its resting place, since in a mean of many cycles feet
+    do not leave the floor abruptly.
     """
     speeds = zip(space.contact_speeds().tolist(), space.contacts, strict=True)
     return replace(space, contacts=np.stack([_on_cycle(model, v, _share(space), spans) for v, spans in speeds]))

@@ -1,4 +1,4 @@
-"""From captured cycles of a gait to their space: principal components, and where speed and style lie among them.
+"""Fit the space of a gait to captured cycles: principal components, and coefficients by speed and style.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), section 3.
@@ -25,11 +25,11 @@ _USUAL = 0.42  # slope of log frequency over log speed, that walkers of all size
 
 @dataclass(frozen=True, kw_only=True)
 class SpaceParams:
-    """How cycles become a space.
+    """How a space is fitted to cycles.
 
     Args:
-        components: the most that a gait keeps [components].
-        degree: of the map from speed to cycle; None for what a file left out says [1].
+        components: greatest number of components of a gait [components].
+        degree: of the map from speed to cycle; None to choose it by the error on files left out [1].
     """
 
     components: int = 20
@@ -37,7 +37,7 @@ class SpaceParams:
 
 
 def aligned(samples: Sequence[Sample], code: Code) -> list[Sample]:
-    """Shift cycles in phase, by less than their frames tell strikes apart, to be alike; phase 0 stays the mean strike.
+    """Align cycles by small phase shifts, within the uncertainty of strikes; phase 0 stays the mean strike.
 
     A strike is known to a frame, which at 30 fps is 3 % of a cycle.
     """
@@ -61,14 +61,14 @@ def aligned(samples: Sequence[Sample], code: Code) -> list[Sample]:
 
 
 def make_code(samples: Sequence[Sample], reach: Floats) -> Code:
-    """The code of all samples of a skeleton."""
+    """Make the code of all samples of a skeleton."""
     return Code(mean_turns(np.concatenate([each.turns for each in samples])), reach)
 
 
 def fit_space(
     samples: Sequence[Sample], code: Code, styles: Sequence[str], params: SpaceParams, degree: int
 ) -> GaitSpace:
-    """The space of the cycles of one gait.
+    """Fit the space of the cycles of one gait.
 
     Args:
         samples: cycles of one gait, aligned.

@@ -1,4 +1,4 @@
-"""How well a space of cycles tells the cycles of a file that it was not made of."""
+"""Leave-one-file-out errors of a space of cycles."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class LeftOut:
     """Errors of cycles whose file was left out, the mean distance of joints over all phases.
 
     Args:
-        predicted: [m] of the cycle made for their speed and style.
-        nearest: [m] of the real cycle of another file that is nearest in speed, of the same gait and style.
-        mean: [m] of the mean cycle of the gait.
+        predicted: [m] error of the cycle made for their speed and style.
+        nearest: [m] error of the captured cycle of another file nearest in speed, of the same gait and style.
+        mean: [m] error of the mean cycle of the gait.
         frequency: mean error of the frequency, as a share of it.
-        cycles: how many were told.
+        cycles: number of cycles predicted.
     """
 
     predicted: float
@@ -49,7 +49,7 @@ def joint_places(rows: Floats, code: Code, skeleton: Skeleton, root: int, leg_le
 
 
 def degree_for(samples: Sequence[Sample], code: Code, styles: Sequence[str], params: SpaceParams) -> int:
-    """The degree of the map from speed to cycle that tells files left out best; 1 where there are too few to say."""
+    """Choose the degree of the map from speed to cycle with the least error on files left out; 1 for too few files."""
     speeds = [each.speed for each in samples]
     files = {each.source for each in samples}
     most = 2 if max(speeds) > 1.5 * min(speeds) and len(files) >= 6 else 1
@@ -66,7 +66,7 @@ def degree_for(samples: Sequence[Sample], code: Code, styles: Sequence[str], par
 def predictions(
     samples: Sequence[Sample], code: Code, styles: Sequence[str], params: SpaceParams, degree: int
 ) -> tuple[Floats, Floats, Floats]:
-    """Tell cycles (n, N, D) by spaces without their files, and (n,) their frequencies; and the mean cycles of these."""
+    """Predict cycles (n, N, D) and frequencies (n,) from spaces without their files; and these spaces' mean cycles."""
     told, means = np.zeros((2, len(samples), samples[0].places.shape[0], 3 * (len(code.reach) + 1)))
     frequencies = np.zeros(len(samples))
     for source in sorted({each.source for each in samples}):
@@ -87,7 +87,7 @@ def leave_out(
     gaits: Sequence[Sequence[Sample]], spaces: Sequence[GaitSpace], code: Code, params: SpaceParams,
     skeleton: Skeleton, root: int, leg_length: float,
 ) -> LeftOut:  # fmt: skip
-    """Leave every file out once.
+    """Compute the errors with every file left out once.
 
     Args:
         gaits: the samples of each gait.
@@ -115,7 +115,7 @@ def leave_out(
 
 
 def _nearest(k: int, samples: Sequence[Sample]) -> int:
-    """Of the cycles of other files the one nearest in speed, of the same style where there is one."""
+    """Find the cycle of another file nearest in speed, of the same style where there is one."""
     own = samples[k]
     others = [j for j, each in enumerate(samples) if each.source != own.source]
     alike = [j for j in others if samples[j].style == own.style]

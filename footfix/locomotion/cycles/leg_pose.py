@@ -1,6 +1,6 @@
-"""The legs of a model in the world, and their hips and knees turned so that their ankles are where they are wanted.
+"""Leg poses of a model in the world, and inverse kinematics that brings ankles to goals.
 
-All legs are done together, as rotation matrices.
+All legs are computed together, as rotation matrices.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from footfix.locomotion.cycles.leg_vectors import applied, back, between, cross,
 from footfix.motion.clip import Bools, Floats, Ints, Skeleton
 from footfix.rig.rig import Rig
 
-_SOFT = 0.01  # [leg lengths] that a leg may lack, from which on it is noticed
-_LONGEST = 0.9998  # share of a leg's length to which it is stretched at most
+_SOFT = 0.01  # [leg lengths] range over which the limit of a leg's reach is rounded
+_LONGEST = 0.9998  # greatest stretch of a leg, as a share of its length
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,23 +65,23 @@ class LegPoses:
 
     @cached_property
     def reach(self) -> Floats:
-        """(T, L) [m] how far ankles can be from their hips: what the legs are long, or what they were posed at."""
+        """Compute the greatest distance from hips to ankles, (T, L) [m]: the length of the legs, or as posed."""
         bones = norm(self.knee - self.hip) + norm(self.ankle - self.knee)
         return np.maximum(_LONGEST * bones, self.far)
 
     @cached_property
     def far(self) -> Floats:
-        """(T, L) [m] how far ankles are from their hips."""
+        """Compute the distance from hips to ankles, (T, L) [m]."""
         return norm(self.ankle - self.hip)
 
     def some(self, which: slice) -> LegPoses:
-        """The poses at some of the times."""
+        """Take the poses at some of the times."""
         return LegPoses(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
 
 @dataclass(frozen=True, eq=False)
 class Legs:
-    """What of a skeleton moves its legs.
+    """The joints of a skeleton that move its legs.
 
     Args:
         skeleton: of the figure.
@@ -202,7 +202,7 @@ class Legs:
         """Turn hips, knees and ankles so that the ankles are at a place, by the law of cosines.
 
         A knee flexes about its axis; the leg then swings about the hip by the smallest turn. Bones keep their lengths,
-        and what hangs between keeps its pose.
+        and joints between them keep their pose.
 
         Args:
             pose: the legs as the cycle has them.
@@ -242,9 +242,9 @@ class Legs:
 
 
 def too_short(line: Floats, limit: Floats, size: float) -> Floats:
-    """Tell by how much (...) [m] hips have to come down for ankles, (..., 3) [m] from them, to be within reach.
+    """Compute how far (...) [m] hips must come down for ankles, (..., 3) [m] from them, to be within reach.
 
-    Near to the limit the answer is rounded, so that it changes without a kink.
+    Near the limit the result is rounded, so that it changes smoothly.
     """
     flat = line[..., 0] ** 2 + line[..., 2] ** 2
     short = -line[..., 1] - np.sqrt(np.maximum(limit**2 - flat, 0.0))

@@ -1,4 +1,4 @@
-"""Turns and vectors of a few legs at a few times, in as few operations as can be.
+"""Rotations and vectors of a few legs at a few times, in as few operations as possible.
 
 A live engine makes some frames of some legs at once. Arrays are small then, and what counts is the number of operations
 on them, not their size: matrices are multiplied rather than their components one by one.

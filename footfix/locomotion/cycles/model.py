@@ -1,4 +1,4 @@
-"""A model of how a figure walks and runs: its skeleton and legs, and the space of its cycles."""
+"""The model of how a figure walks and runs: skeleton, legs, and the space of its gait cycles."""
 
 from __future__ import annotations
 
@@ -36,17 +36,17 @@ class Origin:
 
 @dataclass(frozen=True, eq=False)
 class CycleModel:
-    """What an engine makes locomotion of. It holds no captured clip.
+    """The model from which an engine makes locomotion. It contains no captured clip.
 
     Args:
         skeleton: of the figure.
         rig: its legs, soles and size; its floor is at 0.
-        code: what turns numbers into rotations.
+        code: converts numbers to rotations.
         spaces: of its gaits, "walk" before "run".
         levels: (E,) [leg lengths] height at which a planted heel's sole point and toe joint stay.
         knees: (L, 3) axis about which each knee flexes, in the frame of the thigh.
-        between: (M, E, 2) by how much contacts half-way between walk and run begin later, and last longer, than the
-            mean of both [share of the cycle], at M speeds up to `FASTEST` times the fastest run.
+        between: (M, E, 2) how much later contacts half-way between walk and run begin, and how much longer they last,
+            than the mean of both [share of the cycle], at M speeds up to `FASTEST` times the fastest run.
         origins: the files.
     """
 
@@ -65,27 +65,27 @@ class CycleModel:
 
     @property
     def styles(self) -> tuple[str, ...]:
-        """Names of the styles that it knows besides the plain one."""
+        """List the names of its styles besides the plain one."""
         return self.spaces[0].styles
 
     @property
     def gaits(self) -> tuple[str, ...]:
-        """Which gaits it knows."""
+        """List its gaits."""
         return tuple(space.gait for space in self.spaces)
 
     @cached_property
     def froude(self) -> float:
-        """[m/s] sqrt(g l)."""
+        """Compute sqrt(g l) [m/s]."""
         return float(np.sqrt(GRAVITY * self.rig.leg_length))
 
     @cached_property
     def legs(self) -> Legs:
-        """What moves its legs."""
+        """Get the joints that move its legs."""
         return Legs(self.skeleton, self.rig)
 
     @cached_property
     def sole_levels(self) -> Floats:
-        """(L, 2) [m] the levels of each leg's heel and toe."""
+        """Compute the heights of each leg's heel and toe while planted, (L, 2) [m]."""
         level = np.zeros((len(self.rig.legs), 2))
         for each, sole in zip(self.levels, self.rig.soles, strict=True):
             level[sole.leg, int(sole.part == "toe")] = each * self.rig.leg_length
@@ -93,13 +93,13 @@ class CycleModel:
 
     @cached_property
     def effectors(self) -> tuple[list[int], list[int], tuple[str, ...]]:
-        """Of each effector its leg, 0 for a heel or 1 for a toe, and its name."""
+        """List the effectors: leg, 0 for a heel or 1 for a toe, and name."""
         soles = self.rig.soles
         return [s.leg for s in soles], [int(s.part == "toe") for s in soles], tuple(s.name for s in soles)
 
     @cached_property
     def leg_columns(self) -> tuple[Ints, ...]:
-        """For each leg the columns of a row that its joints fill."""
+        """List for each leg the columns of a row that belong to its joints."""
         found = []
         for leg in self.rig.legs:
             joints = [j for j in range(len(self.skeleton)) if leg.hip in self.skeleton.ancestors(j)]
@@ -107,7 +107,7 @@ class CycleModel:
         return tuple(found)
 
     def shares(self, run: Floats) -> Floats:
-        """(T, G) how much of each gait there is; a model of one gait has nothing else."""
+        """Compute the weights of the gaits, (T, G); 1 in a model of one gait."""
         if len(self.spaces) == 1:
             return np.ones((len(run), 1))
         share = np.empty((len(run), 2))
@@ -116,7 +116,7 @@ class CycleModel:
         return share
 
     def frequency(self, asked: Plan) -> Floats:
-        """(T,) [Hz] of the cycle; between gaits the logarithms are blended."""
+        """Compute the frequency of the cycle, (T,) [Hz]; between gaits the logarithms are blended."""
         at_one, slope, styles = self._frequency_lines
         logs = at_one + np.log(np.maximum(asked.speed, SLOWEST * self.froude))[:, None] * slope
         if len(styles):
@@ -133,7 +133,7 @@ class CycleModel:
         return lines[:, 0] - np.log(self.froude) * lines[:, 1] + rate, lines[:, 1], lines[:, 2:].T
 
     def contact_phases(self, asked: Plan) -> Floats:
-        """(T, E, 2) phase at which each effector is set down, and for how long it stays."""
+        """Compute the contact of each effector, (T, E, 2): start phase and duration."""
         spans = self._contacts_of_gaits(asked)
         if len(self.spaces) == 1:
             return spans[:, 0]
@@ -149,7 +149,7 @@ class CycleModel:
         return spans
 
     def between_speeds(self) -> Floats:
-        """(M,) speeds v / sqrt(g l) at which `between` is known."""
+        """Compute the speeds v / sqrt(g l) at which `between` is known, (M,)."""
         return np.linspace(0.0, FASTEST * self.spaces[-1].ramp.high, len(self.between))
 
     def _contacts_of_gaits(self, asked: Plan) -> Floats:
@@ -171,8 +171,8 @@ class CycleModel:
     def rows(self, phases: Floats, asked: Plan) -> Floats:
         """(T, D) poses at phases (T,), as rows of the code.
 
-        Walk and run are blended at equal phase; each leg's phase is first led to where its foot would be as far in its
-        stance, or swing, in that gait.
+        Walk and run are blended at equal phase; each leg's phase is first converted to that at which its foot is at the
+        same point of its stance or swing in that gait.
         """
         return self._rows(phases, asked, 0)
 
@@ -266,7 +266,7 @@ def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:
 
 
 def warped(phases: Floats, here: Floats, there: Floats) -> Floats:
-    """Phases (...) of one gait at which a foot is as far in its stance, or swing, as at phases (...) of another.
+    """Convert phases (...) of one gait to those of another with the foot at the same point of its stance or swing.
 
     Args:
         phases: (...).

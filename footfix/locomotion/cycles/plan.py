@@ -1,4 +1,4 @@
-"""What is asked of the engine at which time, and the course that makes of it: phase, place and heading.
+"""The requests to the engine over time, and the resulting course: phase, place and heading.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), sections 3 and 6.4.
@@ -94,7 +94,7 @@ class Plan:
         return Plan.of_table(self.times[which], self.table[which])
 
     def since(self, time: float) -> Plan:
-        """Forget what was asked for before a time [s] and holds no more then."""
+        """Drop requests that ended before a time [s]."""
         first = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
         return self if first == 0 else self.some(slice(first, None))
 
@@ -171,7 +171,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Phase, place and heading over time, as a plan has them.
+    """Phase, place and heading over time, from a plan.
 
     Eq. 5 to 7 of G, summed up: the phase is the integral of the frequency, the heading that of the angular speed, the
     place that of the speed in the direction of the heading. As printed, eq. 7 takes the direction at the end of a step
@@ -224,7 +224,7 @@ class Course:
 def make_course(
     plan: Plan, line: Line | None, start: Point, until: float, since: float, frequency: Callable[[Plan], Floats]
 ) -> Course:
-    """The course of a plan that goes through a point.
+    """Compute the course of a plan through a point.
 
     Args:
         plan: what is asked for.

@@ -1,4 +1,4 @@
-"""Postures of a figure: as its cycles have them, and with feet that are where they are led.
+"""Postures of a figure: those of its cycles, and those with feet moved to their goals.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), sections 3 and 5.
@@ -49,7 +49,7 @@ class Postures:
 
 @dataclass(frozen=True, eq=False)
 class Free:
-    """Postures as the cycles have them, no foot held.
+    """Postures of the cycles, with no foot held.
 
     Args:
         place: (T, 3) [m] the root.
@@ -68,7 +68,7 @@ class Free:
 
 @dataclass(frozen=True, eq=False)
 class Led:
-    """Postures as the cycles have them, and how feet are led off them.
+    """Postures of the cycles, and the offsets of feet from them.
 
     Args:
         times: (T,) [s].
@@ -82,7 +82,7 @@ class Led:
 
 
 def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
-    """Tell the postures that the cycles have at times (T,) [s] (G eq. 5, 6)."""
+    """Compute the postures of the cycles at times (T,) [s] (G eq. 5, 6)."""
     at, asked = course.at(times)
     rows = model.rows(at[:, 0], asked)
     turns, root = model.turns(rows), model.rig.root
@@ -92,7 +92,7 @@ def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
-    """Pose the legs as the cycles have them at times (T,) [s]."""
+    """Compute the leg poses of the cycles at times (T,) [s]."""
     at, asked = course.at(times)
     rows, front = model.leg_rows(at[:, 0], asked), about_up(at[:, 2])
     frames = model.leg_frames(rows)
@@ -107,7 +107,7 @@ def _place(model: CycleModel, at: Floats, rows: Floats, front: Floats) -> Floats
 
 
 def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
-    """Make the postures in which feet are where they are led."""
+    """Make the postures in which feet are at their goals."""
     pose, off = led.free.legs, led.off
     place, turns = np.array(led.free.place), np.array(led.free.turns)
     hip, ankle, foot, toes = goals(pose, off)

@@ -1,4 +1,4 @@
-"""Cycles of captured walks and runs, made comparable: straight, closed, of one duration and one size.
+"""Normalised cycles of captured walks and runs: straight, closed, of equal duration and size.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), section 3: cycles without travel, in normalised time, of which phase 0 is the
@@ -34,15 +34,15 @@ Gait = Literal["walk", "run"]
 
 @dataclass(frozen=True, kw_only=True)
 class SampleParams:
-    """Which strides are taken for cycles of a straight, steady gait.
+    """Which strides count as cycles of a straight, steady gait.
 
     Args:
-        turn: by which a cycle may turn the figure at most [rad].
-        unsteady: by which one half of a cycle may be longer than the other [factor].
-        apart: poses at its ends may differ by no more, root mean square over the joints [leg lengths].
+        turn: greatest turn of the figure in a cycle [rad].
+        unsteady: greatest ratio of the durations of the two halves of a cycle [factor].
+        apart: greatest difference of the poses at its ends, root mean square over the joints [leg lengths].
         slowest: least speed, as v / sqrt(g l) [1].
-        askew: by which the figure may face another way than it goes [rad].
-        lopsided: how far from the middle the left foot may strike, of the cycle [share].
+        askew: greatest angle between facing and travel [rad].
+        lopsided: how far from the middle of the cycle the left foot may strike, as a share of the cycle [share].
     """
 
     turn: float = 0.3
@@ -92,8 +92,8 @@ class Sampled:
     """The cycles of a clip.
 
     Args:
-        samples: those that are of use.
-        left_out: reason -> how many strides were left out for it.
+        samples: the usable ones.
+        left_out: reason -> number of strides left out.
     """
 
     samples: tuple[Sample, ...]
@@ -101,14 +101,14 @@ class Sampled:
 
 
 def sample_cycles(clip: Clip, rig: Rig, contacts: Contacts, ground: Floats, params: SampleParams) -> Sampled:
-    """Take the cycles out of a clip: from each strike of a foot to its next one, of the foot that yields more of them.
+    """Extract the cycles of a clip, from each strike of a foot to its next, for the foot with more of them.
 
     Args:
         clip: F frames, metres, y up.
         rig: its two legs.
         contacts: when each sole point is planted; the effectors in the order of `rig.soles`.
         ground: (F, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
-        params: which strides are of use.
+        params: which strides are usable.
     """
     sides = [leg.side for leg in rig.legs]
     if sorted(sides) != ["left", "right"]:
@@ -134,7 +134,7 @@ def _of_foot(clip: Clip, rig: Rig, contacts: Contacts, strides: Sequence[Stride]
 
 
 def _taken(clip: Clip, rig: Rig, contacts: Contacts, stride: Stride, params: SampleParams) -> Sample | str:
-    """The cycle of a stride, or why it is of no use."""
+    """Make the cycle of a stride, or say why it is not usable."""
     start, end = stride.first[0], stride.second[0]
     if start == 0 or end - start < 8:
         return "it begins before the clip does"
@@ -195,7 +195,7 @@ def _contact_phases(
 
 
 def shifted(sample: Sample, phase: float) -> Sample:
-    """The same cycle begun at another phase; its poses between the samples by their harmonics."""
+    """Start a cycle at another phase, interpolating poses by their harmonics."""
     middle = mean_turns(sample.turns)
     vectors = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(middle), sample.turns))
     moved = shift_phases(vectors, phase)
@@ -224,7 +224,7 @@ def shift_phases(values: Floats, phase: float) -> Floats:
 def _normalised(
     cycle: Clip, rig: Rig, travel: Travel, contacts: Floats, duty: float, seconds: float, params: SampleParams
 ) -> Sample | str:
-    """A closed, straight cycle as a sample."""
+    """Make a sample of a closed, straight cycle."""
     place, turn = root_in_world(cycle, rig.root)
     distance = float(np.hypot(travel.x, travel.z))
     back = rotation.about_vertical(-np.arctan2(travel.x, travel.z))
@@ -247,7 +247,7 @@ def _normalised(
 
 
 def _facing(cycle: Clip, rig: Rig, back: Floats) -> float:
-    """[rad] the mean direction that the hips face, from that of the travel."""
+    """Compute the mean angle from the direction of travel to where the hips face [rad]."""
     pose = rig.pose(cycle)
     by = {leg.side: pose.position(leg.hip) for leg in rig.legs}
     across = rotation.rotate(back, by["left"] - by["right"]).mean(axis=0)

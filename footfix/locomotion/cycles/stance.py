@@ -1,4 +1,4 @@
-"""When and where a foot of an engine stands: foreseen from the cycle.
+"""Stances of an engine's feet: times and places predicted from the cycle.
 
 Source: P. Glardon, R. Boulic, D. Thalmann, Robust on-line adaptive footplant detection and enforcement for
 locomotion, The Visual Computer 22 (2006), sections 4 and 5.
@@ -41,7 +41,7 @@ Span = tuple[float, float]  # [s]
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """A foot on the floor, once.
+    """One stance of a foot.
 
     Args:
         leg: index among the rig's legs.
@@ -114,7 +114,7 @@ def _spread(spans: Floats, shares: Floats) -> Floats:
 
 
 def settled(stances: Sequence[Stance], stays: Sequence[float], poses: LegPoses, model: CycleModel) -> list[Stance]:
-    """Give stances their places, and tell how far off the cycle they are; those that stay keep theirs.
+    """Compute the places of stances and their offsets from the cycle; stances that stay keep their places.
 
     A foot stands as the cycle has it in the mean of the time in which heel and toe are planted (G 5.1), where the heel
     was in the beginning of its contact, at the height at which it stands in the cycles, and so near that the leg
@@ -183,7 +183,7 @@ def _where_set_down(stances: Sequence[Stance], points: Floats, heel: Floats) -> 
 
 
 def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats) -> Floats:
-    """Draw places (n, 3) nearer over the floor, by (n, 3) [m], for legs to reach the heels all the time."""
+    """Move places (n, 3) nearer, horizontally by (n, 3) [m], so that legs always reach the heels."""
     hip, ankle, heel = (each[rows, legs[:, None]] for each in (poses.hip, poses.ankle, poses.heel))
     limit = poses.reach[rows, legs[:, None]]
     limit = np.where(norm(ankle - hip) > _STRETCHED * limit, limit, _STRETCHED * limit)  # straight legs may stay so
@@ -199,7 +199,7 @@ def _nearer(stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, 
 def _down(
     stances: Sequence[Stance], poses: LegPoses, rows: Ints, legs: Ints, heel_at: Floats, model: CycleModel
 ) -> list[float]:
-    """Tell by how much (n,) [m] the figure has to come down for legs to reach the floor when heels are set down."""
+    """Compute by how much (n,) [m] to lower the figure so that legs reach the floor when heels are set down."""
     hip, ankle, heel = (each[rows, legs] for each in (poses.hip, poses.ankle, poses.heel))
     short = too_short(ankle - heel + heel_at - hip, poses.reach[rows, legs], model.rig.leg_length)
     return [float(by) if each.heel is not None else 0.0 for each, by in zip(stances, short, strict=True)]

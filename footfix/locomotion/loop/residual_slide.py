@@ -70,7 +70,7 @@ def _solved(leg: CapturedLeg, ankle: Floats, moves: Bools) -> LegTurns:
     backwards by some degrees would otherwise jump forwards by twice as many in one frame.
 
     Args:
-        leg: as captured.
+        leg: before the change.
         ankle: (F, 3) [m] its goal.
         moves: (F,) where the goal differs from the ankle's place.
     """
