@@ -11,7 +11,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 
-FASTEST = 235.0  # [degrees/s] by which a joint may turn faster than captured
+FASTEST = 225.0  # [degrees/s] by which a joint may turn faster than captured
 
 
 def limited(wanted: Floats, last: Floats, most: float) -> tuple[Floats, Bools]:
