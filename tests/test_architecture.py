@@ -17,7 +17,7 @@ PACKAGE = ROOT / "footfix"
 FLOORS = [
     {"errors", "notes", "version"},
     {"motion"},
-    {"rig", "arguments"},
+    {"rig", "input_checks"},
     {"detect", "enforce", "measure"},
     {"locomotion"},
     {"formats"},
