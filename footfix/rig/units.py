@@ -31,6 +31,8 @@ _MISTAKEN = (0.0254, 0.01, 0.001)  # units in which files that ought to be in me
 _TYPICAL_LEG = 0.9  # [m]
 _GROWN_UP = (0.7, 1.05)  # [m] length of most adults' legs
 _CLEAR = 0.25  # least lead in evidence of the chosen up axis
+_AS_AT_REST = 0.6  # least lead over the one of y and z along which the figure stands at rest,
+_STANDS = 0.8  # its hips at least so high over its ankles [leg lengths]
 
 
 @dataclass(frozen=True)
@@ -107,8 +109,12 @@ def _other_units(leg: float, chosen: str) -> tuple[Note, ...]:
 
 
 def _up(seen: Sample, figure: Figure) -> tuple[str, tuple[Note, ...]]:
+    """Find the likeliest axis; where the motion hardly tells, as of somebody crawling, that of the rest pose."""
     by_axis = {axis: sum(evidence.values()) for axis, evidence in scores(seen, figure).items()}
     best, second = sorted(AXES, key=lambda axis: -by_axis[axis])[:2]
+    rest = next((axis for axis in ("y", "z") if _at_rest(seen, figure) @ vector(axis) > _STANDS), best)
+    if by_axis[best] - by_axis[rest] < _AS_AT_REST and rest != best:
+        best, second = rest, best
     if by_axis[best] - by_axis[second] < _CLEAR:
         text = f"up is taken to be {best}; {second} is nearly as likely; set rig.up if it is"
         return best, (Note("up-ambiguous", text, "warning"),)

@@ -11,7 +11,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 
-FASTEST = 235.0  # [degrees/s] greatest increase of a joint's speed over the captured one
+FASTEST = 225.0  # [degrees/s] greatest increase of a joint's speed over the captured one
 
 
 def limited(wanted: Floats, last: Floats, most: float) -> tuple[Floats, Bools]:

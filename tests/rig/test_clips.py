@@ -113,6 +113,22 @@ def test_any_axis_can_be_up(name: str) -> None:
         assert infer_units(with_up(clip, up)).up == up
 
 
+@pytest.mark.parametrize(
+    ("name", "seconds"),
+    [
+        ("clips/accad/Male1_A11_CrawlForward.bvh", (0.0, 2.0)),
+        ("clips/comcon2/Motion_AI_01_01-001.bvh", (12.0, 14.0)),
+        ("clips/imersive/motion.bvh", (0.0, 2.0)),
+    ],
+)
+def test_the_rest_pose_says_what_is_up_where_two_seconds_of_crawling_and_lying_do_not(
+    name: str, seconds: tuple[float, float]
+) -> None:
+    clip = _read(name).clip
+    start, stop = (round(second / clip.frame_time) for second in seconds)
+    assert infer_units(clip.frames(slice(start, stop))).up == "y"
+
+
 @pytest.mark.parametrize("name", PLAIN[1::2])
 def test_a_mirror_swaps_sides(name: str) -> None:
     clip, _, _ = _found(name)
