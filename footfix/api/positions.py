@@ -40,7 +40,7 @@ class CleanedPositions:
 
     Args:
         positions: (F, J, 3) of the joints in the world, in the unit, axes and type that came in; each bone as long in
-            each frame as it was. What did not need changing has the very numbers that came in.
+            each frame as it was. Unchanged values are returned exactly as given.
         contacts: (F, E) True where a sole point is planted: left heel, left toe, right heel, right toe.
         result: all that was found on the way; its clip is in metres, y up, with rotations fitted to the positions.
     """

@@ -23,7 +23,7 @@ class Correction:
         root_shift: (F, 3) [m] in the world.
         joints: the joints whose rotations are replaced.
         rotations: (F, len(joints), 4) xyzw their new local rotations; where nothing is to change, the very
-            numbers of the clip, so that what did not need changing stays the same to the digit.
+            numbers of the clip, so that unchanged values stay exactly the same.
         followers: joints outside the legs that go along with a foot.
     """
 

@@ -21,7 +21,7 @@ WORSE_MM = 5.0  # a plant whose slide grew by more than this came out worse
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a person wants to know first.
+    """The main result, for the first line of a report.
 
     Args:
         tone: "good" (as it should be), "fair" (better, or needs a look), "bad" (could not be helped),

@@ -10,7 +10,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 
-_LEAST = 1e-9  # [rad] below which sin(x) / x is 1 to the digit
+_LEAST = 1e-9  # [rad] below which sin(x) / x rounds to 1
 _NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 _ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])  # places in a matrix, laid out as a row, and their mirrors
 

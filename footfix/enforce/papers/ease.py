@@ -29,7 +29,7 @@ def ease_frames(seconds: float, frame_time: float) -> int:
 
 
 def led_over(spans: Sequence[Span], values: Floats, sigma: int) -> Floats:
-    """Keep a displacement (F, K) in contacts, and lead it over between any two that are closer than 2 sigma frames.
+    """Keep a displacement (F, K) in contacts, and interpolate it between any two closer than 2 sigma frames.
 
     It goes from that at the end of one to that at the start of the next: their eases would neither add up nor come
     back to zero in between.
@@ -47,7 +47,7 @@ def led_over(spans: Sequence[Span], values: Floats, sigma: int) -> Floats:
 def eased(spans: Sequence[Span], values: Floats, sigma: int) -> Floats:
     """Extend a displacement known during contacts to the frames around them (G eq. 9).
 
-    Close contacts are led over, see `led_over`.
+    Between close contacts it is interpolated, see `led_over`.
 
     Args:
         spans: frames `[start, end)` of the contacts of one effector, in order of time, not overlapping.
