@@ -63,6 +63,7 @@ class Browser:
         os.close(from_child)
         self._in, self._out, self._buffer, self._last = ours_in, ours_out, b"", 0
         self.events: list[dict[str, Any]] = []
+        self.page: Page | None = None  # the one opened last
 
     def close(self) -> None:
         try:
@@ -117,6 +118,7 @@ class Browser:
         page.resize(**screen)
         page.call("Page.navigate", {"url": path.resolve().as_uri()})
         page.wait("document.readyState === 'complete' && location.href !== 'about:blank'")
+        self.page = page
         return page
 
 
@@ -130,7 +132,7 @@ class Page:
         return self.browser.call(method, params, self.session)
 
     def resize(
-        self, width: int = 1366, height: int = 768, scale: float = 1.0, dark: bool = False, touch: bool = False
+        self, width: int = 1366, height: int = 768, scale: float = 0.5, dark: bool = False, touch: bool = False
     ) -> None:
         """The screen and the colour scheme."""
         screen = {"width": width, "height": height, "deviceScaleFactor": scale, "mobile": touch}

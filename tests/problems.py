@@ -6,6 +6,7 @@ places of the sole points.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields, replace
 
 import numpy as np
@@ -186,11 +187,11 @@ def slip_cost(of: Problem, x: Floats, eps: float) -> float:
     return cost
 
 
-def differences(function: object, x: Floats, h: float = 1e-6) -> Floats:
-    """(N, U F) derivatives of a function of a state by each unknown of each frame, frames slowest."""
-    U, F = x.shape
+def differences(function: object, x: Floats, frames: Sequence[int], h: float = 1e-6) -> Floats:
+    """(N, U f) derivatives of a function of a state by each unknown of some frames, frames slowest."""
+    U = len(x)
     columns = []
-    for f in range(F):
+    for f in frames:
         for u in range(U):
             step = np.zeros_like(x)
             step[u, f] = h

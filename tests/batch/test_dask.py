@@ -32,6 +32,11 @@ def cluster() -> Iterator[Any]:
     import dask
 
     dask.config.set({"distributed.scheduler.allowed-failures": 1})
+    if sys.platform == "linux":  # workers are forked from one process that has loaded everything, and never worked
+        dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"})
+        distributed.utils.get_mp_context().set_forkserver_preload(
+            ["distributed", "footfix.batch.work", "footfix.pipeline"]
+        )
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
     ) as cluster:

@@ -129,6 +129,7 @@ def alone(clips: Path) -> dict[str, bytes]:
     return contents(out)
 
 
+@pytest.mark.usefixtures("forking")  # spawned ones give the same where they are killed and interrupted
 def test_two_processes_give_the_same_bytes_as_one(
     clips: Path, alone: dict[str, bytes], tmp_path: Path, run: Run
 ) -> None:

@@ -131,7 +131,10 @@ def test_each_cost_is_what_the_table_says(name: str) -> None:
     *((name, 1.0) for name in PROBLEMS if not name.startswith(("slip of", "all"))), ("slip", 8.0), ("all of it", 8.0)
 ])  # fmt: skip
 def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
-    """Gauss-Newton: J'J and J'r, J from differences of residuals that are written down in the tests; FAR is curved."""
+    """Gauss-Newton: J'J and J'r, J from differences of residuals that are written down in the tests; FAR is curved.
+
+    Of the seven frames those at and next to an end, one in the middle with its neighbours, and the other end.
+    """
     of = PROBLEMS[name]()
     x = spread(of, 2)
     found = system(of, x, EPS, static)
@@ -141,11 +144,13 @@ def test_each_matrix_is_that_of_its_residuals(name: str, static: float) -> None:
     def r(y: Floats) -> Floats:
         return residuals(of, y, near_at=before, eps=EPS, static=static)
 
-    J = differences(r, x)
-    matrix, expected = dense(found), J.T @ J + curvature(of, x)
+    some = (0, 1, 2, 6)
+    at = (np.array(some)[:, None] * of.unknowns + np.arange(of.unknowns)).ravel()
+    J = differences(r, x, some)
+    matrix, expected = dense(found)[np.ix_(at, at)], J.T @ J + curvature(of, x)[np.ix_(at, at)]
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected))) + 1e-9 * np.abs(expected).max()
     assert np.abs((matrix - expected) / scale).max() < 1e-5
-    assert np.abs(found.gradient.T.ravel() - J.T @ r(x)).max() <= 2e-6 * np.abs(J.T @ r(x)).max()
+    assert np.abs(found.gradient.T.ravel()[at] - J.T @ r(x)).max() <= 2e-6 * np.abs(J.T @ r(x)).max()
 
 
 @pytest.mark.parametrize("name", PROBLEMS)

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from scipy.signal import resample
 
 from footfix.locomotion.loop.closing import close
 from footfix.locomotion.loop.cut_search import Cut
@@ -237,7 +236,7 @@ def _normalised(
         return "it goes sideways or backwards"
     leg = rig.leg_length
     return Sample(
-        places=np.asarray(resample(place, PHASES)) / leg,
+        places=_at_even_phases(place) / leg,
         turns=_resampled(turns),
         speed=distance / seconds / float(np.sqrt(GRAVITY * leg)),
         frequency=float(np.sqrt(leg / GRAVITY)) / seconds,
@@ -258,8 +257,20 @@ def _resampled(turns: Floats) -> Floats:
     """(N, J, 4) rotations (L, J, 4) of one round at even phases, by their harmonics."""
     middle = mean_turns(turns)
     vectors = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(middle), turns))
-    flat = np.asarray(resample(vectors.reshape(len(turns), -1), PHASES)).reshape(PHASES, -1, 3)
-    return rotation.multiply(middle, rotation.from_rotation_vector(flat))
+    return rotation.multiply(middle, rotation.from_rotation_vector(_at_even_phases(vectors)))
+
+
+def _at_even_phases(values: Floats) -> Floats:
+    """(N, ...) values (L, ...) of one round at even phases: the sum of their harmonics that N samples can hold.
+
+    The highest one that the shorter of both can hold is a cosine alone. (scipy.signal does the same, but loading it
+    takes longer than all the rest of this package.)
+    """
+    shorter = min(len(values), PHASES)
+    harmonics = np.fft.rfft(values, axis=0)[: shorter // 2 + 1]
+    if shorter % 2 == 0 and len(values) != PHASES:
+        harmonics[-1] = (2.0 if len(values) > PHASES else 0.5) * harmonics[-1].real
+    return np.fft.irfft(harmonics, PHASES, axis=0) * (PHASES / len(values))
 
 
 def mean_turns(turns: Floats) -> Floats:
