@@ -9,7 +9,6 @@ from __future__ import annotations
 import gzip
 import importlib.util
 import json
-import os
 import sys
 from dataclasses import dataclass
 from functools import cache
@@ -65,11 +64,6 @@ CLIPS = {
 }  # fmt: skip
 
 # One of each way to be hard: turns, runs, hops, spins, raw data, a person in a video, a dog. The others are walks.
-FEW = (
-    "accad/Male1_B15_WalkTurnAround.bvh", "bandai/dataset-2_run_elderly_001.bvh", "dme/comp_3d_2_raw.bvh",
-    "emre/HopScotch.bvh", "games105/idle.bvh", "mann_dog/D1_010_KAN01_002.bvh", "mass/pirouette.bvh",
-    "radar_pn/walk.bvh", "wham/sample.bvh",
-)  # fmt: skip
 UNTOUCHED = ("games105/idle.bvh",)  # there is nothing to do
 
 
@@ -109,7 +103,7 @@ def far(found: dict[str, Any], what: str, when: int) -> float:
     return float(np.percentile(found[what][when] or [0.0], 90))
 
 
-@pytest.mark.parametrize("name", CLIPS if os.environ.get("FOOTFIX_EVERY_CLIP") else FEW)
+@pytest.mark.parametrize("name", CLIPS)
 def test_feet_stand_and_the_rest_is_as_it_was(name: str, tmp_path_factory: pytest.TempPathFactory) -> None:
     found, same = measured(name, tmp_path_factory.mktemp("seen"))
     bounds = CLIPS[name]
