@@ -66,6 +66,16 @@ def test_the_rate_is_that_of_the_figure_which_turns(rate: float) -> None:
     assert share[60:] == pytest.approx(1.0 / (1.0 + (rate / QUICK) ** 2), rel=0.01)
 
 
+@pytest.mark.parametrize("up", [-0.2, 0.2])
+def test_a_foot_on_its_tip_hardly_counts_as_turning(up: float) -> None:
+    """A line that is nearly upright is taken to be half as long over the floor as it is."""
+    rate, flat, leg = 2.0, 0.02, figure_of(*turned("heel", np.zeros(FRAMES)), walk("stand", FPS, 2.0).contacts).legs[0]
+    angle = rate * np.arange(FRAMES) / FPS
+    line = np.stack([flat * np.cos(angle), np.full(FRAMES, up), flat * np.sin(angle)])  # (3, F) [m]
+    upright = replace(leg, points=(np.zeros_like(line), line, *leg.points[2:]))
+    assert turn_rate(upright, 1.0 / FPS) == pytest.approx(rate * flat**2 / (0.25 * (flat**2 + up**2)), rel=0.01)
+
+
 def test_heel_and_toe_are_held_alike_while_both_stand() -> None:
     heel, toe = np.array([0.0, 0.5, 0.5]), np.array([0.9, 0.9, 0.2])
     both, share = np.array([False, True, True]), np.array([1.0, 1.0, 0.5])

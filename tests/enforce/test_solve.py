@@ -264,6 +264,21 @@ def test_before_static_friction_comes_what_slides_in_most_frames_is_let_go() -> 
 # ---- fewer frames -----------------------------------------------------------------------------------
 
 
+def test_what_slides_is_let_go_once_before_the_rounds_with_static_friction(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Floats] = []
+
+    def let_go(of: Problem, x: Floats) -> Problem:
+        asked.append(x)
+        return of
+
+    monkeypatch.setattr(solver, "settled", let_go)
+    made, start = pulled(), np.zeros((pulled().unknowns, pulled().frames))
+    descend(made, start, 4, first=0.01, last=2)
+    assert len(asked) == 1
+    assert np.array_equal(asked[0], descend(made, start, 2, first=0.01))  # as the first two of four rounds left it
+    assert len(asked) == 1, "no static friction, nothing let go"
+
+
 @pytest.mark.parametrize("frames", [200, 201, 203])
 def test_a_thinned_problem_holds_the_same_contacts(frames: int) -> None:
     of = skating(120.0, frames)

@@ -315,6 +315,7 @@ def test_what_is_just_as_far_from_the_floor_as_the_tolerance_is_on_it() -> None:
     track = np.zeros((3, 3))
     track[:, 0], track[:, 1] = [0.0, 1.0, 2.0], [0.5, -0.5, 0.5]
     assert physdiff([track], 0.0, tolerance=0.5) == (0.0, 0.0, 1000.0)
+    assert physdiff([], 0.0) == physdiff([track[:0]], 0.0) == (0.0, 0.0, 0.0)
 
 
 def test_a_figure_without_sole_points_is_never_in_contact() -> None:
