@@ -115,11 +115,6 @@ def _planted(answer: Floats) -> Floats:
     return np.asarray(-np.expm1(answer[:, SWING]))
 
 
-def logits(sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK) -> tuple[Floats, ...]:
-    """Compute for each foot the log probabilities (n, 4) of its states on the grid."""
-    return weighed(sampled, params, network, chunk)[1]
-
-
 def weighed(
     sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:

@@ -88,7 +88,7 @@ def stepping(
         apart = parting(each[k], each[mate])
         parts = likely(apart, even, params.sharp)
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
-        steps = planted[mate] * parts * _probability(faster + unlikely[k] - unlikely[mate])
+        steps = planted[mate] * parts * probability(faster + unlikely[k] - unlikely[mate])
         least = np.maximum(params.still, params.calm * rest)
         leaves = np.where(speeds[k] > speeds[mate], apart - least, 0.0)
         for a, b in from_rest_to_rest(leaves, even - params.parting, planted[k]):
@@ -121,7 +121,7 @@ def whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) 
     even = params.length + params.creeping * rest * len(one) * STEP
     odds = params.sharp * _log_ratio(far, np.array([even]))
     odds = np.minimum(odds, params.sharp * _log_ratio(slowest(ways[0]), slowest(ways[1])))
-    return float(_probability(odds)[0])
+    return float(probability(odds)[0])
 
 
 def _log_ratio(a: Floats, b: Floats | float) -> Floats:
@@ -146,10 +146,10 @@ def resting_speed(speed: Floats, params: SteppingParams) -> Floats:
 
 def likely(speed: Floats, even: Floats | float, sharp: float) -> Floats:
     """Evaluate a logistic in log speed (n,): 0.5 at `even`, odds growing as speed ** sharp."""
-    return _probability(sharp * _log_ratio(speed, even))
+    return probability(sharp * _log_ratio(speed, even))
 
 
-def _probability(odds: Floats) -> Floats:
+def probability(odds: Floats) -> Floats:
     """Convert log odds (n,) to probabilities (n,)."""
     return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
 

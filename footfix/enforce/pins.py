@@ -158,12 +158,12 @@ def _pin(
     for plant in own:
         if footing.keep[plant.id]:
             slip[:, plant.start : plant.end - 1] = np.diff(track[:, plant.frames], axis=1)
-    effector = next(e for e, sole in enumerate(rig.soles) if (sole.leg, sole.part) == (k, part))
     if tip:
         level, place, placed = track[1].copy(), np.zeros((3, frames)), np.zeros(frames)
         usual = footing.floors.tips[k]
     else:
-        level, place, placed = _places(own, footing, track, step, rig.floor, draw)
+        level, place, placed = _places(own, footing, track, step, rig.floor)
+        effector = next(e for e, sole in enumerate(rig.soles) if (sole.leg, sole.part) == (k, part))
         rest = float(footing.floors.rest[effector])
         usual = max(rest, nominal(rig, effector)) if own else rest
     if not heights or tip:
@@ -186,17 +186,18 @@ def _weights(
         weight = share * (_FORCED if plant.force else plant.confidence)
         ramp = np.ones(b - a - 1) if footing.by_hand[plant.id] else _ramp(a, b, frames, frame_time, params)
         hold[a : b - 1] = weight * ramp
-        draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
+        if plant.asked is None:  # what was asked for is a place, and needs no level
+            draw[a:b] = 1.0 / max(1.0, 10.0 * (b - a) * frame_time)
         stand[a:b] = True
     return hold, draw, stand
 
 
 def _places(
-    own: Sequence[Footplant], footing: Footing, track: Floats, step: Floats, floor: float, draw: Floats
+    own: Sequence[Footplant], footing: Footing, track: Floats, step: Floats, floor: float
 ) -> tuple[Floats, Floats, Floats]:
     """Compute the target height (F,) [m], place (3, F) [m] and its weight (F,), of kept plants and requested places.
 
-    A requested place includes its height: there the weight `draw` of the height is set to zero.
+    A requested place includes its height, and the height is not drawn to a floor there (`_weights`).
     """
     level, place, placed = track[1].copy(), np.zeros_like(track), np.zeros(track.shape[1])
     for plant in own:
@@ -209,7 +210,7 @@ def _places(
             up = height - floor - step[plant.start]
             place[:, at] = (np.array(plant.asked) + np.array([0.0, up, 0.0]))[:, None]
             placed[at] = _FORCED if plant.force else 1.0
-            level[at], draw[at] = place[1, at], 0.0
+            level[at] = place[1, at]
     return level, place, placed
 
 

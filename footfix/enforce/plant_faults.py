@@ -73,20 +73,20 @@ def faults(
     ground = footing.ground
     found = np.zeros(len(ground))
     around = round(_AROUND / frame_time)
-    wanted = [plant for plant in footing.plants if _by_hand(plant) or not footing.keep[plant.id]]
+    wanted = [plant for plant in footing.plants if _wanted(plant) or not footing.keep[plant.id]]
     for e in {plant.effector for plant in wanted}:
         own = [plant for plant in wanted if plant.effector == e]
         track = legs[own[0].leg].place(own[0].point).T - ground
         middle, slides = _strays([core(plant, frame_time, edge) for plant in own], track)
         for plant, slide, height in zip(own, slides.tolist(), middle[:, 1].tolist(), strict=True):
             high = abs(height - footing.floors.plants[plant.id]) if heights else 0.0
-            fault = np.inf if _by_hand(plant) else max(slide, high)
+            fault = np.inf if _wanted(plant) else max(slide, high)
             near = slice(max(plant.start - around, 0), plant.end + around)
             found[near] = np.maximum(found[near], fault)
     return found
 
 
-def _by_hand(plant: Footplant) -> bool:
+def _wanted(plant: Footplant) -> bool:
     """Tell whether a plant is forced, or has a requested place."""
     return plant.force or plant.asked is not None
 

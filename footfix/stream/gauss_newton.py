@@ -18,7 +18,6 @@ from footfix.stream.objective import Normal, normal
 from footfix.stream.pins import Stacked
 
 _LONGEST = 0.1  # [m, rad] longest step of a state in a round
-_FIRST = 4.0  # slip threshold as a multiple of `EPS`, in all rounds except the last
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +45,8 @@ class Fixed:
 
 
 def descend(
-    problem: Problem, x: Floats, past: int, *, legs: Legs, pins: Stacked, fixed: Fixed, at: LegStates | None = None,
-    last: bool = True,
-) -> Floats:  # fmt: skip
+    problem: Problem, x: Floats, past: int, *, legs: Legs, pins: Stacked, fixed: Fixed, at: LegStates | None = None
+) -> Floats:
     """Take a round from a state.
 
     Args:
@@ -58,10 +56,8 @@ def descend(
         legs, pins: the problem's, stacked.
         fixed: what is the same in all such windows.
         at: the legs' points in that state, where they are known.
-        last: whether it is the last round.
     """
-    eps = (EPS if last else _FIRST * EPS) * problem.frame_time
-    found = normal(problem, legs, pins, x, eps, STATIC, fixed.near, at)
+    found = normal(problem, legs, pins, x, EPS * problem.frame_time, STATIC, fixed.near, at)
     out = x.copy()
     out[fixed.free, past:] += np.clip(_step(found, fixed, past), -_LONGEST, _LONGEST)
     return out

@@ -18,7 +18,7 @@ from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import near, root_bound, smooth, sticks
 from footfix.motion.clip import Floats
-from footfix.stream.legs import Legs, LegStates, states_of
+from footfix.stream.legs import Legs, LegStates, own_of, states_of
 from footfix.stream.pins import Stacked
 
 
@@ -55,7 +55,7 @@ def normal(
         at: the legs' points in that state, where they are known.
     """
     F, L = x.shape[1], legs.flexion.shape[0]
-    own = x[ROOT:].reshape(L, LEG, F).swapaxes(0, 1)  # (8, L, F)
+    own = own_of(x)  # (8, L, F)
     at = states_of(legs, x[:ROOT], own) if at is None else at
     force, stiff, step = _pull(problem, pins, at.places, eps, static)
     J = at.jacobian  # (L, F, 12, 11)

@@ -13,7 +13,7 @@ import numpy as np
 from footfix.detect.evidence import STEP
 from footfix.detect.network import SWING
 from footfix.detect.overtaking import OvertakingParams
-from footfix.detect.stepping import SteppingParams, from_rest_to_rest
+from footfix.detect.stepping import SteppingParams, from_rest_to_rest, probability
 from footfix.motion.clip import Floats
 from footfix.stream.filters import Lowest, slopes
 from footfix.stream.over_ground import Complexes, slowest, to_segment
@@ -47,7 +47,7 @@ def stepping(
     logs = np.log(np.maximum(np.stack([apart, even, speeds]), _LEAST))
     faster = params.sharp * logs[2] + unlikely
     odds = np.stack([params.sharp * (logs[0] - logs[1]), faster - faster[mate]])
-    parts, quicker = _probability(odds)
+    parts, quicker = probability(odds)
     steps = planted[mate] * parts * quicker
     leaves = np.where(speeds > speeds[mate], apart - np.maximum(params.still, params.calm * rest), 0.0)
     for k in np.flatnonzero((leaves > 0.0).any(axis=1)).tolist():
@@ -73,12 +73,7 @@ def _whole_step(far: Complexes, creeps: float, params: SteppingParams) -> float:
     apart, _ = _parting(own, other, own[0, :, 0])
     one, mate = slowest(*far.T)
     logs = np.log(np.maximum([apart[0, 0], params.length + params.creeping * creeps, one, mate], _LEAST))
-    return float(_probability(params.sharp * np.minimum(logs[0] - logs[1], logs[2] - logs[3])))
-
-
-def _probability(odds: Floats) -> Floats:
-    """Probabilities of log odds."""
-    return np.asarray(0.5 + 0.5 * np.tanh(0.5 * odds))
+    return float(probability(params.sharp * np.minimum(logs[0] - logs[1], logs[2] - logs[3])))
 
 
 def resting_speed(speeds: Floats, count: int, params: SteppingParams) -> Floats:
@@ -142,4 +137,4 @@ def overtaking(pelvis: Floats, velocity: Complexes, params: OvertakingParams) ->
     even = params.least + params.share * travel
     logs = np.log(np.maximum(np.concatenate([past, even[None], travel[None]]), _LEAST))
     faster, travels = logs[:-2] - logs[-2], logs[-1] - np.log(params.travels)
-    return _probability(params.sharp * faster) * _probability(params.sharp * travels)
+    return probability(params.sharp * faster) * probability(params.sharp * travels)

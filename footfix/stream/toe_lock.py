@@ -12,11 +12,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from footfix.enforce.leg import LEG, ROOT, TOE, K, W
+from footfix.enforce.leg import ROOT, TOE, K, W
 from footfix.enforce.papers.ease import ease_frames, gamma
 from footfix.motion.clip import Bools, Floats, frozen
 from footfix.motion.contacts import runs
-from footfix.stream.legs import POINTS, Legs, places_of, states_of
+from footfix.stream.legs import POINTS, Legs, own_of, places_of, states_of
 
 _FARTHEST = 0.02  # [leg lengths] a toe that is farther off than this can't be held
 _FOOT = 0.1  # weight of the foot's turn in that change
@@ -48,7 +48,7 @@ def exact(
     if not asked.any():
         return x
     L, n = asked.shape
-    root, own = x[:ROOT], x[ROOT:].reshape(L, LEG, n).swapaxes(0, 1)  # (8, L, n)
+    root, own = x[:ROOT], own_of(x)  # (8, L, n)
     weights, change = np.ones(_MOVED.stop), np.zeros((_MOVED.stop, L, n))
     weights[W] = _FOOT
     at = states_of(legs, root, own)

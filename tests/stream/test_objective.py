@@ -56,8 +56,8 @@ def test_descent_goes_where_that_of_a_whole_clip_goes_and_leaves_the_past_alone(
     x = np.zeros((of.unknowns, of.frames))
     stacked = {"legs": legs_of(of.legs), "pins": pins_stacked(of.pins), "fixed": Fixed.of(of)}
     found = x
-    for n in range(25):
-        found = descend(of, found, 3, last=n == 24, **stacked)  # type: ignore[arg-type]
+    for _ in range(25):
+        found = descend(of, found, 3, **stacked)  # type: ignore[arg-type]
     assert np.array_equal(found[:, :3], x[:, :3])
     fixed = np.arange(of.frames) < 3
     known = descend_clip(of, x, 25, first=8e-4, fixed=fixed)

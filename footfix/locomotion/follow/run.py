@@ -17,7 +17,7 @@ from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path, make_path
 from footfix.locomotion.follow.path_layout import Laid, lay_walks
 from footfix.locomotion.follow.plant_cleanup import as_straight, held_on
-from footfix.locomotion.follow.stride import averaged, pace_of, way_on
+from footfix.locomotion.follow.stride import averaged, pace_of, paced, way_on
 from footfix.locomotion.follow.timeline import Pace, Timeline
 from footfix.locomotion.follow.transitions import At, timeline_of, transitions_of
 from footfix.locomotion.follow.walk import Walk, check_alike, on_one_floor, pelvis_of
@@ -123,7 +123,7 @@ def follow_path(
     way = way_on(path, stride, first.rig.leg_length, _until(path, params, walks, paces), params)
     wanted, notes = transitions_of(walks, keys, paces, ats, path, way, params, holding)
     timeline, more = timeline_of(path, way, walks, keys, paces, wanted, params)
-    made = lay_walks(path, way, walks, timeline, params, paced=any(pace != Pace() for pace in paces))
+    made = lay_walks(path, way, walks, timeline, params, paced=paced(paces))
     return _finished(made, path, walks, timeline, holding, (*path.notes, *notes, *more))
 
 

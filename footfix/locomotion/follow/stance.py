@@ -100,7 +100,7 @@ def unturned(
         if len(down) and down[0] > 0:
             about_heel = _about_heel(yaw, heel, slice(a, a + int(down[0]) + 1))
             shift[a : a + len(about_heel)] += about_heel
-            shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in about_heel.T], axis=1)
+            shift[a - fore : a] += _decay(about_heel, fore)[::-1]
     return yaw, shift
 
 
@@ -131,8 +131,8 @@ def unslid(toe: Floats, toes: Bools, share: Floats, frame_time: float) -> Floats
             continue
         fore, aft = min(fade, a), min(fade, len(toe) - b)
         shift[a:b] += off
-        shift[b : b + aft] += np.stack([_decay(each[::-1], aft) for each in off.T], axis=1)
-        shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in off.T], axis=1)
+        shift[b : b + aft] += _decay(off[::-1], aft)
+        shift[a - fore : a] += _decay(off, fore)[::-1]
     return shift
 
 
@@ -158,15 +158,13 @@ def rolled(heel: Floats, heels: Bools, toes: Bools, mixed: Bools, frame_time: fl
             continue
         fore = min(fade, a)
         shift[a:b] += off
-        shift[a - fore : a] += np.stack([_decay(each, fore)[::-1] for each in off.T], axis=1)
+        shift[a - fore : a] += _decay(off, fore)[::-1]
     return shift
 
 
 def _decay(fix: Floats, frames: int) -> Floats:
-    """Continue a value and slope that start as in `fix` until they come to rest at zero, (frames,)."""
-    if frames <= 0:
-        return np.zeros(0)
-    slope = 0.0 if len(fix) < 3 else float(fix[0] - fix[2]) / 2.0
-    slope = float(np.clip(slope, -abs(fix[0]) / 2.0, abs(fix[0]) / 2.0))
-    u = np.arange(1, frames + 1) / (frames + 1)
+    """Continue values and slopes that start as in `fix` (n, ...) until they come to rest at zero, (frames, ...)."""
+    most = np.abs(fix[0]) / 2.0
+    slope = np.clip((fix[0] - fix[2]) / 2.0 if len(fix) > 2 else 0.0 * most, -most, most)
+    u = (np.arange(1, frames + 1) / (frames + 1)).reshape(-1, *(1,) * (fix.ndim - 1))
     return np.asarray((1.0 - u) ** 2 * ((1.0 + 2.0 * u) * fix[0] + u * (frames + 1) * slope * (1.0 - u) ** 2))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,11 @@ def pace_of(walk: Walk, params: FollowParams) -> Pace:
     """
     k = params.speed if params.speed_to is None else params.speed * params.speed_to / walk.speed
     return Pace() if k == 1.0 else Pace(float(k**_TIME), float(k**_STRIDE))
+
+
+def paced(paces: Sequence[Pace]) -> bool:
+    """Tell whether any walk has another pace than it was captured with."""
+    return any(pace != Pace() for pace in paces)
 
 
 def smoothed(values: Floats, width: int) -> Floats:

@@ -16,7 +16,7 @@ from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.path_layout import course_on, lay_figure
 from footfix.locomotion.follow.plant_cleanup import held_on, stands
-from footfix.locomotion.follow.stride import Way
+from footfix.locomotion.follow.stride import Way, paced
 from footfix.locomotion.follow.timeline import Pace, Piece, make_timeline
 from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.follow.walk_poses import contacts_of, pose
@@ -168,8 +168,7 @@ def _peak(over: Handover, length: float, usual: Floats, best: float = np.inf) ->
         tracks = places(clip) if len(joints) == len(skeleton) else forward(clip, joints).positions
         return float((accelerations_of(tracks, dt)[lead - 1 : 1 - lead].max(axis=0) / usual[joints]).max())
 
-    paced = any(pace != Pace() for pace in over.paces)
-    course = course_on(over.path, over.way, over.walks, timeline, over.params, paced=paced, since=over.gone)
+    course = course_on(over.path, over.way, over.walks, timeline, over.params, paced=paced(over.paces), since=over.gone)
     peak = steepest(lay_body(posed, course.ground, course.lean), body)
     if peak > max(best, _SMOOTH):
         return peak
