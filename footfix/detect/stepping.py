@@ -101,7 +101,7 @@ def stepping(
         least = np.maximum(params.still, params.calm * rest)
         by_itself = np.minimum(speeds[k], np.maximum(apart, parting(each[k], figure)))
         fast = likely(by_itself, params.fast + params.noise * rest, params.sharp)
-        for a, b in planted_throughout(by_itself - least, planted[k]):
+        for a, b in planted_throughout(speeds[k] - least, planted[k]):
             steps[a:b] = np.maximum(steps[a:b], fast[a:b].max())
         leaves = np.where(speeds[k] > speeds[mate], apart - least, 0.0)
         for a, b in from_rest_to_rest(leaves, even - params.parting, planted[k]):

@@ -52,8 +52,8 @@ def stepping(
     parts, quicker, fast = probability(odds)
     steps = planted[mate] * parts * quicker
     least = np.maximum(params.still, params.calm * rest)
-    for k in np.flatnonzero((by_itself > least).any(axis=1)).tolist():
-        for a, b in planted_throughout(by_itself[k] - least[k], planted[k]):
+    for k in np.flatnonzero((speeds > least).any(axis=1)).tolist():
+        for a, b in planted_throughout(speeds[k] - least[k], planted[k]):
             steps[k, a:b] = np.maximum(steps[k, a:b], fast[k, a:b].max())
     leaves = np.where(speeds > speeds[mate], apart - least, 0.0)
     for k in np.flatnonzero((leaves > 0.0).any(axis=1)).tolist():

@@ -166,6 +166,9 @@ def test_what_a_foot_has_in_common_with_the_pelvis_and_the_other_foot_is_no_step
     glides[150:180, 0] = 1.0
     assert one_slides(glides, glides, 0.0 * glides).min() > 0.9
     assert one_slides(0.0 * glides, glides, 0.0 * glides)[150:180].max() < 0.1
+    partly = glides.copy()
+    partly[:160] = partly[170:] = 0.0  # going along for a moment is no rest
+    assert one_slides(partly, partly, 0.0 * glides)[150:180].max() < 0.1
 
 
 def _found(tracks: Tracks, params: AutoParams | None = None) -> Bools:
