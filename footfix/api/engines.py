@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 
 from footfix.api.parameters import check_settings
 from footfix.batch.cycles import load_model as _load_model
-from footfix.batch.files import read_whole, write_whole
+from footfix.batch.file_io import read_whole, write_whole
 from footfix.errors import ArgumentError, InputError
-from footfix.formats.models import encode_model
-from footfix.formats.plans import PlanRow
-from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
-from footfix.jobs.make import plan_of
+from footfix.formats.cycle_models import encode_model
+from footfix.formats.locomotion_plans import PlanRow
+from footfix.jobs.fit_cycles import Fitted, cycles_of_file, fit_files
+from footfix.jobs.make_cycles import plan_of
 from footfix.locomotion.cycles.engine_state import Live
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Plan

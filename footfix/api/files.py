@@ -92,7 +92,7 @@ def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = No
         ArgumentError: the clip is none, or not of the document's joints; or the path is that of another format.
         OutputError: it could not be written; what stood there still does.
     """
-    from footfix.batch.files import write_whole
+    from footfix.batch.file_io import write_whole
 
     check_clip(clip)
     if like is not None and clip.skeleton.names != like.clip.skeleton.names:

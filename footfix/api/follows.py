@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from footfix.api.parameters import check_settings
 from footfix.errors import ArgumentError
-from footfix.formats.paths import shape
+from footfix.formats.floor_paths import shape
 from footfix.input_checks import check_clip
 from footfix.jobs.follow import Start, check_starts, start_of, walk_of
 from footfix.locomotion.follow.run import Follow, follow_path

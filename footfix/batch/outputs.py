@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from footfix.batch.files import STDIN
+from footfix.batch.file_io import STDIN
 from footfix.batch.inputs import Source
 from footfix.errors import UsageError
 from footfix.formats.suffixes import OTHERS, cleaned_name, is_motion

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from footfix.batch.files import read_whole, write_whole
+from footfix.batch.file_io import read_whole, write_whole
 from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, REPORT, FileResult
 from footfix.errors import FootfixError, InputError

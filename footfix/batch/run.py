@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from footfix.batch.files import STDIN, remove_leftovers
+from footfix.batch.file_io import STDIN, remove_leftovers
 from footfix.batch.journal import Journal
 from footfix.batch.processes import Results, Stop, Work, here, on_processes
 from footfix.batch.task import FileResult, Task

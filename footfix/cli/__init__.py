@@ -16,7 +16,7 @@ from importlib import import_module
 
 import click
 
-from footfix.cli.messages import say
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode, FootfixError, UsageError
 from footfix.formats.suffixes import is_motion
 from footfix.version import __version__

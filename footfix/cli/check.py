@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
-from footfix.batch.clips import spread
 from footfix.batch.journal import Journal
-from footfix.batch.work import check_one
+from footfix.batch.multi_clip_files import spread
+from footfix.batch.one_file import check_one
 from footfix.cli.options import Common, Given, Many, given, many, shared
 from footfix.cli.running import (
     code,

@@ -13,16 +13,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from footfix.batch import outputs
-from footfix.batch.clips import spread, spread_pairs
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal, Past, journal_in, recall
+from footfix.batch.multi_clip_files import spread, spread_pairs
+from footfix.batch.one_file import clean_one
 from footfix.batch.outputs import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
-from footfix.batch.work import clean_one
-from footfix.cli.messages import say
+from footfix.cli.closing_message import wrote
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
-from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,
@@ -34,6 +33,7 @@ from footfix.cli.running import (
     tasks_for,
     write_file,
 )
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     from footfix.batch.task import FileResult
-    from footfix.jobs.fit import Fitted
+    from footfix.jobs.fit_cycles import Fitted
 
 
 @click.group()
@@ -42,13 +42,13 @@ def fit(
     A gait needs 20 cycles, of two speeds at least; 100 of a range of speeds are better. Clips that are something else
     are left aside. The model names its files, and holds none of them.
     """
-    from footfix.batch.clips import spread
     from footfix.batch.cycles import check_output, fit_and_write, style_of
     from footfix.batch.journal import Journal
-    from footfix.batch.work import sample_one
-    from footfix.cli.messages import say
+    from footfix.batch.multi_clip_files import spread
+    from footfix.batch.one_file import sample_one
     from footfix.cli.running import code, config_for, found_inputs, print_json, reading, run_tasks, tasks_for
-    from footfix.jobs.fit import fit_entry
+    from footfix.cli.stderr import say
+    from footfix.jobs.fit_cycles import fit_entry
     from footfix.report.text import printable
 
     found = found_inputs(src, many)
@@ -139,9 +139,9 @@ def make(
 ) -> int:  # fmt: skip
     """Make locomotion from a model: BVH, contacts and report, as of `clean`."""
     from footfix.batch.cycles import load_plan, run_make
-    from footfix.cli.results import print_result
+    from footfix.cli.closing_message import print_result
     from footfix.cli.running import config_near
-    from footfix.formats.plans import PlanRow
+    from footfix.formats.locomotion_plans import PlanRow
 
     single = {"--speed": speed, "--run": run_, "--turn": turn, "--style": style}
     given = [name for name, value in single.items() if value is not None]

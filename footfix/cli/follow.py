@@ -42,7 +42,7 @@ def follow(
     path: walk.bvh tired.bvh@3s jog.bvh@8m.
     """
     from footfix.batch.follow import named, run_follow
-    from footfix.cli.results import print_result
+    from footfix.cli.closing_message import print_result
     from footfix.cli.running import config_near
 
     parts = [named(each) for each in clips]

@@ -8,11 +8,11 @@ from pathlib import Path
 import click
 
 from footfix.batch import outputs
-from footfix.batch.clips import spread
-from footfix.batch.files import STDIN
+from footfix.batch.file_io import STDIN
 from footfix.batch.journal import Journal
+from footfix.batch.multi_clip_files import spread
+from footfix.batch.one_file import inspect_one, repair_one
 from footfix.batch.task import FileResult
-from footfix.batch.work import inspect_one, repair_one
 from footfix.cli.options import Common, Many, many, shared
 from footfix.cli.running import (
     Say,

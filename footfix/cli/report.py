@@ -7,7 +7,7 @@ from typing import Literal
 
 import click
 
-from footfix.cli.messages import say
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode
 
 

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from footfix.batch import inputs
-from footfix.batch.clips import spread
-from footfix.batch.files import STDIN, read_whole, write_whole
+from footfix.batch.file_io import STDIN, read_whole, write_whole
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal
+from footfix.batch.multi_clip_files import spread
 from footfix.batch.outputs import Job
 from footfix.batch.run import Crew, Outcome, run
 from footfix.batch.task import FileResult, Task

@@ -10,9 +10,9 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from footfix.cli.messages import say
 from footfix.cli.options import Common, shared
 from footfix.cli.running import config_near
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode, OutputError, UsageError
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def stream(
 
 def _whole(settings: Settings, output: Path | None) -> int:
     """Wait for the end, and write what `clean` writes."""
-    from footfix.batch.files import write_whole
+    from footfix.batch.file_io import write_whole
     from footfix.jobs.clean import clean_file
 
     data = sys.stdin.buffer.read()
@@ -141,7 +141,7 @@ def _live(
 
 def _document(path: Path, settings: Settings) -> Document:
     """Read a file of the figure, in metres and y up."""
-    from footfix.batch.files import read_whole
+    from footfix.batch.file_io import read_whole
     from footfix.formats.bvh.document import Document
     from footfix.jobs.source import read
 

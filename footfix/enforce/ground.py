@@ -17,7 +17,7 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm
 from footfix.notes import Note
-from footfix.rig.gait import Gait, gait_in_place
+from footfix.rig.gait_in_place import Gait, gait_in_place
 from footfix.rig.rig import Rig
 
 _MOST = 0.7  # [share] plants must move with the belt for this share of their time,

@@ -1,6 +1,6 @@
 """The interface between files and clips: what the rest of footfix asks of a file of motion, whatever its format.
 
-A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
+A format is a module or package with `decode`, `rewrite`, `select_frames`, `glance` and `repair`, named in
 `footfix.formats.suffixes`; it may have `separate_numbers`. One whose files hold several clips also has `clips_of` and
 `joined`; where its files may refer to others it has `neighbours_of`, and its functions take `beside`, to read them.
 """
@@ -187,7 +187,7 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
     return written
 
 
-def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Document:
+def select_frames(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Document:
     """Make a document with some of the frames of another one, each written as it was.
 
     Args:
@@ -195,7 +195,7 @@ def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Doc
         frames: which of its frames, in their new order; a frame may come more than once.
         limits: beyond these it can't be read again.
     """
-    selected: Document = _format(document.name).select(document, frames, limits=limits)
+    selected: Document = _format(document.name).select_frames(document, frames, limits=limits)
     return selected
 
 

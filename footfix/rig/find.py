@@ -15,11 +15,11 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
 from footfix.rig import soles
-from footfix.rig.figure import Figure, figures, joint
-from footfix.rig.mesh import FootMesh
+from footfix.rig.figure_legs import Figure, figures, joint
+from footfix.rig.foot_mesh import FootMesh
+from footfix.rig.frame_sample import Sample, sample
 from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
-from footfix.rig.sample import Sample, sample
 from footfix.rig.skin import Skin
 from footfix.rig.skin_fit import Fitted, fit_skin
 from footfix.rig.zero_plane import on_zero_plane, skin_on_zero_plane

@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
+from footfix.rig.frame_sample import Sample
 from footfix.rig.names import read
-from footfix.rig.sample import Sample
 
 _SURE = 2.9  # score of names from which a limb is certainly a leg, however far its hip is from the pelvis:
 _HIP_BONE = 1.0  # animals are drawn with bones for hips and shoulders that are as long as a thigh

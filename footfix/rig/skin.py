@@ -14,10 +14,10 @@ import numpy as np
 
 from footfix.errors import InputError
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, frozen
-from footfix.rig.figure import Figure, figures
+from footfix.rig.figure_legs import Figure, figures
+from footfix.rig.frame_sample import sample
 from footfix.rig.names import read
 from footfix.rig.params import RigParams
-from footfix.rig.sample import sample
 
 _MOVED = 0.5  # least weight of a foot's joints on a vertex of the foot
 _DOWN = 0.7  # least cosine between a normal of the sole and down

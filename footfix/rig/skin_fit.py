@@ -16,12 +16,12 @@ from footfix.errors import InputError
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints
 from footfix.notes import Note
-from footfix.rig.mesh import FootMesh
+from footfix.rig.foot_mesh import FootMesh
+from footfix.rig.frame_sample import Sample
 from footfix.rig.names import bare
 from footfix.rig.rig import Leg, SolePoint
-from footfix.rig.sample import Sample
 from footfix.rig.skin import Skin, SkinFoot, SkinLeg, feet_of, legs_of, stands_on_toes
-from footfix.rig.skin_frames import shared_frames
+from footfix.rig.skin_bone_frames import shared_frames
 from footfix.rig.skin_vertices import LOW, kept, outline, spread, toes
 from footfix.rig.soles import SoleEstimate
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.motion.clip import Floats
-from footfix.rig.sample import Sample
+from footfix.rig.frame_sample import Sample
 from footfix.rig.soles import MESH_OVER_LOW, SoleEstimate, floor, resting
 
 # In leg lengths.

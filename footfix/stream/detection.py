@@ -24,7 +24,7 @@ from footfix.detect.viterbi import EARLY, Stretch, resting, stretches
 from footfix.motion.clip import Bools, Floats
 from footfix.stream.evidence import weigh
 from footfix.stream.filters import filtered
-from footfix.stream.over_ground import OverGround
+from footfix.stream.ground_velocities import OverGround
 from footfix.stream.ring import Ring
 from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.time_grid import FOOT, PAST, Grid

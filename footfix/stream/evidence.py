@@ -23,7 +23,7 @@ from footfix.detect.evidence import (
 )
 from footfix.motion.clip import Floats
 from footfix.stream.filters import Lowest, filtered
-from footfix.stream.over_ground import Facing
+from footfix.stream.ground_velocities import Facing
 from footfix.stream.time_grid import FOOT
 
 _MARGIN = 14  # steps before the newest ones, on which their derivatives depend

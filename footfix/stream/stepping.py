@@ -16,7 +16,7 @@ from footfix.detect.overtaking import OvertakingParams
 from footfix.detect.stepping import SteppingParams, from_rest_to_rest, probability
 from footfix.motion.clip import Floats
 from footfix.stream.filters import Lowest, slopes
-from footfix.stream.over_ground import Complexes, slowest, to_segment
+from footfix.stream.ground_velocities import Complexes, slowest, to_segment
 
 _LEAST = 1e-6  # of a speed whose logarithm is taken
 

@@ -19,7 +19,7 @@ from footfix.motion.smoothing import savgol
 from footfix.stream.detection import Detector, logits
 from footfix.stream.evidence import weigh
 from footfix.stream.filters import Lowest, filtered
-from footfix.stream.over_ground import Complexes, OverGround
+from footfix.stream.ground_velocities import Complexes, OverGround
 from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.time_grid import Grid
 

@@ -18,9 +18,9 @@ from footfix.formats.gltf.nodes import Nodes
 from footfix.formats.gltf.tracks import WIDTHS, Track
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, constant_track
 from footfix.notes import Note
-from footfix.rig.figure import figures
+from footfix.rig.figure_legs import figures
+from footfix.rig.frame_sample import sample
 from footfix.rig.params import RigParams
-from footfix.rig.sample import sample
 from footfix.rig.skin import Skin
 
 _UNEVEN = 1e-3  # of a scale, by which its axes or frames may differ

@@ -21,7 +21,7 @@ from footfix.locomotion.cycles.engine import (
     posed,
     postures,
 )
-from footfix.locomotion.cycles.feet import Feet
+from footfix.locomotion.cycles.foot_offsets import Feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.locomotion.cycles.feet import Feet, goals, lowered
+from footfix.locomotion.cycles.foot_offsets import Feet, goals, lowered
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.leg_vectors import about_up, applied, matrices, turned_about_up
 from footfix.locomotion.cycles.model import CycleModel

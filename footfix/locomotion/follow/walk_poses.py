@@ -9,9 +9,9 @@ import numpy as np
 
 from footfix.enforce.papers.leg import effector_tracks
 from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.footsteps import Steps, find_steps
 from footfix.locomotion.follow.key_times import Keys, in_step
 from footfix.locomotion.follow.pose_blend import joined, mixed, mixed_clip
-from footfix.locomotion.follow.steps import Steps, find_steps
 from footfix.locomotion.follow.timeline import Timeline, Zone
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation

@@ -9,8 +9,8 @@ import pytest
 from cycle_walkers import SPEEDS, files, fitted
 
 from footfix.errors import InputError
-from footfix.formats.models import decode_model, encode_model
-from footfix.jobs.fit import fit_entry, fit_files
+from footfix.formats.cycle_models import decode_model, encode_model
+from footfix.jobs.fit_cycles import fit_entry, fit_files
 from footfix.locomotion.cycles.eigencycles import Ramp, kernel
 from footfix.locomotion.cycles.model import warped
 from footfix.locomotion.cycles.samples import Sample, shift_phases

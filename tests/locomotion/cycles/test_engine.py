@@ -10,8 +10,8 @@ from cycle_walkers import fitted
 
 import footfix
 from footfix.errors import ArgumentError
-from footfix.formats.plans import PlanRow
-from footfix.jobs.make import make, plan_of
+from footfix.formats.locomotion_plans import PlanRow
+from footfix.jobs.make_cycles import make, plan_of
 from footfix.locomotion.cycles.engine import changed_plan, foresee, postures
 from footfix.locomotion.cycles.plan import Plan, Point, make_course
 from footfix.locomotion.cycles.postures import free_postures, leg_poses

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.locomotion.follow.blend import ease
-from footfix.locomotion.follow.steps import Steps
+from footfix.locomotion.follow.footsteps import Steps
 from footfix.locomotion.follow.stride import smoothed
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats, Ints

@@ -19,7 +19,7 @@ from footfix.motion.clip import Ints
 _LIMITS = Limits()
 
 
-def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
+def select_frames(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
     """Make the document of some frames, from time 0 on; every channel of the animation is cut to them.
 
     Args:

@@ -11,10 +11,10 @@ import numpy as np
 
 from footfix.errors import NoLegsError, UsageError
 from footfix.motion.clip import Floats, Skeleton
+from footfix.rig.frame_sample import Sample
 from footfix.rig.limbs import Limb, Pair, limb_of, pairs
 from footfix.rig.names import bare, read
 from footfix.rig.params import LegParams, RigParams
-from footfix.rig.sample import Sample
 from footfix.rig.toes import ball, balls
 
 _LEAST = 1.2  # least score of a pair of legs

@@ -16,7 +16,7 @@ from footfix.enforce.footplant import Footplant
 from footfix.errors import UsageError
 from footfix.formats.bvh.compose import compose
 from footfix.formats.document import open_document
-from footfix.formats.plans import PlanRow
+from footfix.formats.locomotion_plans import PlanRow
 from footfix.jobs.contacts import contacts_json
 from footfix.jobs.outputs import Outputs
 from footfix.locomotion.cycles.engine import Foreseen, foresee, postures
