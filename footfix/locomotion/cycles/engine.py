@@ -20,12 +20,13 @@ from footfix.locomotion.cycles.postures import Led, Postures, free_postures, hel
 from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
 from footfix.motion.clip import Floats
 
-_SOONEST = 0.25  # [s] shortest time in which parameters change,
-_TURNED = np.radians(150.0)  # [rad/s^2] fastest change of the turn rate,
-_HASTENED = 0.5  # [sqrt(g l)/s] of the speed,
-_RAN = 0.7  # [1/s] and of the share of running: planted feet can't follow faster changes
-_COMMITTED = 0.07  # [s] before a foot is set down, after which its place no longer changes,
-_SETTLING = 0.2  # [s] and after which it changes less and less
+_SOONEST = 0.25  # [s] shortest time in which parameters change
+# fastest changes that planted feet can follow
+_TURN_RATE = np.radians(150.0)  # [rad/s^2] of the turn
+_SPEED_RATE = 0.5  # [sqrt(g l)/s] of the speed
+_RUN_RATE = 0.7  # [1/s] of the share of running
+_COMMITTED = 0.07  # [s] this long before a foot is set down its place is final
+_SETTLING = 0.2  # [s] before that, over which it changes less and less
 _BRIEFEST = 0.03  # [s] shorter predicted contacts are ignored
 _PAST = 0.25  # [s] of the past included in a course
 _RESIDUAL = 0.3  # [s] longest fade-out of the offset left by a change of plan
@@ -111,9 +112,9 @@ def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target
     """
     here = plan.at(np.array([now]))
     needed = np.zeros(len(ends))
-    needed[0] = (target.speed[0] - here.speed[0]) / (_HASTENED * model.froude)
-    needed[1] = (target.run[0] - here.run[0]) / _RAN
-    needed[2] = (target.turn[0] - here.turn[0]) / _TURNED
+    needed[0] = (target.speed[0] - here.speed[0]) / (_SPEED_RATE * model.froude)
+    needed[1] = (target.run[0] - here.run[0]) / _RUN_RATE
+    needed[2] = (target.turn[0] - here.turn[0]) / _TURN_RATE
     return plan.changed(now, np.maximum(ends, now + np.maximum(np.abs(needed), _SOONEST)), target)
 
 
@@ -175,10 +176,10 @@ def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen
     Offsets of feet by the earlier plan fade out (G eq. 11, corrected: as printed it jumps).
 
     Args:
-        old: what was going to happen.
-        begun: what is to.
-        feet: `placed`.
-        soon: `led`.
+        old: the earlier prediction.
+        begun: from `begin`.
+        feet: from `placed`.
+        soon: from `led`.
 
     Returns:
         The prediction, and the frames without that of the change.
@@ -193,7 +194,7 @@ def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen
 def _coming(
     feet: Feet, expected: Sequence[Sequence[Stance]], now: float
 ) -> tuple[list[Stance], list[Stance], list[float]]:
-    """Tell stances that are over but still lead a foot, those that are or come, and how far these keep their places."""
+    """List ended stances that still affect a foot, present and coming ones, and the share of its place each keeps."""
     over, stances, stays = list[Stance](), list[Stance](), list[float]()
     for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
@@ -212,7 +213,7 @@ def _coming(
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
-    """A stance with its new times, and of the old ones what has begun, or ended."""
+    """Give a planted stance its new times, except for what has begun or ended already."""
 
     def span(was: Span | None, becomes: Span | None) -> Span | None:
         if was is None or was[0] > now:
@@ -227,7 +228,7 @@ def _kept(old: Stance, new: Stance, now: float) -> Stance:
 def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stance]]:
     """Compute the times of each foot's stances from the contact phases of the cycles; without places.
 
-    Of those that begin after `until` [s] each foot has one, to be led to.
+    Each foot has one stance that begins after `until` [s], since its swing leads there.
     """
     spans = model.contact_phases(course.asked)
     set_down = course.known[:, :1] - spans[:, :, 0]
@@ -249,7 +250,7 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
 
 
 def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
-    """Keep what is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
+    """Make the residual of offsets (L, Q, 3), which fades out until the next contact begins."""
     until = np.empty(gap.shape[:2])
     for leg, own in enumerate(feet.stances):
         begins = [[span[0] for each in own if (span := each.spans[k]) is not None] for k in range(4)]

@@ -28,9 +28,9 @@ from footfix.locomotion.cycles.plan import Line, Plan, Point
 from footfix.locomotion.cycles.postures import Led, Postures, held
 from footfix.motion.clip import Bools, Floats
 
-_KNOWN = 0.9  # [s] predicted after a change of the request,
-_LEAST = 0.45  # [s] predicted again when only this is left,
-_LONG = 1.6  # [s] this far, since the request has not changed
+_KNOWN = 0.9  # [s] how far is predicted after a change of the request
+_LEAST = 0.45  # [s] when only this is left, the prediction is renewed,
+_LONG = 1.6  # [s] this far where the request has not changed
 _PAST = 0.3  # [s] for which past requests are kept
 _JOIN = 0.15  # [s] in which the motion catches up with a request made some frames ago
 _BATCH = 5  # frames made at once, which costs little more than one frame
@@ -71,13 +71,13 @@ class Live:
         self.model = model
         self.time = 0.0
         self._until = _KNOWN
-        self._since = -np.inf  # [s] from when on it was foreseen, if something else was asked for
-        self._far = 0.0  # [s] how far `ahead` was asked for
+        self._since = -np.inf  # [s] when the last prediction for a changed request began
+        self._far = 0.0  # [s] farthest that `ahead` was called for
         self.foreseen = foresee(model, plan, line, Point(), self._until)
-        self._plan = plan  # what is asked for,
-        self._ends = plan.ends()  # [s] when what it leads to was to be reached, be it too soon for feet to follow,
-        self._joined = -1.0, np.zeros(len(self._ends))  # [s] when it was, and by how much it was behind then,
-        self._asked = False  # and whether it is not foreseen yet
+        self._plan = plan  # the request
+        self._ends = plan.ends()  # [s] when its targets were asked to be reached, even if too soon for feet to follow
+        self._joined = -1.0, np.zeros(len(self._ends))  # [s] when it was last predicted, how far behind
+        self._asked = False  # whether the request has changed since
         self._work: _Work | None = None
         self._made: tuple[Postures, int] | None = None  # frames, and which of them is the one now
         self._dt = 0.0  # [s] between the last two
@@ -187,12 +187,12 @@ class Live:
             self._asked, self._work = True, None
 
     def _times(self, dt: float) -> Floats:
-        """The times of some frames, the first of them now."""
+        """List the times of some frames, the first of them now."""
         now, *others = _later(self.time, dt, _BATCH - 1)
         return np.array([now, *(time for time in others if time < self._until)])
 
     def _known(self) -> tuple[Postures, int] | None:
-        """The frame now, if it was made."""
+        """Get the frame now, if it was made."""
         if self._made is None:
             return None
         found, k = self._made
@@ -200,7 +200,7 @@ class Live:
 
 
 def _later(time: float, dt: float, frames: int) -> list[float]:
-    """A time [s], and those of some frames `dt` [s] apart thereafter, as they are going to be told, to the last bit."""
+    """List a time [s] and those of the next frames `dt` [s] apart, summed up as by `step`: equal to the last bit."""
     times = [time]
     while dt > 0.0 and len(times) <= frames:
         times.append(times[-1] + dt)

@@ -62,7 +62,7 @@ class Free:
     legs: LegPoses
 
     def some(self, which: slice) -> Free:
-        """The postures at some of the times."""
+        """Take the postures at some of the times."""
         return Free(self.place[which], self.turns[which], self.legs.some(which))
 
 
@@ -100,7 +100,7 @@ def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
 
 
 def _place(model: CycleModel, at: Floats, rows: Floats, front: Floats) -> Floats:
-    """(T, 3) [m] the root, on a course (T, 5) that heads so (T, 3, 3), of rows of the code."""
+    """Place the root (T, 3) [m] on a course (T, 5) with headings (T, 3, 3), by rows of the code."""
     place = applied(front, model.rig.leg_length * rows[:, :3])
     place[:, ::2] += at[:, 3:]
     return place
