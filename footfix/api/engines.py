@@ -89,17 +89,17 @@ class Engine:
 
     @property
     def time(self) -> float:
-        """[s] since it began."""
+        """Get the time since it began [s]."""
         return self._live.time
 
     @property
     def skeleton(self) -> Skeleton:
-        """The figure's joints."""
+        """Get the figure's joints."""
         return self.model.skeleton
 
     @property
     def rig(self) -> Rig:
-        """Its legs and soles."""
+        """Get its legs and soles."""
         return self.model.rig
 
     def set(
@@ -163,7 +163,7 @@ class Engine:
         return plan_of([PlanRow(0.0, speed, run, turn, weights)], self.model)
 
     def _places(self, root: Floats) -> Floats:
-        """(..., J, 3) [m] of the root's place (..., 3)."""
+        """Place all joints (..., J, 3) [m] by the root's place (..., 3)."""
         places = np.empty((*root.shape[:-1], *self._at_rest.shape))
         places[:] = self._at_rest
         places[..., self.rig.root, :] = root

@@ -92,12 +92,12 @@ class Stream:
 
     @property
     def delay(self) -> float:
-        """[s] that a frame waits at most: look-ahead and a thirtieth of a second."""
+        """Get the longest time that a frame waits [s]: the look-ahead and a thirtieth of a second."""
         return self._live.delay * self._frame_time
 
     @property
     def effectors(self) -> tuple[str, ...]:
-        """Names of the sole points whose contacts frames tell; none before calibration."""
+        """List the names of the sole points whose contacts frames carry; none before calibration."""
         return self._live.effectors
 
     def push(self, frames: Clip | tuple[ArrayLike, ArrayLike] | ArrayLike) -> list[Frame]:

@@ -166,7 +166,7 @@ class Many:
 
     @property
     def tag(self) -> str:
-        """The part of file names that tells this shard of a run from the others."""
+        """Make the part of file names that tells this shard of a run from the others."""
         return "run" if self.shard is None else f"{self.shard[0]}-of-{self.shard[1]}"
 
     def named(self, stem: str, suffix: str) -> str:

@@ -32,55 +32,56 @@ class Document(Protocol):
 
     @property
     def name(self) -> str:
-        """What the file is called, for messages."""
+        """Name the file, for messages."""
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """What was assumed in reading it, and what is wrong."""
+        """List what was assumed in reading it, and what is wrong."""
 
     @property
     def unusable(self) -> tuple[Note, ...]:
-        """The notes that say why nothing can be done with this motion; empty for a sound file."""
+        """List the notes that say why nothing can be done with this motion; empty for a sound file."""
 
     @property
     def frames(self) -> int:
-        """How many frames it holds."""
+        """Count its frames."""
 
     @property
     def columns(self) -> int:
-        """How many numbers a frame has."""
+        """Count the numbers of a frame."""
 
     @property
     def frame_time(self) -> float:
-        """[s] of one frame."""
+        """Get the duration of a frame [s]."""
 
     @property
     def start(self) -> float:
-        """[s] the time of the first frame."""
+        """Get the time of the first frame [s]."""
 
     @property
     def unit_m(self) -> float:
-        """[m] one unit of the file."""
+        """Get the length of one unit of the file [m]."""
 
     @property
     def up(self) -> str:
-        """The file's upward axis: "y", "-y", "z", "-z", "x" or "-x"."""
+        """Get the file's upward axis: "y", "-y", "z", "-z", "x" or "-x"."""
 
     @property
     def clip(self) -> Clip:
-        """The motion in metres, y up, by the unit and axis it is believed to have."""
+        """Get the motion in metres, y up, by the unit and axis that the file most likely has."""
 
     @property
     def metric(self) -> bool:
-        """Whether its format says metres and y up, so that the figure's size hardly counts against it."""
+        """Tell whether its format prescribes metres and y up; the figure's size is then weak evidence against that."""
 
     @property
     def moved(self) -> Bools:
-        """(J,) the joints that the file may move; channels of a format that need not have them may be missing."""
+        """Mark the joints (J,) that the file may move; a format may leave channels of joints out."""
 
     @property
     def skin(self) -> Skin | None:
-        """The character whose meshes the file shows, from which its soles can be taken; None where it shows none."""
+        """Get the character whose meshes the file shows, from which its soles can be taken; None where it shows none.
+        """
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
         """Give the same file another belief about its unit and its upward axis."""

@@ -112,7 +112,7 @@ def _bound_legs(data: bytes, name: str, limits: Limits, beside: Beside | None) -
 
 
 def _in_order(leg: tuple[str, LegParams]) -> tuple[bool, bool]:
-    """In the order of the search: front before back, left before right."""
+    """Make the key that sorts legs as the search does: front before back, left before right."""
     return not leg[0].startswith("front"), leg[1].side == "right"
 
 

@@ -77,7 +77,7 @@ class Skeleton:
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """The children of each joint, in the order of the file."""
+        """List the children of each joint, in the order of the file."""
         lists: list[list[int]] = [[] for _ in self.names]
         for joint, parent in enumerate(self.parents.tolist()):
             if parent >= 0:
@@ -200,7 +200,7 @@ class Clip:
 
     @property
     def fps(self) -> float:
-        """Frames per second."""
+        """Get the frames per second."""
         return 1.0 / self.frame_time
 
     def frames(self, which: slice | Ints) -> Clip:

@@ -69,7 +69,7 @@ def _changes(follow: Report) -> list[str]:
 
 
 def _why(change: Report) -> str:
-    """Why a blend takes as long as it does, where that is not by what differs most alone."""
+    """Say why a blend takes as long as it does, where that is not by what differs most alone."""
     if not change.get("clamped"):
         return ""
     asked, peak, other = (number(change.get(key)) for key in ("asked_s", "peak_times", "asked_peak_times"))

@@ -172,7 +172,7 @@ def _joints_in_clip(skin: Skin, own: SkinLeg, leg: Leg, names: Sequence[str], *,
 
 
 def _anchors(skin: Skin, to: Ints) -> list[int]:
-    """For each joint of the skin the one, itself or above it, that stands for the clip's joint it hangs on."""
+    """Find for each joint of the skin the topmost one, itself or above it, that hangs on the same joint of the clip."""
     found: list[int] = []
     for joint, parent in enumerate(skin.parents.tolist()):
         found.append(found[parent] if parent >= 0 and to[joint] == to[parent] else joint)
@@ -187,7 +187,7 @@ def _by_places(skin: Skin, sole: SkinFoot, leg: Leg, foot: SoleEstimate, scale: 
     longer = 0.0 if reach is None or own is None else own - reach
 
     def in_ankle(points: Floats) -> Floats:
-        """(N, 3) in the frame of the clip's ankle; as much longer as the clip's foot is, up to the toe joint."""
+        """Place points (N, 3) in the frame of the clip's ankle, stretched to its foot's length up to the toe joint."""
         from_it = scale * (points - ankle)
         along, across, high = from_it @ sole.ahead, from_it @ sole.left, from_it @ sole.up
         if reach is not None and reach > 0.0:

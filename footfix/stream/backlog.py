@@ -66,7 +66,7 @@ class Backlog:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing waits."""
+        """Tell whether nothing waits."""
         return not self._items
 
 
@@ -86,7 +86,7 @@ class Outlet:
 
     @property
     def dropped(self) -> int:
-        """Writes that were dropped."""
+        """Count the writes that were dropped."""
         return self._backlog.dropped
 
     def put(self, data: bytes) -> None:

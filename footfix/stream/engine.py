@@ -80,10 +80,10 @@ class Codec(Protocol):
     """Converts rows of numbers to motion of the part's joints, and back."""
 
     def read(self, rows: Floats) -> Clip:
-        """The motion of the part's joints of rows (n, C)."""
+        """Convert rows (n, C) to the motion of the part's joints."""
 
     def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
-        """(n, C) the rows with the motion `after` in place of `before`."""
+        """Make the rows (n, C) with the motion `after` in place of `before`."""
 
 
 class Engine:
@@ -159,7 +159,7 @@ class Engine:
         return left
 
     def _taken(self) -> Floats:
-        """(n, C) the rows of the newest hop."""
+        """Take the rows (n, C) of the newest hop."""
         rows = np.stack(self._hop) if self._hop else np.zeros((0, self._columns))
         self._hop.clear()
         return rows
@@ -198,7 +198,7 @@ class Engine:
         self._window.belt = self._belt.velocity
 
     def _take(self, rows: Floats) -> None:
-        """Kinematics of the newest frames."""
+        """Compute the kinematics of the newest frames."""
         clip = self._codec.read(rows)
         pose = self._posing(clip)
         legs, tracks = self._measure(pose, self._frame_time)

@@ -94,7 +94,7 @@ def _over_floors(own: Floats, places: Floats, count: int, mates: Sequence[int]) 
 
 
 def _body(height: Floats, count: int, jitter: float) -> Floats:
-    """(count, 3): how the pelvis rises and is accelerated, and how noisy the capture is."""
+    """Compute how fast the pelvis rises, how it is accelerated, and how noisy the capture is, (count, 3)."""
     curves = np.empty((count, len(BODY)))
     curves[:, 0] = filtered(height, seconds=0.11, degree=2, derivative=1)[-count:]
     curves[:, 1] = filtered(height, seconds=0.15, degree=2, derivative=2)[-count:]

@@ -62,7 +62,7 @@ class Container:
 
     @property
     def is_binary(self) -> bool:
-        """Whether it is a GLB, not a .gltf."""
+        """Tell whether it is a GLB, not a .gltf."""
         return self.text_at[0] > 0
 
 

@@ -40,7 +40,7 @@ class Grid:
 
     @property
     def times(self) -> Floats:
-        """(F,) [s]."""
+        """Compute the time of each frame, (F,) [s]."""
         return np.asarray(self.start + self.step * np.arange(self.frames), dtype=np.float64)
 
 

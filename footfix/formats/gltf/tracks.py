@@ -45,7 +45,7 @@ class Track:
 
     @property
     def constant(self) -> bool:
-        """Whether it never changes."""
+        """Tell whether it never changes."""
         still = self.tangents is None or not np.any(self.tangents)
         return still and (len(self.values) == 1 or bool(np.all(self.values == self.values[0])))
 
@@ -77,7 +77,7 @@ class Track:
         return a
 
     def _spline(self, a: Floats, b: Floats, left: Ints, right: Ints, gap: Floats, u: Floats) -> Floats:
-        """Hermite splines between keys (glTF 2.0, appendix C.4)."""
+        """Interpolate between keys by Hermite splines (glTF 2.0, appendix C.4)."""
         assert self.tangents is not None
         u, gap = u[:, None], gap[:, None]
         out, into = gap * self.tangents[1][left], gap * self.tangents[0][right]

@@ -43,8 +43,7 @@ class Timelines:
 
     @cached_property
     def _keys(self) -> tuple[Floats, Floats, float, float]:
-        """Prepare the search of `at`: starts (S,), ascending over all values, the shift of each value (Q,), their
-        range.
+        """Prepare the search of `at`: starts (S,) ascending over all values, each value's shift (Q,), and their range.
         """
         low, high = float(self.starts.min()) - 1.0, float(self.starts.max()) + 1.0
         added = np.asarray((high - low + 1.0) * np.arange(len(self.begins)), dtype=np.float64)

@@ -45,7 +45,7 @@ class Segment:
 
 
 def neck_of(skeleton: Skeleton, rig: Rig) -> int | None:
-    """The joint below which the head hangs: the first neck joint, or the head where there is none."""
+    """Find the joint below which the head hangs: the first neck joint, or the head where there is none."""
     mine = [j for j in range(len(skeleton)) if rig.root in skeleton.ancestors(j)]
     for pattern in (_NECK, _CRANE):
         for joint in mine:
@@ -56,7 +56,7 @@ def neck_of(skeleton: Skeleton, rig: Rig) -> int | None:
 
 
 def head_of(skeleton: Skeleton, rig: Rig) -> int | None:
-    """The head's joint, or the neck where none is called a head."""
+    """Find the head's joint, or the neck where none is called a head."""
     mine = [j for j in range(len(skeleton)) if rig.root in skeleton.ancestors(j)]
     heads = [j for j in mine if _CRANE.search(bare(skeleton.names[j])) and not read(skeleton.names[j]).side]
     return heads[0] if heads else neck_of(skeleton, rig)

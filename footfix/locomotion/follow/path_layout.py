@@ -98,12 +98,12 @@ class Course:
 
     @property
     def lean(self) -> Lean:
-        """Of the body."""
+        """Make the lean of the body."""
         return Lean(self.angle, self.neck, self.head)
 
     @property
     def ground(self) -> Ground:
-        """The path under the body."""
+        """Get the path under the body."""
         return ground_at(self.path, self.arc, self.aside)
 
 

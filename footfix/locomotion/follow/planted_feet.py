@@ -105,7 +105,7 @@ def unturned(
 
 
 def _about_heel(yaw: Floats, heel: Floats, rolls: slice) -> Floats:
-    """(n, 3) [m] by which the toe is moved so that the heel is as far from its place as when the toe comes down."""
+    """Compute the shift of the toe (n, 3) [m] that keeps the heel as far from its place as when the toe comes down."""
     moved = rotation.rotate(rotation.about_vertical(yaw[rolls]), heel[rolls]) - heel[rolls]
     return np.asarray(moved[-1] - moved)
 
