@@ -157,7 +157,7 @@ def _centre(drifts: Sequence[Drift]) -> Floats:
 
 
 def go_along(drifts: Sequence[Drift], travel: Floats, least: float, params: GroundParams) -> Bools | None:
-    """Mark (N,) the plants that move with their common velocity, `least` [m/s] or more.
+    """Mark the plants (N,) that move with their common velocity, `least` [m/s] or more.
 
     None where fewer than most of them do, or where the hips, with velocity `travel` (3,) [m/s], don't stay in place.
     """

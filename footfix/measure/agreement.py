@@ -132,7 +132,7 @@ def together(parts: list[Events]) -> Events:
 
 
 def feet(mask: Bools) -> Bools:
-    """Find (F, legs) where heel or toe of a foot is in contact, from a mask (F, 2 legs) of alternating heel and toe."""
+    """Tell when heel or toe of a foot is in contact, (F, legs), from a mask (F, 2 legs) of alternating heel and toe."""
     return np.asarray(mask[:, 0::2] | mask[:, 1::2])
 
 

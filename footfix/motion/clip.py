@@ -171,12 +171,12 @@ class Clip:
         return whole
 
     def position(self, joint: int) -> Floats:
-        """Get (F, 3) [m] the track of one joint in its parent's frame."""
+        """Get the track of one joint in its parent's frame, (F, 3) [m]."""
         tracks = self.__dict__.get("_places")
         return self.positions[:, joint] if tracks is None else tracks[joint]
 
     def rotation(self, joint: int) -> Floats:
-        """Get (F, 4) the rotations of one joint in its parent's frame."""
+        """Get the rotations of one joint in its parent's frame, (F, 4)."""
         tracks = self.__dict__.get("_turns")
         return self.rotations[:, joint] if tracks is None else tracks[joint]
 

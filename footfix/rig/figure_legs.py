@@ -166,7 +166,7 @@ def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:
 
 
 def _lowest(seen: Sample, ankle: int) -> Floats:
-    """Find (S,) the height of the lowest point from the ankle down."""
+    """Find the height of the lowest point from the ankle down, (S,)."""
     joints = list(seen.below(ankle))
     ends = [e for e, parent in enumerate(seen.skeleton.end_parents.tolist()) if parent in joints]
     heights = np.concatenate([seen.places[:, joints, 1], seen.ends[:, ends, 1]], axis=1)

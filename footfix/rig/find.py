@@ -252,7 +252,7 @@ def _floor(
 
 
 def _lowest(seen: Sample, points: Sequence[SolePoint]) -> tuple[Floats, Floats]:
-    """Find (S, L) [m] the height of each leg's lower sole point, and (S, L, 3) [m/s] how its joint moves."""
+    """Find the height of each leg's lower sole point, (S, L) [m], and how its joint moves, (S, L, 3) [m/s]."""
     lowest, velocities = [], []
     for index in {point.leg for point in points}:
         own = [point for point in points if point.leg == index]

@@ -156,7 +156,7 @@ def _by_frames(
 
 
 def _joints_in_clip(skin: Skin, own: SkinLeg, leg: Leg, names: Sequence[str], *, named: bool) -> Ints:
-    """Find (J,) the clip's joint that each of the skin's joints is or hangs on; -1 above the ankle or where unknown."""
+    """Find the clip's joint that each of the skin's joints (J,) is or hangs on; -1 above the ankle or where unknown."""
     folded = [bare(name).casefold() for name in names]
     known = {own.ankle: leg.ankle}
     if own.toe is not None and leg.toe is not None:

@@ -30,7 +30,7 @@ def product(a: Floats, b: Floats) -> Floats:
 
 
 def after(b: Floats) -> Floats:
-    """Get (..., 4, 4) matrices that compose rotations a (4,) with rotations b (..., 4): `b` followed by `a`."""
+    """Make the matrices (..., 4, 4) that compose rotations a (4,) with rotations b (..., 4): `b` followed by `a`."""
     return np.asarray((b[..., _OTHER] * _SIGN).swapaxes(-1, -2)[..., _AT])
 
 
@@ -83,7 +83,7 @@ def exponential(vector: Floats) -> Floats:
 
 
 def exponential_and_jacobian(vector: Floats) -> Floats:
-    """Get (3, 3, 2, ...): `exponential` and `left_jacobian` of rotation vectors (3, ...) [rad]."""
+    """Compute `exponential` and `left_jacobian` of rotation vectors (3, ...) [rad], (3, 3, 2, ...)."""
     square, angle, sines, halves = _sines(vector)
     both = np.empty((3, *square.shape))
     both[0], both[1] = sines, halves

@@ -74,10 +74,10 @@ class Outlet:
     """Bytes for a reader that may be slow: the oldest frames are then dropped and counted."""
 
     def __init__(self, write: Callable[[bytes], None]) -> None:
-        """Begin.
+        """Start the thread that writes.
 
         Args:
-            write: blocks until the bytes are gone; raises OSError where the reader is.
+            write: blocks until the bytes are written; raises OSError where the reader has gone.
         """
         self._write, self._backlog = write, Backlog(drops=True)
         self.gone = False

@@ -89,7 +89,7 @@ class Lines:
     """Splits the input into lines, whatever pieces it comes in."""
 
     def __init__(self, document: Document | None = None, name: str = "") -> None:
-        """Begin.
+        """Start without input.
 
         Args:
             document: what rows mean that come without a header.

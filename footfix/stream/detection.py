@@ -160,7 +160,7 @@ class Detector:
         return both[:, : len(self._mates)], both[:, len(self._mates) :]
 
     def _mark(self, found: Sequence[Stretch], offset: float, down: Bools) -> None:
-        """Mark (n, 2) when heel and toe are in contact; a frame just before a landing counts as after it.
+        """Mark when heel and toe are in contact, (n, 2); a frame just before a landing counts as after it.
 
         Args:
             found: the stretches.

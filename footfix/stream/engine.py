@@ -93,7 +93,7 @@ class Engine:
         self, part: Subskeleton, codec: Codec, columns: int, frame_time: float, settings: Settings, look_ahead: float,
         shown: int = 0,
     ) -> None:  # fmt: skip
-        """Begin.
+        """Start without frames.
 
         Args:
             part: the figure.

@@ -125,7 +125,7 @@ class LegMeasurer:
     """Measures the legs of a figure in its pose."""
 
     def __init__(self, part: Subskeleton, joints: Sequence[int]) -> None:
-        """Know the figure, and which joints a pose is of."""
+        """Prepare for a figure, and for poses of some of its joints."""
         rig, known, skeleton = part.known.rig, part.known.legs, part.skeleton
         slot = {joint: k for k, joint in enumerate(joints)}
         toes = [leg.ankle if leg.toe is None else leg.toe for leg in rig.legs]

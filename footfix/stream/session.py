@@ -66,7 +66,7 @@ class Live:
         self, source: Document | Skeleton, frame_time: float, settings: Settings, params: StreamParams,
         *, known: Document | Clip | None = None, told: Callable[[Note], None] | None = None,
     ) -> None:  # fmt: skip
-        """Begin.
+        """Start without rows.
 
         Args:
             source: the header of a file, or the joints that arrays are of.

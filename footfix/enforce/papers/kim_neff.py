@@ -42,7 +42,7 @@ class KimNeffParams:
     """How Kim and Neff's method holds plants.
 
     Args:
-        longest: time that the way between the free motion and a plant takes at most [s].
+        longest: longest curve that joins the free motion to a plant [s].
         targets: where plants stand.
     """
 
@@ -79,7 +79,7 @@ def correct(
         clip: F frames, metres, y up.
         rig: its legs, soles and floor.
         plants: what is to stand; where they end up is read from the corrected clip.
-        params: measures.
+        params: of the method.
         ground: (F, 3) [m] displacement of the ground under planted feet, as of a belt; none by default.
 
     Returns:

@@ -45,7 +45,7 @@ class FootGoal:
     moves: Bools
 
     def place(self, in_foot: Floats) -> Floats:
-        """Compute (F, 3) [m] where a point of the foot is, given in the ankle's frame (F, 3) [m]."""
+        """Compute the place (F, 3) [m] of a point of the foot, given in the ankle's frame (F, 3) [m]."""
         return self.ankle + rotation.rotate(self.turn, in_foot)
 
 
@@ -77,7 +77,7 @@ def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement, sigma: in
 
 
 def _closeness(planted: Bools, sigma: int) -> Floats:
-    """Compute (F,) 1 in contacts, falling to 0 within sigma frames of the nearest."""
+    """Measure how near each frame is to a contact, (F,): 1 in contacts, falling to 0 within sigma frames."""
     frames = np.arange(len(planted))
     far = len(planted) + sigma
     before = np.maximum.accumulate(np.where(planted, frames, -far))

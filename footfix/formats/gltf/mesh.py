@@ -117,7 +117,7 @@ def _skin(container: Container, number: int) -> tuple[list[int], Floats]:
 
 
 def _bound(nodes: Nodes, world: Floats, skins: Sequence[tuple[list[int], Floats]]) -> Floats:
-    """Find (N, 4, 4) where each node stood when the largest skin was bound, in the space of its mesh.
+    """Find where each node stood when the largest skin was bound, (N, 4, 4), in the space of its mesh.
 
     Nodes that it does not bind stand to those above them (or, above all of them, below them) as they do at rest.
     """
@@ -147,7 +147,7 @@ def _inverse(matrices: Floats) -> Floats:
 
 
 def _space(skin: tuple[list[int], Floats], frames: Floats, largest: set[int]) -> Floats:
-    """Find (4, 4) what brings the space of a skin into the common one, by a joint that the largest skin binds, too."""
+    """Find the matrix (4, 4) from the space of a skin to the common one, by a joint that the largest skin binds too."""
     joints, inverse = skin
     shared = next((k for k, node in enumerate(joints) if node in largest), 0)
     return np.asarray(frames[joints[shared]] @ inverse[shared])

@@ -50,7 +50,7 @@ class Track:
         return still and (len(self.values) == 1 or bool(np.all(self.values == self.values[0])))
 
     def at(self, times: Floats) -> Floats:
-        """Compute (F, w) what it is at some times [s]: before its first key what it is there, after its last one too.
+        """Compute its values (F, w) at some times [s]; before the first key and after the last, the value of that key.
 
         Args:
             times: (F,) [s], evenly spaced.

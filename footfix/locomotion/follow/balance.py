@@ -144,7 +144,7 @@ def acceleration(track: Floats, frame_time: float) -> Floats:
 
 
 def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> tuple[Floats, Floats]:
-    """Find (F, 2) [m] x and z of the zero-moment point on the floor, and (F,) [m/s^2] how hard the body presses on it.
+    """Find the zero-moment point on the floor, x and z (F, 2) [m], and how hard the body presses on it, (F,) [m/s^2].
 
     x = sum m ((y'' + g) x - y x'') / sum m (y'' + g), with heights y over the floor; z alike.
     """

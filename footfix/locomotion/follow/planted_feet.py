@@ -23,7 +23,7 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 
 def firmness(curvature: Floats) -> Floats:
-    """Compute (F,) from 0 on straight paths, where feet stand as captured, to 1 on curves, where they are held."""
+    """Compute how firmly feet are held, (F,): 0 on straight paths, where they stand as captured, to 1 on curves."""
     return ease(np.abs(curvature) / _TURNS)
 
 
