@@ -133,7 +133,7 @@ class Engine:
         return Frame(self.time, self._places(found.place[k]), frozen(found.turns[k]), down)
 
     def ahead(self, seconds: float, *, frames: int = 25) -> Ahead:
-        """Foresee what comes next: postures from now on, and where the feet are going to stand.
+        """Predict what comes next: postures from now on, and where the feet are going to stand.
 
         What was asked for is in it; where something else is asked for in every frame, what was a tenth of a second ago.
 
@@ -217,7 +217,7 @@ def load_model(path: str | Path) -> CycleModel:
     """Read a model of cycles.
 
     Raises:
-        InputError: the file can't be read, or is none.
+        InputError: the file can't be read, or is not a model.
     """
     return _load_model(path)
 

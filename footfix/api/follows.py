@@ -44,7 +44,7 @@ def follow(
         The walks along the path, and how it was walked.
 
     Raises:
-        ArgumentError: the points are no path, or clips or settings can't be what is meant.
+        ArgumentError: the points do not make a path, or clips or settings can't be what is meant.
         UsageError: a walk begins where it can't.
         InputError: a clip holds no walk that can be repeated, or the clips have different skeletons.
     """

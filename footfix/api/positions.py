@@ -83,7 +83,7 @@ def clean_positions(
         rig: legs and soles; found where it is not given.
 
     Raises:
-        ArgumentError: an array has another shape, numbers that are none, or another unit than it is said to have.
+        ArgumentError: an array has another shape, holds NaN or infinity, or is in another unit than stated.
         NoLegsError: nothing in the skeleton could be a pair of legs.
     """
     given = np.asarray(positions)

@@ -116,6 +116,6 @@ def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int
             if hashlib.sha256(data).hexdigest() == known:
                 return data
     raise InputError(
-        f"the clip it was made from, {name}, is not {'there' if source else 'beside it'} as it was",
+        f"the clip it was made from, {name}, is not {'there' if source else 'beside it'}, or was changed since",
         file=str(path), hint="--source says where it is",
     )  # fmt: skip

@@ -61,7 +61,7 @@ def found_inputs(
     src: tuple[str, ...], many: Many, *, leave_out: Path | None = None, own_outputs: bool = False
 ) -> tuple[Source, ...]:  # fmt: skip
     if many.dask and many.timeout is not None:
-        raise UsageError("--timeout stops processes of this machine; a cluster's are not ours to stop")
+        raise UsageError("--timeout stops processes of this machine only; leave it out with --dask")
     if (*src, *many.from_file).count(STDIN) > 1:
         raise UsageError("standard input can be named only once")
     found = inputs.sources(

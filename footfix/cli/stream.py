@@ -64,7 +64,7 @@ def stream(
     footfix stream --connect 127.0.0.1:7001 --calibrate walk.bvh --events - -o clean.bvh
     """
     if common.as_json:
-        raise UsageError("--json has nothing to say here; --events tells strikes and lifts as lines of JSON")
+        raise UsageError("a stream has no --json document; --events writes strikes and lifts as lines of JSON")
     if events == "-" and output is None and not listen:
         raise UsageError("--events - takes standard output: name a file for the rows with -o")
     settings = config_near([] if calibrate is None else [str(calibrate)], common, {}).settings(None)

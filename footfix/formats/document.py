@@ -84,7 +84,7 @@ class Document(Protocol):
         """
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
-        """Give the same file another belief about its unit and its upward axis."""
+        """Return the same file read with another unit [m] and upward axis."""
 
 
 def open_document(
@@ -142,7 +142,7 @@ def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Bes
 
 
 def annotated(data: bytes, extras: Mapping[str, Any], *, name: str, beside: Beside | None = None) -> bytes | None:
-    """Write a file with more at some of its clips, by their names; None where its format has no place for that."""
+    """Write a file with further data (`extras`) of some of its clips, by name; None where its format has none."""
     kind = _format(name)
     if not hasattr(kind, "annotated"):
         return None
@@ -162,7 +162,7 @@ def neighbours_of(
 
 
 def separate_numbers(data: bytes, *, name: str = "") -> tuple[bytes, tuple[Note, ...]]:
-    """Put right what keeps a file from being read at all, with a note for each change; most formats know nothing such.
+    """Correct what keeps a file from being read at all, with a note for each change; few formats have such faults.
 
     Args:
         data: the file.

@@ -227,7 +227,7 @@ class Run:
             self._write_header(header_of(self._known))
         if row.broken:
             number = self.frames + len(self._waiting)
-            self._talk.fault("no-number", f"frame {number} holds what is no number; the last one stands in its place")
+            self._talk.fault("no-number", f"frame {number} has a value that is no number; the last valid one is used")
         self._waiting.append(row)
         self._watch_pace()
         self._give(self._live.push(row.values[None]))

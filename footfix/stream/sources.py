@@ -46,7 +46,7 @@ class Address:
         """Read HOST:PORT, :PORT or tcp://HOST:PORT.
 
         Raises:
-            UsageError: it is none.
+            UsageError: it is not an address.
         """
         scheme, mark, rest = text.partition("://")
         if mark and scheme.lower() != "tcp":

@@ -123,14 +123,14 @@ class Document:
         try:
             found = figures(sample(self.clip), RigParams(), y_up=False)
         except InputError:
-            return ()  # no legs, as whoever looks for them will say
+            return ()  # no legs, which is reported when they are searched
         for limb in (limb for figure in found for limb in figure.limbs):
             for joint in self.clip.skeleton.with_ancestors([*limb.chain, limb.ankle]):
                 if joint in self.crooked:
                     own = self.clip.skeleton.names[joint]
                     text = (
-                        f"{own}, which a leg hangs from or goes through, {self.crooked[joint]}; only even scale that "
-                        "stays the same is worked with: apply it in the program that the file comes from"
+                        f"{own}, a joint of a leg or above one, {self.crooked[joint]}; scale there must be the same "
+                        "along all axes and in all frames: apply it in the program that the file comes from"
                     )
                     return (Note("scaled-leg", text, "error", joints=(own,)),)
         return ()
@@ -161,7 +161,7 @@ class Document:
         return self.unit_m == 1.0 and self.up == "y"
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
-        """Give the same file another belief about its unit and its upward axis."""
+        """Return the same file read with another unit [m] and upward axis."""
         unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
         check_unit_and_up(unit_m, up)
         document = replace(self, unit_m=unit_m, up=up)

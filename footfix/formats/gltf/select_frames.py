@@ -25,7 +25,7 @@ def select_frames(document: Document, frames: Sequence[int] | Ints, *, limits: L
     Args:
         document: the animation.
         frames: which of its frames, in their new order; a frame may come more than once.
-        limits: of no account here.
+        limits: not used; the interface of formats has it.
     """
     which = np.asarray(frames, dtype=np.intp)
     grid = Grid(0.0, document.grid.step, len(which))

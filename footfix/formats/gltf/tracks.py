@@ -108,7 +108,7 @@ def morphs_only(container: Container, animation: int) -> bool:
     try:
         targets = [child(each, "target", where) for each in rows_of(row, "channels", where)]
     except InputError:
-        return False  # it is damaged, as whoever reads it will say
+        return False  # it is damaged, which is reported when it is read
     return bool(targets) and all(target.get("path") == "weights" for target in targets)
 
 
@@ -167,7 +167,7 @@ def _keys(
     if values.size % elements or (values.shape[1] > 1 and len(values) != elements):
         raise InputError(f"{where} has {len(times)} keys, and {len(values)} values")
     if not np.isfinite(values).all():
-        raise InputError(f"{where} holds numbers that are none")
+        raise InputError(f"{where} holds NaN or infinity")
     values = values.reshape(elements, -1)
     if parts == 1:
         return times, values, mode, None
@@ -178,7 +178,7 @@ def _keys(
 def _times(container: Container, accessor: int, where: str) -> Floats:
     times = np.asarray(read_accessor(container, accessor), dtype=np.float64)
     if times.ndim != 1 or not np.isfinite(times).all():
-        raise InputError(f"{where} has times that are no numbers")
+        raise InputError(f"{where} has times that are NaN or infinite")
     if np.any(np.diff(times) < 0.0) or times[0] < -1.0:
         raise InputError(f"{where} has times that go back")
     return times

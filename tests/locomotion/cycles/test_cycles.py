@@ -88,7 +88,7 @@ def test_what_is_no_model_is_refused_in_words(data: bytes) -> None:
 def test_a_damaged_model_is_refused_in_words() -> None:
     model = fitted().model
     broken = replace(model, levels=np.full_like(model.levels, np.nan))
-    with pytest.raises(InputError, match="levels holds numbers that are none"):
+    with pytest.raises(InputError, match="levels holds NaN or infinity"):
         decode_model(encode_model(broken), name="m.npz")
 
 
