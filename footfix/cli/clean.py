@@ -76,11 +76,11 @@ def clean(
 
     SRC is a BVH or glTF file (.glb, .gltf, .vrm, .vrma), a folder, or - for standard input.
 
-    Of one clip, walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html are written beside it;
-    -o FOLDER puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Every
+    Beside walk.bvh are written walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html; -o FOLDER
+    puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Every
     animation of a glTF file is a clip: character.glb gives character.clean.glb, character.Walk.contacts.json, and so
-    on for each. Of one folder, index.html and summary.json are written too: into that folder, or into the one that -o
-    names. Several files or folders get those two with -o only.
+    on for each. For one folder, index.html and summary.json are written too: into that folder, or into the one that
+    -o names. Several files or folders get those two with -o only.
     """
     options: dict[str, Any] = {}
     if method:

@@ -30,7 +30,7 @@ def cycles() -> None:
               "tired='*tired*'. May be repeated. By default a file's style is the folder it lies in.")  # fmt: skip
 @click.option("--components", type=click.IntRange(1, 200), metavar="N",
               help="The most principal components that a gait keeps; 20 by default.")  # fmt: skip
-@click.option("--force", is_flag=True, help="Overwrite a model that is there.")
+@click.option("--force", is_flag=True, help="Overwrite an existing model.")
 @many
 @shared
 def fit(
@@ -39,8 +39,8 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a model to the straight walks and runs in clips of one skeleton.
 
-    A gait needs 20 cycles, of two speeds at least; 100 of a range of speeds are better. Clips that are something else
-    are left aside. The model names its files, and holds none of them.
+    A gait needs 20 cycles, of two speeds at least; 100 over a range of speeds are better. Clips of other motion are
+    skipped. The model holds the names of its files, but none of their motion.
     """
     from footfix.batch.cycles import check_output, fit_and_write, style_of
     from footfix.batch.journal import Journal
@@ -130,7 +130,7 @@ def _fitted(fitted: Fitted, output: Path, verbose: bool) -> str:
 @click.option("--fps", type=click.FloatRange(1.0, 1000.0), default=60.0, show_default=True, help="Frames a second.")
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @shared
 def make(
     model: str, output: Path, seconds: float | None, speed: float | None, plan: str | None, run_: float | None,

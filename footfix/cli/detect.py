@@ -45,7 +45,7 @@ from footfix.errors import ExitCode
 @click.option("--events", is_flag=True, help="Also write when feet strike and lift, as walk.events.json; a glTF file "
               "gets a copy, too: character.events.glb has them as extras of its animations.")  # fmt: skip
 @given("Contacts to keep; the rest is detected")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @many
 @shared
 def detect(

@@ -34,7 +34,7 @@ from footfix.errors import ExitCode, UsageError
 @click.option("--repair", is_flag=True, help="Write what a strict reader wants, and say what was changed.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
               help="Folder for repaired files; with one file also a name for it.")  # fmt: skip
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @many
 @shared
 def inspect(src: tuple[str, ...], repair: bool, output: Path | None, force: bool, many: Many, common: Common) -> int:

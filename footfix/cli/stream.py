@@ -46,9 +46,9 @@ def _seconds(context: click.Context, option: click.Parameter, value: str) -> flo
               help="A clip of the same figure, on which legs, floor and unit are measured; and the header of rows that "
               "come without one.")  # fmt: skip
 @click.option("--calibration", default="2", show_default=True, metavar="SECONDS", callback=_seconds,
-              help="Without --calibrate they are measured on so much of the stream.")
+              help="Without --calibrate, how much of the stream legs, floor and unit are measured on.")
 @click.option("--before", type=click.Choice(["pass", "wait"]), default="pass", show_default=True,
-              help="Frames before that pass as they are, or wait and are corrected, too.")
+              help="Frames before calibration pass as they are, or wait and are corrected, too.")
 @shared
 def stream(
     look_ahead: float, output: Path | None, events: str | None, listen: str | None, connect: str | None, once: bool,
