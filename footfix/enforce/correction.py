@@ -9,7 +9,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, frozen
 from footfix.motion.kinematics import forward
-from footfix.rig.helper_joints import Follower
+from footfix.rig.followers import Follower
 
 _NOTHING = 1e-9  # [m, rad]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from footfix.formats.document import Document
 from footfix.notes import Note
-from footfix.rig.helper_joints import find_followers, left_behind
+from footfix.rig.followers import find_followers, left_behind
 from footfix.rig.rig import Rig
 
 

@@ -16,7 +16,7 @@ import pytest
 from walker import make
 from walker_plan import Gait
 
-from footfix.batch import cluster as cluster_work
+from footfix.batch import dask_cluster as cluster_work
 from footfix.batch.inputs import sources
 from footfix.batch.one_file import clean_one
 from footfix.batch.outputs import plan
