@@ -105,7 +105,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
 
 
 def _fork(sample: Sample, root: int) -> int:
-    """Find the joint at which a body begins, below reference and simulation bones."""
+    """Find the joint at which a body begins, below joints that only carry it (reference or simulation bones)."""
     while True:
         total = sum(sample.bones[list(sample.below(root)[1:])])
         for child in sample.skeleton.children[root]:

@@ -73,8 +73,8 @@ class Course:
         speed: (F,) [m/s] along it.
         scale: (F,) length of strides, relative to captured ones.
         angle: (F,) [rad] of the lean, to the left.
-        height: (F,) [m] of the pelvis; feet step outwards by this times the lean's sine,
-        outwards: if this is set.
+        height: (F,) [m] of the pelvis, by which feet step outwards times the sine of the lean,
+        outwards: where this is set.
         firm: (F,) share of a planted foot's slide and turn that is removed.
         neck: the joint that compensates the lean, None for none,
         head: and the share of the lean that it compensates.
