@@ -29,7 +29,7 @@ from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.settings import Settings
 from footfix.stream.belt import Belt
-from footfix.stream.detection import Detector, Seen
+from footfix.stream.detection import Detector, FoundContacts
 from footfix.stream.events import Event, Kind
 from footfix.stream.history import History
 from footfix.stream.kinematics import Posing
@@ -133,8 +133,8 @@ class Engine:
         if len(rows):
             self._arrived += len(rows)
             self._take(rows)
-            self._detector.look()
-            self._detector.weigh()
+            self._detector.compute_evidence()
+            self._detector.compute_probabilities()
 
     def push(self, rows: Floats) -> list[Shown]:
         """Take the next rows (n, C); give out those that are due."""
@@ -169,14 +169,14 @@ class Engine:
         if len(rows):
             self._take(rows)
             yield
-            self._detector.look()
+            self._detector.compute_evidence()
             yield
-            self._detector.weigh()
+            self._detector.compute_probabilities()
             yield
         stop = self._past.end - (0 if last else self._ahead)
         if stop <= self._settled:
             return
-        seen = self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
+        seen = self._detector.find_contacts(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
         yield
         settled, first = self._settled, max(self._settled - BEFORE, 0)
         before, count = settled - first, stop - settled
@@ -241,7 +241,7 @@ class Engine:
                 self._window.left[k] = False
         return down
 
-    def _events(self, seen: Seen, on: Bools) -> list[Event]:
+    def _events(self, seen: FoundContacts, on: Bools) -> list[Event]:
         """List the strikes and lifts in the frames finished now, by their contacts (n, 2 legs)."""
         down = np.concatenate([self._told[-1:], on])
         found = []

@@ -33,7 +33,7 @@ _ASKED = [list(OWN).index(name) for name in OTHER]
 _UP, _AHEAD, _ASIDE, _REACH = [1, 4], 6, 7, 8  # of what is differentiated: heel (3), toe (3) and these
 
 
-def weigh(places: Floats, facing: Facing, count: int, mates: Sequence[int], jitter: float) -> Floats:
+def newest_evidence(places: Floats, facing: Facing, count: int, mates: Sequence[int], jitter: float) -> Floats:
     """Compute the features of each foot in the newest steps.
 
     Args:
