@@ -173,7 +173,7 @@ class Engine:
         out = {}
         for sole in self.rig.soles:
             own, part = [], int(sole.part == "toe")
-            for stance in self._live.foreseen.feet.stances[sole.leg]:
+            for stance in self._live.prediction.feet.stances[sole.leg]:
                 span = stance.spans[part]
                 if span is not None and span[1] > self.time and span[0] <= self.time + seconds:
                     x, y, z = stance.points[part].tolist()

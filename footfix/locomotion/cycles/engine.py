@@ -16,7 +16,7 @@ from footfix.locomotion.cycles.foot_offsets import SIGMA, Feet, make_feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course, Line, Plan, Point, make_course
-from footfix.locomotion.cycles.postures import Led, Postures, free_postures, held, leg_poses
+from footfix.locomotion.cycles.postures import OffsetPostures, Postures, cycle_postures, held, leg_poses
 from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
 from footfix.motion.clip import Floats
 
@@ -53,7 +53,7 @@ class Residual:
 
 
 @dataclass(frozen=True, eq=False)
-class Foreseen:
+class Prediction:
     """The prediction for an unchanged request.
 
     Args:
@@ -66,13 +66,13 @@ class Foreseen:
     feet: Feet
     residual: Residual | None = None
 
-    def led_off(self, times: Floats, pose: LegPoses) -> Floats:
+    def offsets_at(self, times: Floats, pose: LegPoses) -> Floats:
         """Compute the offsets of feet from the cycle's leg poses at times (T,) [s], (T, L, Q, 3)."""
-        off = self.feet.led_off(times, pose)
+        off = self.feet.offsets_at(times, pose)
         return off if self.residual is None else self.residual.faded(off, times)
 
 
-def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
+def predict(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Prediction:
     """Predict the course of a plan, and where the feet will be planted.
 
     Args:
@@ -86,7 +86,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     course = _course(model, plan, line, start, until, slow)
     stances = [each for own in timetable(model, course, until) for each in own]
     poses = leg_poses(model, course, sample_times(stances).ravel())
-    return Foreseen(course, _feet(model, settled(stances, [0.0] * len(stances), poses, model)))
+    return Prediction(course, _feet(model, settled(stances, [0.0] * len(stances), poses, model)))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
@@ -119,7 +119,7 @@ def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target
 
 
 @dataclass(frozen=True, eq=False)
-class Begun:
+class Replanning:
     """The first step of replanning: the course, and the times of stances on it.
 
     Args:
@@ -137,7 +137,7 @@ class Begun:
     stays: Sequence[float]
 
 
-def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Begun:
+def begin_replanning(model: CycleModel, old: Prediction, plan: Plan, now: float, until: float) -> Replanning:
     """Step 1 of replanning: compute the course and the times of stances from a time on.
 
     Planted feet stay, and a foot about to be set down keeps its planned place. Others get new places.
@@ -150,45 +150,47 @@ def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float
     """
     course = _course(model, plan, old.course.line, old.course.point(now), until, _PAST)
     over, stances, stays = _coming(old.feet, timetable(model, course, until), now)
-    return Begun(now, course, over, stances, stays)
+    return Replanning(now, course, over, stances, stays)
 
 
-def posed(model: CycleModel, begun: Begun) -> LegPoses:
+def posed(model: CycleModel, replanning: Replanning) -> LegPoses:
     """Step 2 of replanning: pose the legs at the stances' sample times."""
-    return leg_poses(model, begun.course, sample_times(begun.stances).ravel())
+    return leg_poses(model, replanning.course, sample_times(replanning.stances).ravel())
 
 
-def placed(model: CycleModel, begun: Begun, poses: LegPoses) -> Feet:
+def placed(model: CycleModel, replanning: Replanning, poses: LegPoses) -> Feet:
     """Step 3 of replanning: choose the places of the feet."""
-    return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
+    return _feet(model, [*replanning.over, *settled(replanning.stances, replanning.stays, poses, model)])
 
 
-def led(model: CycleModel, begun: Begun, feet: Feet, times: Floats) -> Led:
+def with_offsets(model: CycleModel, replanning: Replanning, feet: Feet, times: Floats) -> OffsetPostures:
     """Step 4 of replanning: compute frames at the time of the change, and at later times (T,) [s]."""
-    soon = np.concatenate([[begun.now], times])
-    free = free_postures(model, begun.course, soon)
-    return Led(soon, free, feet.led_off(soon, free.legs))
+    soon = np.concatenate([[replanning.now], times])
+    cycle = cycle_postures(model, replanning.course, soon)
+    return OffsetPostures(soon, cycle, feet.offsets_at(soon, cycle.legs))
 
 
-def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen, Led]:
+def finish(
+    old: Prediction, replanning: Replanning, feet: Feet, soon: OffsetPostures
+) -> tuple[Prediction, OffsetPostures]:
     """Step 5 of replanning: complete the prediction.
 
     Offsets of feet by the earlier plan fade out (G eq. 11, corrected: as printed it jumps).
 
     Args:
         old: the earlier prediction.
-        begun: from `begin`.
+        replanning: from `begin_replanning`.
         feet: from `placed`.
-        soon: from `led`.
+        soon: from `with_offsets`.
 
     Returns:
         The prediction, and the frames without that of the change.
     """
-    was = old.led_off(soon.times[:1], soon.free.legs.some(slice(0, 1)))[0]
-    residual = _residual(was - soon.off[0], feet, begun.now)
+    was = old.offsets_at(soon.times[:1], soon.cycle.legs.some(slice(0, 1)))[0]
+    residual = _residual(was - soon.off[0], feet, replanning.now)
     times = soon.times[1:]
     off = residual.faded(soon.off[1:], times)
-    return Foreseen(begun.course, feet, residual), Led(times, soon.free.some(slice(1, None)), off)
+    return Prediction(replanning.course, feet, residual), OffsetPostures(times, soon.cycle.some(slice(1, None)), off)
 
 
 def _coming(
@@ -262,7 +264,7 @@ def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
     return Residual(now, until, gap)
 
 
-def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
+def postures(model: CycleModel, prediction: Prediction, times: Floats) -> Postures:
     """Make the postures at some times (T,) [s], with planted feet held."""
-    free = free_postures(model, foreseen.course, times)
-    return held(model, foreseen.feet, Led(times, free, foreseen.led_off(times, free.legs)))
+    cycle = cycle_postures(model, prediction.course, times)
+    return held(model, prediction.feet, OffsetPostures(times, cycle, prediction.offsets_at(times, cycle.legs)))

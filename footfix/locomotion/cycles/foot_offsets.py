@@ -23,7 +23,7 @@ _PEEL = 0.12  # [s] after the heel leaves the floor, and before the foot lands, 
 _STRAIGHT = 0.1  # [of a leg's reach] this near to its reach a leg is so straight that its foot turns about the toe
 _LOWEST = 0.08  # [leg lengths] greatest lowering of a figure
 _DOWN = 0.3  # [s] before and after a heel is set down, over which the figure is lowered and raised again
-_LED = (*HELD, "share", "free", "down")
+_QUANTITIES = (*HELD, "share", "free", "down")
 _TWO = np.arange(2)
 
 
@@ -62,7 +62,7 @@ class Feet:
         every = [each for own in self.stances for each in own]
         return np.array([each.points for each in every]), np.array([each.frames for each in every])
 
-    def led_off(self, times: Floats, pose: LegPoses) -> Floats:
+    def offsets_at(self, times: Floats, pose: LegPoses) -> Floats:
         """Compute the offsets of the feet from the cycle (G eq. 9), (T, L, 7, 3); the last three are numbers in
         component 0.
 
@@ -71,7 +71,7 @@ class Feet:
             pose: the legs as the cycle has them.
         """
         value, holder = self.lines.at(times)
-        shape = (len(times), len(self.stances), len(_LED))
+        shape = (len(times), len(self.stances), len(_QUANTITIES))
         value, holder = value.reshape(*shape, 3), holder.reshape(shape)[:, :, :4]
         if any(self.stances):
             points, frames = self._held
@@ -140,7 +140,7 @@ def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
     Args:
         pose: the legs as the cycle has them.
-        off: (T, L, 7, 3) from `Feet.led_off`.
+        off: (T, L, 7, 3) from `Feet.offsets_at`.
 
     Returns:
         (T, L, 3) [m] the hips, (T, L, 3) the ankles, and (T, L, 3, 3) the frames of ankles and toe joints.
