@@ -155,7 +155,7 @@ def doubled(clip: Clip) -> DuplicateFrames:
 
 
 def _same(clip: Clip) -> Bools:
-    """Mark (F - 1,) the frames after the first that equal the one before."""
+    """Mark the frames after the first that equal the one before, (F - 1,)."""
     same = np.ones(len(clip) - 1, dtype=np.bool_)
     for joint in range(len(clip.skeleton)):
         for track in (clip.position(joint), clip.rotation(joint)):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.motion.clip import Skeleton
-from footfix.rig.helper_joints import Follower
+from footfix.rig.followers import Follower
 from footfix.rig.rig import Rig
 from footfix.stream.calibration import Calibration
 
