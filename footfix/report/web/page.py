@@ -26,9 +26,10 @@ from footfix.report.web.motion import Lines, Motion, packed
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "words.js", "player.js", "loop_playback.js", "camera.js", "figure.js", "measured_points.js",
-    "mesh.js", "floor.js", "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js",
-    "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "loop_playback.js", "camera.js", "figure.js",
+    "measured_points.js", "mesh.js", "floor.js", "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js",
+    "knees.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "address.js", "keys.js",
+    "viewer.js",
 )  # fmt: skip
 
 
