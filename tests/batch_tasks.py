@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from footfix.batch.one_file import clean_one
-from footfix.batch.outputs import Job
+from footfix.batch.output_paths import Job
 from footfix.batch.task import FileResult, Task
 from footfix.settings import Settings
 

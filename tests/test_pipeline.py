@@ -16,9 +16,9 @@ from walker_plan import Gait
 import footfix
 from footfix import pipeline
 from footfix.batch import gates
-from footfix.batch.outputs import Job
+from footfix.batch.output_paths import Job
 from footfix.batch.task import Task
-from footfix.enforce.extend_to_all_frames import uncropped
+from footfix.enforce.original_frames import uncropped
 from footfix.formats.contacts import Labels
 from footfix.jobs.clean import clean_file
 from footfix.jobs.measure import measure_file

@@ -12,8 +12,8 @@ from footfix.errors import ArgumentError
 from footfix.formats.floor_paths import shape
 from footfix.input_checks import check_clip
 from footfix.jobs.follow import Start, check_starts, start_of, walk_of
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.run import Follow, follow_path
-from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Clip
 from footfix.settings import Settings
 

@@ -16,8 +16,8 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.from_positions import fit_rotations
 from footfix.motion.kinematics import places
 from footfix.pipeline import Result
-from footfix.rig.figure_legs import figures
 from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import figures
 from footfix.rig.rig import Rig
 from footfix.rig.units import scores, vector
 from footfix.settings import Settings

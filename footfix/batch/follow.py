@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from footfix.batch.attempt import attempted
 from footfix.batch.file_io import STDIN, read_clip, read_whole
 from footfix.batch.inputs import Source
-from footfix.batch.outputs import plan
+from footfix.batch.output_paths import plan
 from footfix.batch.task import FileResult, Task, beside
 from footfix.batch.write_outputs import fingerprint, write_outputs
 from footfix.errors import UsageError

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from footfix.batch import outputs
+from footfix.batch import output_paths
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal, Past, journal_in, recall
 from footfix.batch.multi_clip_files import spread, spread_pairs
 from footfix.batch.one_file import clean_one
-from footfix.batch.outputs import Job
+from footfix.batch.output_paths import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
 from footfix.cli.closing_message import wrote
@@ -115,12 +115,12 @@ def run_clips(
     if output is not None and in_place:
         raise UsageError("-o and --in-place exclude each other")
     found = found_inputs(src, many, leave_out=output)
-    one_file = outputs.names_file(output, found, folder=bool(many.from_file) or _a_folder(src))
+    one_file = output_paths.names_file(output, found, folder=bool(many.from_file) or _a_folder(src))
     config = config_for(src, many, common, options)
     whole = whole_run(src, found, None if one_file else output, many, config.settings().report.kind, ending)
     dry_run, force, resume = writing.dry_run, writing.force, writing.resume
     past = recall(whole.folder, ending) if whole.folder is not None and resume else Past()
-    jobs = outputs.plan(
+    jobs = output_paths.plan(
         found, output=output, in_place=in_place, force=force, dry_run=dry_run, one_file=one_file,
         suffixes=lambda source: beside(config.settings(Path(source.path))),
         ours=lambda job: resume and (job.name in past.begun or _reported(job)),

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from footfix.batch import outputs
+from footfix.batch import output_paths
 from footfix.batch.journal import Journal
 from footfix.batch.multi_clip_files import spread
 from footfix.batch.one_file import detect_one
@@ -74,11 +74,11 @@ def run_detect(
     found = found_inputs(src, many, leave_out=output)
     config = config_for(src, many, common, options)
     folder = bool(many.from_file) or any(Path(each).is_dir() for each in src)
-    one_file = outputs.names_file(output, found, folder=folder, ends=tuple(_SHORT))
+    one_file = output_paths.names_file(output, found, folder=folder, ends=tuple(_SHORT))
     if kind is None:
         named = "" if output is None or not one_file else output.name.lower()
         kind = next((each for end, each in _SHORT.items() if named.endswith(end)), "json")
-    jobs = outputs.plan_labels(
+    jobs = output_paths.plan_labels(
         found, output=output, suffix=ENDS[kind], force=force or common.as_json, one_file=one_file
     )  # fmt: skip
     tasks = [

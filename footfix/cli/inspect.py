@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from footfix.batch import outputs
+from footfix.batch import output_paths
 from footfix.batch.file_io import STDIN
 from footfix.batch.journal import Journal
 from footfix.batch.multi_clip_files import spread
@@ -69,8 +69,8 @@ def run_repair(src: tuple[str, ...], *, output: Path | None, force: bool, many: 
     if output is None and any(source.path != STDIN for source in found):
         raise UsageError("--repair writes files: say where with -o")
     folder = bool(many.from_file) or any(Path(each).is_dir() for each in src)
-    one_file = outputs.names_file(output, found, folder=folder)
-    jobs = outputs.plan(
+    one_file = output_paths.names_file(output, found, folder=folder)
+    jobs = output_paths.plan(
         found, output=output, in_place=False, suffixes=lambda source: (), force=force, one_file=one_file
     )  # fmt: skip
 

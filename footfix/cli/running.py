@@ -17,7 +17,7 @@ from footfix.batch.file_io import STDIN, read_whole, write_whole
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal
 from footfix.batch.multi_clip_files import spread
-from footfix.batch.outputs import Job
+from footfix.batch.output_paths import Job
 from footfix.batch.run import Crew, Outcome, run
 from footfix.batch.task import FileResult, Task
 from footfix.cli.options import Common, Given, Many

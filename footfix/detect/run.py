@@ -17,9 +17,9 @@ from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.duplicate_frames import DuplicateFrames, doubled
 from footfix.notes import Note
-from footfix.rig.cycle_rounds import Rounds, rounds_of
 from footfix.rig.gait_in_place import carried, gait_in_place
 from footfix.rig.motion_crop import crop
+from footfix.rig.repeated_rounds import Rounds, rounds_of
 from footfix.rig.rig import Rig
 
 Method = Literal["auto", "threshold", "adaptive", "lyard"]

@@ -1,4 +1,4 @@
-"""Footplants: one contact of one effector, its target place, and the outcome of holding it."""
+"""Footplants: one contact of one effector, and, after the solution, where and how well it was held."""
 
 from __future__ import annotations
 

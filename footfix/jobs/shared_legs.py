@@ -19,8 +19,8 @@ from footfix.formats.bvh.text import Limits
 from footfix.formats.document import Beside, clips_of, neighbours_of, open_document
 from footfix.formats.suffixes import in_file
 from footfix.motion.lead_in import motion_range
-from footfix.rig.figure_legs import Figure, figures
 from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import Figure, figures
 from footfix.rig.params import LegParams, RigParams
 from footfix.rig.skin import legs_of
 from footfix.settings import Settings

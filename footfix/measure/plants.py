@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from footfix.measure.visible_points import Seen, seen_of
+from footfix.measure.skinned_joints import Seen, seen_of
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts

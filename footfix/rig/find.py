@@ -15,9 +15,9 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
 from footfix.rig import soles
-from footfix.rig.figure_legs import Figure, figures, joint
 from footfix.rig.foot_mesh import FootMesh
 from footfix.rig.frame_sample import Sample, sample
+from footfix.rig.leg_assignment import Figure, figures, joint
 from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
 from footfix.rig.skin import Skin

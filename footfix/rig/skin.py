@@ -14,8 +14,8 @@ import numpy as np
 
 from footfix.errors import InputError
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, frozen
-from footfix.rig.figure_legs import Figure, figures
 from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import Figure, figures
 from footfix.rig.names import read
 from footfix.rig.params import RigParams
 

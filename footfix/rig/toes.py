@@ -8,7 +8,7 @@ import numpy as np
 
 from footfix.motion.clip import Floats
 from footfix.rig.frame_sample import Sample
-from footfix.rig.limbs import Limb
+from footfix.rig.leg_candidates import Limb
 from footfix.rig.names import read
 
 _BALL = 0.7  # share of the way from ankle to tip of toes at which the ball is

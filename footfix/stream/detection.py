@@ -25,7 +25,7 @@ from footfix.motion.clip import Bools, Floats
 from footfix.stream.evidence import newest_evidence
 from footfix.stream.filters import filtered
 from footfix.stream.ground_velocities import OverGround
-from footfix.stream.ring import Ring
+from footfix.stream.ring_buffer import Ring
 from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.time_grid import FOOT, PAST, Grid
 

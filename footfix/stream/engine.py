@@ -12,7 +12,7 @@ The work that a hop of frames (1/30 s) makes comes in parts, each of about the s
     their rows
 
 The parts are spread over the frames that come meanwhile, a few with each, as far as the look-ahead allows: so no frame
-takes the time of all parts. Finished frames are given out one by one, with the agreed delay.
+takes the time of all parts. Finished frames are put out one by one, with a fixed delay.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from footfix.stream.kinematics import Posing
 from footfix.stream.leg_rotations import Turner
 from footfix.stream.legs import LegMeasurer, Legs
 from footfix.stream.scheduling import SpreadWork
+from footfix.stream.sliding_window import BEFORE, Settled, Window
 from footfix.stream.subskeleton import Subskeleton
-from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are checked again for gaps to fill

@@ -17,7 +17,7 @@ from footfix.detect.stepping import WINDOW
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import window_frames
 from footfix.stream.filters import filtered
-from footfix.stream.ring import Ring
+from footfix.stream.ring_buffer import Ring
 from footfix.stream.time_grid import FOOT, PAST
 
 Complexes = NDArray[np.complex128]

@@ -7,8 +7,8 @@ from math import hypot
 
 import numpy as np
 
+from footfix.enforce.easing import gamma
 from footfix.enforce.leg import ANKLE, HEEL, TOE
-from footfix.enforce.papers.ease import gamma
 from footfix.enforce.standing_heights import height
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.arithmetic import median

@@ -17,8 +17,8 @@ from footfix.notes import Note
 from footfix.rig.units import infer_units
 from footfix.settings import Settings
 from footfix.stream.calibration import LEAST, calibrate
-from footfix.stream.codec import Arrays, Channels
 from footfix.stream.engine import Engine, Shown, paced
+from footfix.stream.row_conversion import Arrays, Channels
 from footfix.stream.subskeleton import Subskeleton, part_of
 
 Before = Literal["pass", "wait"]

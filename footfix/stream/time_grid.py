@@ -9,7 +9,7 @@ from footfix.detect.tracks import Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import window_frames
 from footfix.stream.filters import filtered
-from footfix.stream.ring import Ring
+from footfix.stream.ring_buffer import Ring
 
 FOOT = 4  # tracks of a foot: hip, ankle, heel, toe
 PAST = 2.3  # [s] that are kept: resting feet are searched two seconds back

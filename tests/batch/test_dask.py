@@ -19,7 +19,7 @@ from walker_plan import Gait
 from footfix.batch import dask_cluster as cluster_work
 from footfix.batch.inputs import sources
 from footfix.batch.one_file import clean_one
-from footfix.batch.outputs import plan
+from footfix.batch.output_paths import plan
 from footfix.batch.run import Crew, run
 from footfix.batch.task import FileResult, Task
 from footfix.errors import UsageError

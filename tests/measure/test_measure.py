@@ -10,7 +10,7 @@ import pytest
 
 from footfix.measure.clip import WORLD, Measures, jitter, measure, physdiff, skating_ratio, weighted_skate
 from footfix.measure.plants import PlantMeasure
-from footfix.measure.visible_points import tip_of
+from footfix.measure.skinned_joints import tip_of
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contact, Contacts

@@ -18,7 +18,7 @@ from report_sample import HOSTILE, contacts_document, corrected, labelled, motio
 
 from footfix.enforce.footplant import Footplant
 from footfix.measure.plants import PlantMeasure
-from footfix.measure.visible_points import posed, seen_of
+from footfix.measure.skinned_joints import posed, seen_of
 from footfix.motion.kinematics import forward
 from footfix.report import glyphs
 from footfix.report.document import plants as plant_rows

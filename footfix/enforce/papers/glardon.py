@@ -12,9 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from footfix.enforce.correction import Correction
+from footfix.enforce.easing import Span, ease_frames, eased
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span, ease_frames, eased
-from footfix.enforce.papers.leg import (
+from footfix.enforce.papers.priorities import Chain, SolverParams, leg_chain, solve, turned
+from footfix.enforce.papers.rigid_foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
+from footfix.enforce.papers.targets import TargetParams, targets
+from footfix.enforce.two_bone_ik import (
     CapturedLeg,
     can_turn,
     captured_leg,
@@ -26,9 +29,6 @@ from footfix.enforce.papers.leg import (
     where_moved,
     within_reach,
 )
-from footfix.enforce.papers.priorities import Chain, SolverParams, leg_chain, solve, turned
-from footfix.enforce.papers.rigid_foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
-from footfix.enforce.papers.targets import TargetParams, targets
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.kinematics import Pose

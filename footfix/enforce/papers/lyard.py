@@ -13,9 +13,9 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.hand_over import hand_over, offset_at
-from footfix.enforce.papers.leg import effector_tracks
+from footfix.enforce.papers.static_point_switch import hand_over, offset_at
 from footfix.enforce.papers.targets import TargetParams, near_floor, usual_place
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import norm

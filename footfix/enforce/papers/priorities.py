@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.papers.leg import CapturedLeg
+from footfix.enforce.two_bone_ik import CapturedLeg
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, take_frames
 from footfix.motion.kinematics import Pose

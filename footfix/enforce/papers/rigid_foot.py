@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.easing import Span, eased, gamma
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span, eased, gamma
-from footfix.enforce.papers.leg import CapturedLeg
+from footfix.enforce.two_bone_ik import CapturedLeg
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Part, runs

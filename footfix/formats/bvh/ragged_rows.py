@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.errors import InputError
-from footfix.formats.bvh.glued import describe, split_numbers
 from footfix.formats.bvh.numbers import foreign, number, tokens, words
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor, Notes, readable
+from footfix.formats.bvh.unseparated_numbers import describe, split_numbers
 from footfix.motion.clip import Bools, Floats, Ints
 
 _NEXT_PART = re.compile(rb"^[ \t]*(?:MOTION|HIERARCHY)\b", re.IGNORECASE | re.MULTILINE)

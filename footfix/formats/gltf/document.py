@@ -12,14 +12,14 @@ from footfix.errors import InputError
 from footfix.formats.bvh.channels import check_unit_and_up
 from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.gltf.container import Container
-from footfix.formats.gltf.grid import Grid
+from footfix.formats.gltf.frame_times import Grid
 from footfix.formats.gltf.mesh import skin_of
 from footfix.formats.gltf.nodes import Nodes
 from footfix.formats.gltf.tracks import WIDTHS, Track
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, constant_track
 from footfix.notes import Note
-from footfix.rig.figure_legs import figures
 from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import figures
 from footfix.rig.params import RigParams
 from footfix.rig.skin import Skin
 

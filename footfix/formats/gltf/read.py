@@ -8,7 +8,7 @@ from footfix.errors import InputError
 from footfix.formats.bvh.text import Limits
 from footfix.formats.gltf.container import Beside, Container, neighbours, open_container
 from footfix.formats.gltf.document import Document
-from footfix.formats.gltf.grid import grid_of
+from footfix.formats.gltf.frame_times import grid_of
 from footfix.formats.gltf.nodes import joints_of, read_nodes
 from footfix.formats.gltf.tracks import WIDTHS, animation_names, morphs_only, read_tracks
 from footfix.formats.suffixes import in_file

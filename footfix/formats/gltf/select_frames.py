@@ -11,7 +11,7 @@ import numpy as np
 from footfix.formats.bvh.text import Limits
 from footfix.formats.gltf.container import Beside, Container, open_container
 from footfix.formats.gltf.document import Document
-from footfix.formats.gltf.grid import Grid
+from footfix.formats.gltf.frame_times import Grid
 from footfix.formats.gltf.patch import Patch, patched
 from footfix.formats.gltf.tracks import Track, animation_names
 from footfix.motion.clip import Ints

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.ease import replanned
+from footfix.enforce.easing import replanned
 from footfix.locomotion.cycles.foot_offsets import SIGMA, Feet, make_feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel

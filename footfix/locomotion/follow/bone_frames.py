@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import Pose, forward

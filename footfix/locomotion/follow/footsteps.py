@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.path import Path
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats

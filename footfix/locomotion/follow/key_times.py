@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.spline import Cubic, monotone
 

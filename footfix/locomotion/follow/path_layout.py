@@ -16,15 +16,15 @@ from footfix.locomotion.follow.balance import (
     segments,
     zero_moment_point,
 )
+from footfix.locomotion.follow.blend_schedule import Timeline
 from footfix.locomotion.follow.body_placement import Goal, Lean, goal_of, lay_body
 from footfix.locomotion.follow.footsteps import Ground, envelope, ground_at, lower_swing, reach_lack
 from footfix.locomotion.follow.legs import bend_legs, hips_of, reaches
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.planted_feet import firmness, rolled, unslid, unturned
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.stride import Way, averaged, smoothed
-from footfix.locomotion.follow.timeline import Timeline
-from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.follow.walk_poses import WalkPoses, pose
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats

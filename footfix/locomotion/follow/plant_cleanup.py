@@ -9,9 +9,9 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.run import Enforcement, enforce
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.footsteps import Steps
 from footfix.locomotion.follow.stride import smoothed
 from footfix.motion import rotation

@@ -10,17 +10,17 @@ import numpy as np
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.params import EnforceParams
-from footfix.locomotion.follow.blend import Transition
+from footfix.locomotion.follow.blend_schedule import Pace, Timeline
+from footfix.locomotion.follow.blend_weight import Transition
 from footfix.locomotion.follow.bone_frames import in_frames_of_first
 from footfix.locomotion.follow.key_times import Keys, align
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path, make_path
 from footfix.locomotion.follow.path_layout import Laid, lay_walks
 from footfix.locomotion.follow.plant_cleanup import as_straight, held_on
+from footfix.locomotion.follow.prepared_walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.locomotion.follow.stride import averaged, pace_of, paced, way_on
-from footfix.locomotion.follow.timeline import Pace, Timeline
 from footfix.locomotion.follow.transitions import At, timeline_of, transitions_of
-from footfix.locomotion.follow.walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.locomotion.follow.walk_poses import contacts_of
 from footfix.locomotion.loop.root_motion import root_in_world
 from footfix.motion.clip import Bools, Clip, Floats, Ints

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.locomotion.follow.blend_schedule import Pace
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
-from footfix.locomotion.follow.timeline import Pace
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.spline import spline
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.leg import CapturedLeg, LegTurns, flexion_for, two_bones
-from footfix.locomotion.follow.blend import ease
+from footfix.enforce.two_bone_ik import CapturedLeg, LegTurns, flexion_for, two_bones
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.body_placement import Goal
 from footfix.motion import rotation
 from footfix.motion.clip import Floats

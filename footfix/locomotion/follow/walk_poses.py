@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.leg import effector_tracks
-from footfix.locomotion.follow.blend import ease
+from footfix.enforce.two_bone_ik import effector_tracks
+from footfix.locomotion.follow.blend_schedule import Timeline, Zone
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.footsteps import Steps, find_steps
 from footfix.locomotion.follow.key_times import Keys, in_step
 from footfix.locomotion.follow.pose_blend import joined, mixed, mixed_clip
-from footfix.locomotion.follow.timeline import Timeline, Zone
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts, runs

@@ -13,8 +13,8 @@ from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.closing import Closed, close
 from footfix.locomotion.loop.cut_search import Cut, calmer
 from footfix.locomotion.loop.cyclic_contacts import wrapped
+from footfix.locomotion.loop.cyclic_enforcement import ground_under, hold
 from footfix.locomotion.loop.existing_cycle import closed_travel, completed, put_to_rest
-from footfix.locomotion.loop.holding import ground_under, hold
 from footfix.locomotion.loop.one_stride import cuts_of
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.residual_slide import settled

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.leg import effector_tracks
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.locomotion.loop.residual_slide import stretches
 from footfix.locomotion.loop.root_motion import Travel
 from footfix.motion import rotation

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from footfix.measure.visible_points import tip_of
+from footfix.measure.skinned_joints import tip_of
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Part
 from footfix.motion.kinematics import Pose, forward

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footfix.measure.visible_points import FEWEST, counted
+from footfix.measure.skinned_joints import FEWEST, counted
 from footfix.motion.clip import Bools, Clip, Floats, Ints, frozen
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward

@@ -26,9 +26,10 @@ from footfix.report.web.motion import Lines, Motion, packed
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "seen.js", "mesh.js",
-    "floor.js", "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js", "pointer.js",
-    "editor.js", "table.js", "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "loop_playback.js", "camera.js", "figure.js",
+    "measured_points.js", "mesh.js", "floor.js", "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js",
+    "knees.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "address.js", "keys.js",
+    "viewer.js",
 )  # fmt: skip
 
 
@@ -92,7 +93,7 @@ def render(data: PageData) -> str:
         released=sections.loop_list(report) + sections.released_list(report),
         notes=sections.notes_list(entries(report, "notes")),
         viewer=_viewer(data),
-        above=asset("above.html") if data.motion else "",
+        above=asset("top_view.html") if data.motion else "",
         plants=sections.plants_table(plants),
         slide_meaning=text(words.MEASURES["slide_mm"]),
         target_meaning=text(words.OFF_TARGET),

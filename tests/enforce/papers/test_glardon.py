@@ -12,11 +12,11 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
-from footfix.enforce.papers.ease import eased, gamma, replanned
+from footfix.enforce.easing import eased, gamma, replanned
 from footfix.enforce.papers.glardon import GlardonParams, correct
-from footfix.enforce.papers.leg import CapturedLeg, captured_leg, effector_tracks, flexion_for, two_bones
 from footfix.enforce.papers.priorities import Chain, SolverParams, jacobians, leg_chain, posed, solve, turned
 from footfix.enforce.papers.targets import TargetParams, targets
+from footfix.enforce.two_bone_ik import CapturedLeg, captured_leg, effector_tracks, flexion_for, two_bones
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import runs

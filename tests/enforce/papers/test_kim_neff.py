@@ -13,7 +13,7 @@ from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.kim_neff import Join, KimNeffParams, _join, correct, joins, mean_swivel, spline
-from footfix.enforce.papers.leg import CapturedLeg, captured_leg, effector_tracks, local_rotations, two_bones
+from footfix.enforce.two_bone_ik import CapturedLeg, captured_leg, effector_tracks, local_rotations, two_bones
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import runs

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from footfix.formats.bvh.digits import fixed, read_back
+from footfix.formats.bvh.fixed_point import fixed, read_back
 from footfix.formats.bvh.numbers import decimals, number, token_chunks, tokens, words
 
 VALUES = st.floats(allow_nan=False, allow_infinity=False, width=64) | st.floats(-1e4, 1e4)

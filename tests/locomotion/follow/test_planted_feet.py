@@ -18,9 +18,9 @@ from footfix.locomotion.follow.footsteps import find_steps
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.plant_cleanup import stands
 from footfix.locomotion.follow.planted_feet import fair, rolled, unturned, yaws
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.transitions import At
-from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.settings import Settings

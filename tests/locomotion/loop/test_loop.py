@@ -14,7 +14,7 @@ from walks import rig_of, walk
 
 import footfix
 from footfix.enforce.params import EnforceParams
-from footfix.locomotion.loop.holding import laid_contacts, lay
+from footfix.locomotion.loop.cyclic_enforcement import laid_contacts, lay
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.residual_slide import settled
 from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, with_root

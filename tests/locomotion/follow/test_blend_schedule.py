@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.locomotion.follow.timeline import _on_whole_frames, _weights
+from footfix.locomotion.follow.blend_schedule import _on_whole_frames, _weights
 
 
 def test_walks_are_handed_over_evenly_in_time_however_unlike_their_strides() -> None:

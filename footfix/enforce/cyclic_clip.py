@@ -1,4 +1,4 @@
-"""Enforce the contacts of a cyclic clip: repeat the cycle, correct it, and cut out one round with a closed seam."""
+"""Bring plants and correction of repeated rounds of a cyclic clip back to one round, with a closed seam."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contact, Contacts
 from footfix.motion.kinematics import forward
 from footfix.notes import Note
-from footfix.rig.cycle_rounds import Rounds
+from footfix.rig.repeated_rounds import Rounds
 from footfix.rig.rig import Rig
 
 _CLOSED = 0.001  # [m] if the last frame is nearer to the first than this, they are the same pose

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from footfix.locomotion.loop.holding import cropped, laid_contacts, thinned
+from footfix.locomotion.loop.cyclic_enforcement import cropped, laid_contacts, thinned
 from footfix.motion.contacts import Contact, Contacts, Effector
 
 LENGTH = 24

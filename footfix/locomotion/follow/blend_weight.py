@@ -9,7 +9,7 @@ import numpy as np
 
 from footfix.errors import UsageError
 from footfix.locomotion.follow.key_times import Keys
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import places
 

@@ -1,6 +1,6 @@
 """Find clips that are cycles: the last frame leads to the first, moved by the travel of one round.
 
-Cycles are processed as several rounds end to end (see `cycle_rounds`).
+Cycles are processed as several rounds end to end (see `repeated_rounds`).
 """
 
 from __future__ import annotations

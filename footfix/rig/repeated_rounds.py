@@ -14,7 +14,7 @@ from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.contacts import Contact, Contacts, Effector
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
-from footfix.rig.cycle import Cycle, find_cycle, may_be_cycle, said_to_be_one
+from footfix.rig.cyclic_clip import Cycle, find_cycle, may_be_cycle, said_to_be_one
 from footfix.rig.rig import Rig
 
 _BESIDE = 2.0  # [s] before and after the clip: long enough for effects of the ends on a correction to fade

@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from footfix.locomotion.follow.blend import Transition, handed
+from footfix.locomotion.follow.blend_weight import Transition, handed
 from footfix.locomotion.follow.key_times import Keys
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion.clip import Bools, Floats, Ints
 
 _FINE = 16  # steps per frame in which a blend's clock is integrated

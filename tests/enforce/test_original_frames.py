@@ -10,8 +10,8 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction
-from footfix.enforce.extend_to_all_frames import repeated, uncropped
 from footfix.enforce.footplant import Footplant
+from footfix.enforce.original_frames import repeated, uncropped
 from footfix.enforce.run import Enforcement
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.enforce.papers.leg import effector_tracks
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.errors import InputError
 from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, taken_out, with_root
 from footfix.locomotion.loop.run import Loop

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce import solve
+from footfix.enforce.easing import gamma
 from footfix.enforce.leg import ANKLE, LEG, ROOT, TOE
-from footfix.enforce.papers.ease import gamma
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
 from footfix.enforce.standing_heights import nominal

@@ -18,8 +18,8 @@ from footfix.motion.kinematics import forward
 from footfix.settings import Settings
 from footfix.stream.arithmetic import cross, exponential_and_jacobian, median, product, product_back
 from footfix.stream.calibration import calibrate
-from footfix.stream.codec import Channels
 from footfix.stream.kinematics import Posing
+from footfix.stream.row_conversion import Channels
 from footfix.stream.subskeleton import Subskeleton, part_of
 
 ROWS = slice(20, 26)

@@ -10,14 +10,14 @@ from legmaker import largest_turn
 from walks import cleaned, rig_of
 from walks import short_walk as walk
 
-from footfix.enforce.cycle import cycle_note
+from footfix.enforce.cyclic_clip import cycle_note
 from footfix.enforce.params import EnforceParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
-from footfix.rig.cycle import find_cycle
-from footfix.rig.cycle_rounds import rounds_of
+from footfix.rig.cyclic_clip import find_cycle
+from footfix.rig.repeated_rounds import rounds_of
 
 FRAMES = 60  # of one round, of one second
 X, Y = np.eye(3)[:2]

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from footfix.stream.ring import Ring
+from footfix.stream.ring_buffer import Ring
 
 
 @given(st.lists(st.integers(0, 40), max_size=30), st.integers(1, 25))

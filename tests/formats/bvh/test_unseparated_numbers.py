@@ -9,7 +9,7 @@ from conftest import SHARED
 
 from footfix.errors import InputError
 from footfix.formats.bvh import decode, repair, separate_numbers
-from footfix.formats.bvh.glued import split_numbers
+from footfix.formats.bvh.unseparated_numbers import split_numbers
 from footfix.jobs.inspect import repair_file
 from footfix.settings import Settings
 

@@ -1,4 +1,4 @@
-"""Restore all frames: extend enforcement results from the motion range to the whole clip."""
+"""Map plants and correction of the cropped, thinned clip back to all frames of the file."""
 
 from __future__ import annotations
 

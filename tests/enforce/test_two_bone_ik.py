@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from footfix.enforce.papers.leg import CapturedLeg, flexion_for, two_bones, within_reach
+from footfix.enforce.two_bone_ik import CapturedLeg, flexion_for, two_bones, within_reach
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.vectors import cross, dot, norm, unit

@@ -12,7 +12,7 @@ import numpy as np
 from footfix.errors import NoLegsError, UsageError
 from footfix.motion.clip import Floats, Skeleton
 from footfix.rig.frame_sample import Sample
-from footfix.rig.limbs import Limb, Pair, limb_of, pairs
+from footfix.rig.leg_candidates import Limb, Pair, limb_of, pairs
 from footfix.rig.names import bare, read
 from footfix.rig.params import LegParams, RigParams
 from footfix.rig.toes import ball, balls
