@@ -12,7 +12,7 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
-from footfix.enforce.papers.kim_neff import Join, KimNeffParams, _join, correct, joins, mean_swivel, spline
+from footfix.enforce.papers.kim_neff import Join, KimNeffParams, _join, _joined, correct, joins, mean_swivel, spline
 from footfix.enforce.papers.leg import CapturedLeg, captured_leg, effector_tracks, local_rotations, two_bones
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -85,6 +85,17 @@ def test_a_foot_that_stands_upright_has_no_heading_to_keep() -> None:
     random = np.random.default_rng(0).normal(size=(len(leg), 3))
     upright = 0.2 * np.array([0.0, -1.0, 0.0]) + 0.004 * random
     assert np.abs(mean_swivel(replace(leg, toe=leg.heel + upright), [(10, 50)], 5)).max() < np.radians(3.0)
+
+
+@pytest.mark.parametrize(("away", "frames"), [(0.0, 0), (0.01, 5), (0.0152, 8), (0.5, 10)])  # [m]
+def test_a_join_takes_as_many_frames_as_the_ankle_would_at_the_pace_of_the_plant(away: float, frames: int) -> None:
+    """N_b: the distance of plant and free motion over the ankle's mean way from frame to frame, and at most so many."""
+    _, leg = leg_of(walk("stand").clip, rig_of(walk("stand")))
+    ankle = np.outer(0.002 * np.arange(len(leg)), [0.6, 0.0, 0.8])  # 2 mm a frame
+    needed = np.zeros((len(leg), 3))
+    needed[40:60, 1] = away
+    found = _joined(replace(leg, ankle=ankle), "heel", [(40, 60)], needed, 10)
+    assert np.flatnonzero(norm(found.shift)).tolist() == (list(range(40 - frames, 60 + frames)) if away else [])
 
 
 def test_joins_are_kim_and_neffs_spline() -> None:
