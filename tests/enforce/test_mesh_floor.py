@@ -127,6 +127,20 @@ def test_root_alone_puts_vertices_at_their_floor() -> None:
     assert found.correction.joints == ()
 
 
+def test_what_is_not_over_a_step_has_the_floor_below_it() -> None:
+    """A step is only where a foot once stood: a vertex deep below its level is lifted by a little at the most."""
+    clip, rig = spoiled(0.0)
+    pose, leg = rig.pose(clip), rig.leg_length
+    legs = tracks(clip, rig, pose, calibrate(rig, pose, clip))
+    step = np.where(np.arange(len(clip)) < 60, 0.0, np.linspace(0.0, 0.3, len(clip)))  # [m]
+    found = skins_of(rig, legs, pose, 0.0, [step, 0.0 * step], clip.skeleton)
+    sink = 0.0006 * leg
+    own = next(mesh for mesh in rig.meshes if mesh.leg == 0).lowest(pose) + 0.03 * leg
+    expected = np.where(step > 0.0, np.maximum(np.minimum(step, own - rig.floor + sink), 0.0), 0.0) + rig.floor - sink
+    assert np.any(own[step > 0.0] < rig.floor + step[step > 0.0] - sink)
+    assert np.allclose(found[0].lowest, expected) and np.allclose(found[1].lowest, rig.floor - sink)
+
+
 @pytest.mark.parametrize("frame_time", [1.0 / 30.0, 1.0 / 100.0])
 def test_a_vertex_in_the_floor_lets_joints_turn_a_fifth_of_a_second_before_and_after(frame_time: float) -> None:
     clip, rig = spoiled(0.0)

@@ -16,11 +16,11 @@ from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.ease import Span, ease_frames, eased
 from footfix.enforce.papers.leg import (
     CapturedLeg,
-    can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
     flexion_for,
+    legs_to_hold,
     local_rotations,
     two_bones,
     where_moved,
@@ -74,10 +74,7 @@ def correct(
     places = targets(rig, rig.tracks(pose), tracks, plants, ground, params.targets)
     sigma = ease_frames(params.ease, clip.frame_time)
     new: dict[int, Floats] = {}
-    for number, joints in enumerate(rig.legs):
-        own = [k for k, plant in enumerate(plants) if plant.leg == number]
-        if not own or not can_turn(clip, joints):
-            continue
+    for number, own in legs_to_hold(clip, rig, plants):
         leg = captured_leg(rig, pose, number, tracks)
         heel, toe = (
             _eased(*held(leg, part, [plants[k] for k in own], [places[k] for k in own], ground), sigma)

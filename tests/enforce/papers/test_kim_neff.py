@@ -166,15 +166,6 @@ def test_turned_and_shifted_clips_give_the_turned_result() -> None:
     assert here.joints == there.joints and np.abs(here.rotations - there.rotations).max() < 1e-7
 
 
-def test_a_clip_whose_feet_stand_is_left_as_it_is() -> None:
-    made = walk()
-    rig = rig_of(made)
-    found = correct(made.clip, rig, plants_of(rig, made.contacts), PARAMS)
-    for k, joint in enumerate(found.joints):
-        turn = rotation.multiply(rotation.inverse(made.clip.rotation(joint)), found.rotations[:, k])
-        assert rotation.angle(turn).max() < 1e-6
-
-
 def pushed(leg: CapturedLeg, amount: float, seed: int) -> Floats:
     """Ankle places off the captured ones but within reach."""
     ankle = leg.ankle + amount * np.random.default_rng(seed).uniform(-1, 1, leg.ankle.shape)
