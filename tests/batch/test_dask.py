@@ -100,7 +100,7 @@ def test_a_clip_that_kills_every_worker_is_given_up_and_named(
 def test_tasks_are_given_up_where_no_worker_comes_for_long(monkeypatch: pytest.MonkeyPatch, tasks: list[Task]) -> None:
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(cluster_work, "_COUNTS", 0.1)
-    monkeypatch.setattr(cluster_work, "_ALONE", 0.5)
+    monkeypatch.setattr(cluster_work, "_ALONE", 0.3)
     with distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None, silence_logs=50) as empty:
         crew = Crew(dask=empty.scheduler_address)
         outcome = run(clean_one, tasks, crew=crew, on_result=lambda each: None)
@@ -111,7 +111,7 @@ def test_tasks_are_given_up_where_no_worker_comes_for_long(monkeypatch: pytest.M
 def test_an_address_where_nothing_answers_is_a_usage_error(tasks: list[Task], monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")
     real = distributed.Client
-    monkeypatch.setattr(distributed, "Client", lambda address, **more: real(address, **{**more, "timeout": 1}))
+    monkeypatch.setattr(distributed, "Client", lambda address, **more: real(address, **{**more, "timeout": 0.3}))
     with pytest.raises(UsageError, match="no scheduler"):
         run(clean_one, tasks, crew=Crew(dask="tcp://127.0.0.1:9"), on_result=lambda each: None)
 

@@ -58,8 +58,8 @@ def test_who_falls_slower_than_gravity_was_made_at_another_rate(size: float) -> 
     assert frame_rate(sized(leap(2.0, 30.0, 9.81 / 16.0, lift=0.05)), DoubtParams()) == ()  # the feet hardly leave
 
 
-@pytest.mark.parametrize("fps", [24.0, 30.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0])
-def test_the_rate_that_is_named_is_the_nearest_of_those_in_use(fps: float) -> None:
+@pytest.mark.parametrize("fps", [24, 25, 30, 48, 50, 60, 90, 100, 120, 150, 200, 240, 250, 300])
+def test_the_rate_that_is_named_is_the_nearest_of_those_in_use(fps: int) -> None:
     """A leap of half a second declared as one of 2 s: at a quarter of the rate it was made at."""
     (note,) = frame_rate(leap(2.0, fps / 4.0, 9.81 / 16.0), DoubtParams())
     assert f"about {fps:.0f} fps" in note.text

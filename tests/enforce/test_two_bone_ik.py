@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from footfix.enforce.two_bone_ik import CapturedLeg, flexion_for, two_bones, within_reach
+from footfix.enforce.two_bone_ik import CapturedLeg, _knee_axis, flexion_for, two_bones, within_reach
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.vectors import cross, dot, norm, unit
@@ -41,6 +41,16 @@ def test_goals_in_reach_are_met_and_the_captured_place_needs_nothing(seed: int) 
     far = np.random.default_rng(seed + 10).uniform(0.35, 0.7, size=N)
     goal = leg.hip + far[:, None] * unit(leg.ankle - leg.hip + 0.2 * np.random.default_rng(seed).normal(size=(N, 3)))
     assert np.abs(placed(leg, goal) - goal).max() < 1e-9
+
+
+@pytest.mark.parametrize(("bend", "own"), [(0.0, False), (0.4, False), (0.7, True)])  # [degrees]
+def test_a_leg_that_hardly_ever_bends_bends_away_from_its_toes(bend: float, own: bool) -> None:
+    """From a mean bend of about half a degree on the leg itself says about which axis its knee flexes."""
+    thigh = np.tile([0.0, -0.4, 0.0], (N, 1))
+    sideways = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), np.radians(np.full(N, bend)))
+    shank, backwards = rotation.rotate(sideways, thigh), np.tile([0.0, 0.0, -0.2], (N, 1))  # toes are at +z
+    axis = _knee_axis(thigh, shank, backwards, rotation.identity((N,)))
+    assert axis == pytest.approx(np.tile([0.0, 0.0, 1.0] if own else unit(cross(thigh, backwards))[0], (N, 1)), abs=0.2)
 
 
 def test_a_knee_bent_far_backwards_stays_so_and_an_overstretched_one_bends_forwards() -> None:

@@ -377,7 +377,7 @@ def test_a_file_of_zeros_on_every_joint_shows_its_rest_pose() -> None:
     assert legs(find_rig(zeros)) == known_legs(clip)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_any_tree_of_joints_has_a_rig_or_no_legs(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -396,7 +396,7 @@ def test_any_tree_of_joints_has_a_rig_or_no_legs(seed: int) -> None:
     _rig_or_no_legs(Clip(skeleton, positions, turns, float(rng.choice([1e-4, 1 / 30, 10.0]))))
 
 
-@settings(max_examples=24, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["tumble", "holes", "frozen", "no turns", "leaps", "short bones"]))
 def test_damaged_motion_has_a_rig_or_no_legs(seed: int, damage: str) -> None:
     rng, clip = np.random.default_rng(seed), walk("turn").clip

@@ -10,7 +10,7 @@ from footfix.stream.ring_buffer import Ring
 
 
 @given(st.lists(st.integers(0, 40), max_size=30), st.integers(1, 25))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_the_newest_rows_are_those_that_were_appended(pieces: list[int], capacity: int) -> None:
     ring, whole = Ring((2,), capacity), np.arange(2.0 * sum(pieces)).reshape(-1, 2)
     at = 0

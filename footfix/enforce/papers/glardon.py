@@ -19,11 +19,11 @@ from footfix.enforce.papers.rigid_foot import PARTS, Displacement, FootGoal, foo
 from footfix.enforce.papers.targets import TargetParams, targets
 from footfix.enforce.two_bone_ik import (
     CapturedLeg,
-    can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
     flexion_for,
+    legs_to_hold,
     local_rotations,
     two_bones,
     where_moved,
@@ -74,10 +74,7 @@ def correct(
     places = targets(rig, rig.tracks(pose), tracks, plants, ground, params.targets)
     sigma = ease_frames(params.ease, clip.frame_time)
     new: dict[int, Floats] = {}
-    for number, joints in enumerate(rig.legs):
-        own = [k for k, plant in enumerate(plants) if plant.leg == number]
-        if not own or not can_turn(clip, joints):
-            continue
+    for number, own in legs_to_hold(clip, rig, plants):
         leg = captured_leg(rig, pose, number, tracks)
         heel, toe = (
             _eased(*held(leg, part, [plants[k] for k in own], [places[k] for k in own], ground), sigma)

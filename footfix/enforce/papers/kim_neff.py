@@ -19,10 +19,10 @@ from footfix.enforce.papers.rigid_foot import PARTS, Displacement, foot_goal, he
 from footfix.enforce.papers.targets import TargetParams, targets
 from footfix.enforce.two_bone_ik import (
     CapturedLeg,
-    can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
+    legs_to_hold,
     local_rotations,
     two_bones,
     where_moved,
@@ -90,10 +90,8 @@ def correct(
     tracks, soles = effector_tracks(rig, pose), rig.tracks(pose)
     most = ease_frames(params.longest, clip.frame_time)
     new: dict[int, Floats] = {}
-    for number, joints in enumerate(rig.legs):
-        own = [plant for plant in plants if plant.leg == number]
-        if not own or not can_turn(clip, joints):
-            continue
+    for number, which in legs_to_hold(clip, rig, plants):
+        own = [plants[k] for k in which]
         leg = captured_leg(rig, pose, number, tracks)
         stances = runs(planted([(plant.start, plant.end) for plant in own], len(clip)))
         swivel = mean_swivel(leg, stances, most)

@@ -73,16 +73,21 @@ def fingerprint(source: str) -> str:
     return "sha256-" + base64.b64encode(hashlib.sha256(source.encode()).digest()).decode("ascii")
 
 
+def head(title: str, code: str) -> str:
+    """Write the beginning of a page: its title, its style, and the one script that its security policy allows."""
+    style = asset("report.css")
+    return Template(asset("head.html")).substitute(
+        title=text(title), style=style, style_hash=fingerprint(style), script_hash=fingerprint(code)
+    )
+
+
 def render(data: PageData) -> str:
     """Render the page as one HTML document."""
-    report, style = data.report, asset("report.css")
+    report = data.report
     verdict = judge(report)
     plants = entries(report, "plants")
     return Template(asset("page.html")).substitute(
-        style=style,
-        style_hash=fingerprint(style),
-        script_hash=fingerprint(script(*_SCRIPTS)),
-        title=text(source_name(report)),
+        head=head(source_name(report), script(*_SCRIPTS)),
         name=name(source_name(report)),
         badge=sections.badge(verdict.tone, verdict.word),
         verdict=text(verdict.text),

@@ -45,7 +45,7 @@ def test_real_files(folder: str) -> None:
             says_what_is_read(document, changed(document.clip, rng, float(rng.choice([1e-9, 1e-6, 0.1, 3.0]))))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(files(), st.integers(0, 2**32), st.sampled_from([1e-7, 0.1, 1e3]), st.sampled_from([1.0, 0.01, 1 / 17.7]),
        st.sampled_from(["y", "z", "-x"]))  # fmt: skip
 def test_any_file(made: tuple[Any, ...], seed: int, size: float, unit: float, up: str) -> None:
