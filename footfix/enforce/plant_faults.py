@@ -15,7 +15,7 @@ from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import PUT_TO_REST, runs
 from footfix.motion.segments import segments
 
-_RESTED = 0.0012  # [leg lengths] a plant that strays less than this throughout was locked by a program, too
+_RESTED = 0.0005  # [leg lengths] a plant that strays less than this throughout was locked by a program, too
 _LASTS = 0.06  # [s] least duration of a lock; pauses and duplicate frames are shorter,
 _CARRIED = 2  # but of fewer frames in a row where the hip moves on, which it does in neither of them:
 _MOVES_ON = 20.0  # [factor] it is this many times as fast as the fastest locked foot
