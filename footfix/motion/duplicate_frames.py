@@ -174,4 +174,4 @@ def _same(clip: Clip) -> Bools:
     rounded = (step <= _NOISE * beside) & (beside > 0.0)
     share = float(np.mean(rounded))
     noise = _NOISIER if share >= _REGULAR else _NOISE if share >= _NOISY else 0.0
-    return step <= np.maximum(_SAME, noise * beside)
+    return np.asarray(step <= np.maximum(_SAME, noise * beside))
