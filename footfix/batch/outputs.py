@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from footfix.batch.files import STDIN
+from footfix.batch.file_io import STDIN
 from footfix.batch.inputs import Source
 from footfix.errors import UsageError
 from footfix.formats.suffixes import OTHERS, cleaned_name, is_motion
@@ -73,7 +73,7 @@ def names_file(output: Path | None, found: Sequence[Source], *, folder: bool, en
         raise UsageError(f"-o {output}: a folder of this name is there, and a file can't be; name another one")
     came = found[0].below.suffix.lower()
     if not ends and is_motion(found[0].below.name) and came != output.suffix.lower():
-        raise UsageError(f"-o {output}: {found[0].path} comes back in its own format; end the name in {came}")
+        raise UsageError(f"-o {output}: {found[0].path} is written in its own format; end the name in {came}")
     return True
 
 

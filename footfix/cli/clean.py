@@ -13,16 +13,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from footfix.batch import outputs
-from footfix.batch.clips import spread, spread_pairs
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal, Past, journal_in, recall
+from footfix.batch.multi_clip_files import spread, spread_pairs
+from footfix.batch.one_file import clean_one
 from footfix.batch.outputs import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
-from footfix.batch.work import clean_one
-from footfix.cli.messages import say
+from footfix.cli.closing_message import wrote
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
-from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,
@@ -34,6 +33,7 @@ from footfix.cli.running import (
     tasks_for,
     write_file,
 )
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -76,11 +76,11 @@ def clean(
 
     SRC is a BVH or glTF file (.glb, .gltf, .vrm, .vrma), a folder, or - for standard input.
 
-    Of one clip, walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html are written beside it;
-    -o FOLDER puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Every
+    Beside walk.bvh are written walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html; -o FOLDER
+    puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Every
     animation of a glTF file is a clip: character.glb gives character.clean.glb, character.Walk.contacts.json, and so
-    on for each. Of one folder, index.html and summary.json are written too: into that folder, or into the one that -o
-    names. Several files or folders get those two with -o only.
+    on for each. For one folder, index.html and summary.json are written too: into that folder, or into the one that
+    -o names. Several files or folders get those two with -o only.
     """
     options: dict[str, Any] = {}
     if method:

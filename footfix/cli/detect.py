@@ -12,13 +12,12 @@ from typing import Any
 import click
 
 from footfix.batch import outputs
-from footfix.batch.clips import spread
 from footfix.batch.journal import Journal
+from footfix.batch.multi_clip_files import spread
+from footfix.batch.one_file import detect_one
 from footfix.batch.task import FileResult
-from footfix.batch.work import detect_one
-from footfix.cli.messages import say
+from footfix.cli.closing_message import wrote
 from footfix.cli.options import Common, Given, Many, given, many, shared
-from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,
@@ -30,6 +29,7 @@ from footfix.cli.running import (
     run_tasks,
     tasks_for,
 )
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode
 
 
@@ -45,7 +45,7 @@ from footfix.errors import ExitCode
 @click.option("--events", is_flag=True, help="Also write when feet strike and lift, as walk.events.json; a glTF file "
               "gets a copy, too: character.events.glb has them as extras of its animations.")  # fmt: skip
 @given("Contacts to keep; the rest is detected")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @many
 @shared
 def detect(

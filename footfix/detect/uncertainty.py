@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.cycles import CycleParams, find_cycles
+from footfix.detect.gait_cycles import CycleParams, find_cycles
 from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs

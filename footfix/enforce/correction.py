@@ -9,7 +9,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, frozen
 from footfix.motion.kinematics import forward
-from footfix.rig.helper_joints import Follower
+from footfix.rig.followers import Follower
 
 _NOTHING = 1e-9  # [m, rad]
 
@@ -58,7 +58,7 @@ def apply(clip: Clip, correction: Correction) -> Clip:
 
 
 def _led_along(before: Clip, after: Clip, follower: Follower) -> Clip:
-    """The corrected clip with a joint where it was before beside its foot, in frames in which it is not."""
+    """Move a follower to where it was before beside its foot, in frames in which it is not there."""
     joint, foot = follower.joint, follower.foot
     parent = int(after.skeleton.parents[joint])
     was = forward(before, sorted({joint, foot}))

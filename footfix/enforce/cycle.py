@@ -13,8 +13,8 @@ from footfix.motion.clip import Floats
 from footfix.motion.contacts import Contact, Contacts
 from footfix.motion.kinematics import forward
 from footfix.notes import Note
+from footfix.rig.cycle_rounds import Rounds
 from footfix.rig.rig import Rig
-from footfix.rig.rounds import Rounds
 
 _CLOSED = 0.001  # [m] if the last frame is nearer to the first than this, they are the same pose
 

@@ -31,7 +31,7 @@ class Footplant:
         leg: index among `Rig.legs`.
         part: "heel" or "toe".
         start, end: frames `[start, end)` of the whole contact.
-        confidence: of the detection, 0 to 1.
+        confidence: confidence of the contact, 0 to 1.
         force: whether it is held at any cost.
         asked: (x, y, z) [m] the place requested by labels.
         target: (x, y, z) [m] the place where it is held.

@@ -17,7 +17,7 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm
 from footfix.notes import Note
-from footfix.rig.gait import Gait, gait_in_place
+from footfix.rig.gait_in_place import Gait, gait_in_place
 from footfix.rig.rig import Rig
 
 _MOST = 0.7  # [share] plants must move with the belt for this share of their time,
@@ -157,7 +157,7 @@ def _centre(drifts: Sequence[Drift]) -> Floats:
 
 
 def go_along(drifts: Sequence[Drift], travel: Floats, least: float, params: GroundParams) -> Bools | None:
-    """Mark (N,) the plants that move with their common velocity, `least` [m/s] or more.
+    """Mark the plants (N,) that move with their common velocity, `least` [m/s] or more.
 
     None where fewer than most of them do, or where the hips, with velocity `travel` (3,) [m/s], don't stay in place.
     """

@@ -109,7 +109,7 @@ def _still(
     spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
     params: PinParams,
 ) -> Bools:  # fmt: skip
-    """Tell (S,) whether a track (F, 3) [m] stays near one place and its level [m] in each span."""
+    """Tell whether a track (F, 3) [m] stays near one place and its level [m] in each span, (S,)."""
     middle, slide = _strays(spans, track)
     near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
     rests = slide <= _RESTED * leg_length
@@ -117,7 +117,7 @@ def _still(
 
 
 def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
-    """Tell (S,) whether a track (F, 3) [m] is so still in each span that a program must have locked it."""
+    """Tell whether a track (F, 3) [m] is so still in each span, (S,), that a program must have locked it."""
     parts = segments(spans)
     step = np.full(len(parts.frames), np.inf)
     step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)

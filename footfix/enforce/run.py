@@ -23,9 +23,9 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
-from footfix.rig.helper_joints import Follower, find_followers, left_behind
+from footfix.rig.cycle_rounds import Rounds, rounds_of
+from footfix.rig.followers import Follower, find_followers, left_behind
 from footfix.rig.rig import Rig
-from footfix.rig.rounds import Rounds, rounds_of
 
 
 @dataclass(frozen=True, eq=False)

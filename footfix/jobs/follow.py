@@ -14,7 +14,7 @@ import numpy as np
 from footfix import version
 from footfix.errors import InputError, UsageError
 from footfix.formats.document import write_motion
-from footfix.formats.paths import DrawnPath
+from footfix.formats.floor_paths import DrawnPath
 from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.loop import LEAST_FRAMES
 from footfix.jobs.outputs import Outputs

@@ -158,7 +158,7 @@ def doubled(clip: Clip) -> DuplicateFrames:
 
 
 def _same(clip: Clip) -> Bools:
-    """Mark (F - 1,) the frames after the first that equal the one before, but for rounding."""
+    """Mark the frames after the first that equal the one before but for rounding, (F - 1,)."""
     step = np.zeros(len(clip) - 1)  # [m, quaternion] of the joint that moves most
     with np.errstate(invalid="ignore"):  # frames that hold no finite numbers equal none
         for joint in range(len(clip.skeleton)):

@@ -1,6 +1,6 @@
 """Find clips that are cycles: the last frame leads to the first, moved by the travel of one round.
 
-Cycles are processed as several rounds end to end (see `rounds.py`).
+Cycles are processed as several rounds end to end (see `cycle_rounds`).
 """
 
 from __future__ import annotations
@@ -121,16 +121,16 @@ def said_to_be_one(pose: Pose, rig: Rig) -> Cycle:
 
 
 def _size(turns: Floats) -> float:
-    """[rad] root mean square of rotation vectors (..., 3)."""
+    """Compute the root mean square of rotation vectors (..., 3) [rad]."""
     return float(np.sqrt(np.mean(np.sum(turns**2, axis=-1))))
 
 
 def _tilt(turns: Floats) -> float:
-    """[rad] by which the vertical of the last of some frames (n, 4) differs from the first's."""
+    """Measure by how much the vertical of the last of some frames (n, 4) differs from the first's [rad]."""
     up = rotation.rotate(rotation.inverse(turns), np.array([0.0, 1.0, 0.0]))
     return float(np.arccos(np.clip(up[0] @ up[-1], -1.0, 1.0)))
 
 
 def _yaw(turns: Floats) -> float:
-    """[rad] about the vertical from the first to the last of some frames (n, 4)."""
+    """Measure the turn about the vertical from the first to the last of some frames (n, 4) [rad]."""
     return float(rotation.yaw(rotation.multiply(turns[-1], rotation.inverse(turns[0]))))

@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
+from footfix.rig.frame_sample import Sample
 from footfix.rig.names import read
-from footfix.rig.sample import Sample
 
 _SURE = 2.9  # score of names from which a limb is certainly a leg, however far its hip is from the pelvis:
 _HIP_BONE = 1.0  # animals are drawn with bones for hips and shoulders that are as long as a thigh
@@ -105,7 +105,7 @@ def pairs(sample: Sample, root: int) -> list[Pair]:
 
 
 def _fork(sample: Sample, root: int) -> int:
-    """Find the joint at which a body begins, below reference and simulation bones."""
+    """Find the joint at which a body begins, below joints that only carry it (reference or simulation bones)."""
     while True:
         total = sum(sample.bones[list(sample.below(root)[1:])])
         for child in sample.skeleton.children[root]:

@@ -66,7 +66,7 @@ class Live:
         self, source: Document | Skeleton, frame_time: float, settings: Settings, params: StreamParams,
         *, known: Document | Clip | None = None, told: Callable[[Note], None] | None = None,
     ) -> None:  # fmt: skip
-        """Begin.
+        """Start without rows.
 
         Args:
             source: the header of a file, or the joints that arrays are of.
@@ -110,7 +110,7 @@ class Live:
 
     @property
     def _passes(self) -> bool:
-        """Whether frames before calibration pass."""
+        """Tell whether frames before calibration pass."""
         return self._params.before == "pass"
 
     def push(self, rows: Floats) -> list[Shown]:
@@ -240,7 +240,7 @@ class Live:
         )
 
     def _counted(self, shown: Sequence[Shown]) -> list[Shown]:
-        """Frames of the engine, counted since the stream began."""
+        """Number the engine's frames from the start of the stream."""
         if not self._offset:
             return list(shown)
         return [

@@ -59,7 +59,7 @@ class Grid:
 
 
 def _catmull_rom(x: Floats, places: Floats) -> Floats:
-    """A track (n, ...) at some places [frames] by Catmull-Rom splines."""
+    """Interpolate a track (n, ...) at some places [frames] by Catmull-Rom splines."""
     left = np.minimum(places.astype(np.intp), max(len(x) - 2, 0))
     q = (places - left)[:, None, None]
     right = np.minimum(left + 1, len(x) - 1)

@@ -163,7 +163,7 @@ class Window:
             self.left[k] = foot.left or (self.left[k] and bool(np.any(np.hypot(*off) > near)))
 
     def _problem(self, legs: Legs, captured: Floats, newest: int, *, last: bool) -> Problem:
-        """The problem of a window; its pins, and its legs unless it is the last, are known apart from it."""
+        """Make the problem of a window; its pins, and its legs unless it is the last, come from elsewhere."""
         n, fault = legs.flexion.shape[1], self._usual_fault(captured, newest)
         if last or n not in self._problems:
             self._problems[n] = Problem(
@@ -173,7 +173,7 @@ class Window:
         return replace(self._problems[n], fault=np.full(n, fault))
 
     def _same(self, problem: Problem, n: int) -> Fixed:
-        """What is the same in all windows of n frames."""
+        """Get what is the same in all windows of n frames."""
         if n not in self._fixed:
             self._fixed[n] = Fixed.of(problem)
         return self._fixed[n]
@@ -201,7 +201,7 @@ class Window:
 
 
 def _in_time(on: Bools, late: Bools, past: int) -> Bools:
-    """(n, 2 legs) contacts without those of legs (L, m) that are behind, in the frames from `past` on."""
+    """Drop the contacts (n, 2 legs) of legs that are late (L, m), in the frames from `past` on."""
     on = on.copy()
     for k in np.flatnonzero(late.any(axis=1)).tolist():
         behind = past + np.flatnonzero(late[k])

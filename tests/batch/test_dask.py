@@ -16,12 +16,12 @@ import pytest
 from walker import make
 from walker_plan import Gait
 
-from footfix.batch import cluster as cluster_work
+from footfix.batch import dask_cluster as cluster_work
 from footfix.batch.inputs import sources
+from footfix.batch.one_file import clean_one
 from footfix.batch.outputs import plan
 from footfix.batch.run import Crew, run
 from footfix.batch.task import FileResult, Task
-from footfix.batch.work import clean_one
 from footfix.errors import UsageError
 from footfix.settings import ReportParams, Settings
 
@@ -35,7 +35,7 @@ def cluster() -> Iterator[Any]:
     if sys.platform == "linux":  # workers are forked from one process that has loaded everything, and never worked
         dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"})
         distributed.utils.get_mp_context().set_forkserver_preload(
-            ["distributed", "footfix.batch.work", "footfix.pipeline"]
+            ["distributed", "footfix.batch.one_file", "footfix.pipeline"]
         )
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50

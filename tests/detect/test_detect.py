@@ -13,7 +13,7 @@ from walker import Walk, make
 from walker_plan import Gait
 
 import footfix
-from footfix.detect.auto import AutoParams, weighed
+from footfix.detect.auto import AutoParams, log_probabilities
 from footfix.detect.evidence import resample
 from footfix.detect.run import METHODS, DetectParams, Method, detect
 from footfix.detect.tracks import tracks_of
@@ -214,8 +214,8 @@ def test_a_frame_time_that_is_a_slip_is_told_and_costs_nothing(method: Method, f
 def test_chunks_change_nothing() -> None:
     clip = walk("turn").clip
     sampled = resample(tracks_of(clip, find_rig(clip)))
-    _, at_once = weighed(sampled, AutoParams(), network())
-    _, in_chunks = weighed(sampled, AutoParams(), network(), chunk=70)
+    _, at_once = log_probabilities(sampled, AutoParams(), network())
+    _, in_chunks = log_probabilities(sampled, AutoParams(), network(), chunk=70)
     for whole, parts in zip(at_once, in_chunks, strict=True):
         assert parts == pytest.approx(whole, abs=1e-9)
 

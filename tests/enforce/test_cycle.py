@@ -17,7 +17,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
 from footfix.rig.cycle import find_cycle
-from footfix.rig.rounds import rounds_of
+from footfix.rig.cycle_rounds import rounds_of
 
 FRAMES = 60  # of one round, of one second
 X, Y = np.eye(3)[:2]

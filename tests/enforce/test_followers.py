@@ -14,7 +14,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
-from footfix.rig.helper_joints import Follower, find_followers, left_behind
+from footfix.rig.followers import Follower, find_followers, left_behind
 from footfix.rig.rig import Rig
 
 Y = np.array([0.0, 1.0, 0.0])

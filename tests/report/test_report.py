@@ -366,7 +366,7 @@ def test_the_index_names_the_largest_joint_change_and_counts_what_came_worse() -
     ]
     html = render_index(rows)
     first = html[html.index("<body>") : html.index("<main")]
-    assert re.search(r"Clips that came worse</dt><dd><b>1</b>", first)
+    assert re.search(r"Clips that got worse</dt><dd><b>1</b>", first)
     assert re.search(r'joint change <small>°</small></dt><dd><b>40</b>.*?a\.html#f=7".*?Knee.*?frame 7', first)
 
 

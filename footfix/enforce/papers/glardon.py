@@ -62,7 +62,7 @@ def correct(
         clip: F frames, metres, y up.
         rig: its legs, soles and floor.
         plants: what is to stand; where they end up is read from the corrected clip.
-        params: measures.
+        params: of the method.
         ground: (F, 3) [m] displacement of the ground under planted feet, as of a belt; none by default.
 
     Returns:
@@ -121,7 +121,7 @@ def _solved(
 def _two_bones_start(
     clip: Clip, pose: Pose, leg: CapturedLeg, goal: FootGoal, chain: Chain, which: Ints
 ) -> Floats:  # fmt: skip
-    """Compute (N, axes) [rad] the closed-form solution of the leg as two bones, from which the solver starts.
+    """Compute the closed-form solution of the leg as two bones, (N, axes) [rad], from which the solver starts.
 
     From the captured pose it would not know which way a straight knee bends, nor a foot turns that points backwards.
     """

@@ -51,7 +51,7 @@ class CapturedLeg:
         return len(self.ankle)
 
     def effector(self, part: Part) -> Floats:
-        """Get (F, 3) [m] the track of the heel or the toe."""
+        """Get the track of the heel or the toe, (F, 3) [m]."""
         return self.heel if part == "heel" else self.toe
 
     def in_foot(self, point: Floats) -> Floats:
@@ -92,7 +92,7 @@ def can_turn(clip: Clip, leg: Leg) -> bool:
 
 
 def _knee_axis(thigh: Floats, shank: Floats, backwards: Floats, hip_turn: Floats) -> Floats:
-    """Compute (F, 3) the unit axis in the world about which the knee flexes (see `knee_axis`)."""
+    """Compute the unit axis in the world about which the knee flexes, (F, 3) (see `knee_axis`)."""
     in_thigh = rotation.rotate(rotation.inverse(hip_turn), cross(unit(thigh), unit(shank)))
     usual = in_thigh.sum(axis=0)
     if np.linalg.norm(usual) > 0.01 * len(thigh):
@@ -190,7 +190,7 @@ def local_rotations(clip: Clip, pose: Pose, leg: CapturedLeg, turns: LegTurns, f
 
 
 def _frame_above(clip: Clip, pose: Pose, joint: int) -> Floats:
-    """Compute (F, 4) the frame in the world that a joint hangs in."""
+    """Compute the frame in the world that a joint hangs in, (F, 4)."""
     parent = int(clip.skeleton.parents[joint])
     return pose.rotation(parent) if parent >= 0 else rotation.identity((len(clip),))
 

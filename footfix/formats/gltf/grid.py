@@ -14,12 +14,12 @@ from footfix.motion.clip import Floats
 
 _RATES = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0)  # [Hz] of captures and players
 _USUAL = 30.0  # [Hz] where nothing tells
-_SLOW = 20.0  # [Hz] keys that are further apart are no frames: feet would slide between them
-_QUICK = 1000.0  # [Hz] keys that are nearer to each other are none, either
-_OFF = 0.05  # of a step, by which a key may miss its frame: times are often rounded to a millisecond
-_MOST = 0.98  # of the keys that must lie on frames
-_PLENTY = 1_000_000  # values of all moving channels, which any file may have
-_PER_KEY = 16  # and for each key of the file as many more
+_SLOW = 20.0  # [Hz] lowest frame rate: keys farther apart get frames in between, since feet would slide there
+_QUICK = 1000.0  # [Hz] highest frame rate
+_OFF = 0.05  # [of a step] by which a key may miss its frame: times are often rounded to a millisecond
+_MOST = 0.98  # share of the keys that must lie on frames
+_PLENTY = 1_000_000  # values of all moving channels that any file may have,
+_PER_KEY = 16  # and this many more for each of its keys
 
 
 @dataclass(frozen=True)
@@ -40,22 +40,22 @@ class Grid:
 
     @property
     def times(self) -> Floats:
-        """(F,) [s]."""
+        """Compute the time of each frame, (F,) [s]."""
         return np.asarray(self.start + self.step * np.arange(self.frames), dtype=np.float64)
 
 
 def grid_of(tracks: Collection[Track], limits: Limits) -> Grid:
     """Find the frames of an animation from the keys of its channels.
 
-    They reach from the first key to the last one of what moves, and are as far apart as the keys are; of keys that
-    are further apart than frames may be, they part the steps evenly.
+    Frames reach from the first to the last key of the channels that move, and are as far apart as their keys. Where
+    keys are farther apart than frames may be, the time between two keys is divided evenly.
 
     Args:
         tracks: the channels, at least one.
         limits: how many frames there may be.
 
     Raises:
-        InputError: its keys stand for more frames than memory is to be spent on.
+        InputError: it would have more frames than the limits allow, or far more than its keys suggest.
     """
     moving = [track for track in tracks if not track.constant]
     used = moving or list(tracks)
@@ -91,4 +91,4 @@ def _bounded(frames: int, moving: Collection[Track], limits: Limits) -> None:
         raise InputError(f"{frames} frames, more than {limits.frames}", hint="limits.frames allows more")
     keys = sum(len(track.times) for track in moving)
     if frames * (len(moving) + 1) > _PLENTY + _PER_KEY * keys:
-        raise InputError(f"its {keys} keys stand for {frames} frames, which no animation is meant to have")
+        raise InputError(f"its {keys} keys would give {frames} frames, too many to be meant; the times may be wrong")

@@ -113,7 +113,7 @@ def _patch(document: Document, changed: Mapping[tuple[int, str], Floats]) -> Pat
 
 
 def _fits(track: Track, grid: Grid) -> bool:
-    """Whether a channel has its keys at the frames, so that its times can stay."""
+    """Tell whether a channel has its keys at the frames, so that its times can stay."""
     if track.mode != "LINEAR" or len(track.times) != grid.frames:
         return False
     return bool(np.all(np.abs(track.times - grid.times) < _SAME * grid.step))

@@ -35,7 +35,7 @@ class Transition:
 
     Args:
         before, after: indices of the walks.
-        start, end: [s] from the start, of the blend.
+        start, end: [s] of the blend, from the start of the first walk.
         metres: [m] on the path where it starts.
         effector: joint that determined its duration.
         asked: [s] its duration by K 6.2.

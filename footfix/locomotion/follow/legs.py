@@ -66,7 +66,7 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         clip: the body, as `lay_body` has put it.
         rig: its legs.
         goals: one a leg.
-        farthest: for each leg [m] from hip to ankle, what it may be stretched to.
+        farthest: for each leg [m] the greatest allowed distance from hip to ankle.
         way: (F, 4) the frame in which the figure walks along z.
     """
     seen = rig.pose(clip)

@@ -221,7 +221,7 @@ def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
 
 
 def _changes(made: Laid, timeline: Timeline) -> Bools:
-    """(F,) where anything is otherwise than in a straight walk."""
+    """Mark frames (F,) in which anything differs from a straight walk."""
     return np.asarray(timeline.blended() | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
 
 
@@ -247,7 +247,7 @@ def _walked(made: Laid, path: Path, clip: Clip, some: slice) -> Walked:
 
 
 def _like(walk: Walk, timeline: Timeline, some: slice) -> Ints:
-    """(F,) frames of the first captured clip that show the pose nearest to each."""
+    """Find the frames (F,) of the first captured clip whose poses are nearest to each frame's."""
     first = timeline.zones[0].at[0][some]
     frames = walk.loop.frames
     return np.asarray(frames[np.rint(first).astype(np.intp) % min(walk.frames, len(frames))])

@@ -93,11 +93,11 @@ class Way:
     u: Floats | None
 
     def arc(self, gone: Floats) -> Floats:
-        """(F,) [m] arc lengths where walks have gone (F,) [m]."""
+        """Compute the arc lengths (F,) [m] after distances walked (F,) [m]."""
         return gone if self.u is None else spline(self.u, self.s[:, None])(gone)[..., 0]
 
     def gone(self, s: float) -> float:
-        """[m] what walks have gone at an arc length [m]."""
+        """Compute the distance walked at an arc length [m]."""
         return s if self.u is None else float(spline(self.s, self.u[:, None])(np.array(s))[0])
 
 

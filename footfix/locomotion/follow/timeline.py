@@ -208,14 +208,14 @@ def frame_at(
 
 
 def _uniform(walks: Sequence[Walk], paces: Sequence[Pace], piece: Piece, time: Floats) -> tuple[Floats, Floats]:
-    """(F,) frames and (F,) [m] of a walk that goes on by itself."""
+    """Compute the frames (F,) of a walk that is shown alone, and the distances walked (F,) [m]."""
     walk, pace = walks[piece.k], paces[piece.k]
     at = piece.frame + (time - piece.since) / (walk.clip.frame_time * pace.time)
     return at, piece.gone + (at - piece.frame) * walk.length * pace.stride / walk.frames
 
 
 def _to(one: Keys, other: Keys, frames: Floats) -> Floats:
-    """Frames (F,) of another walk at the same generic times."""
+    """Convert frames (F,) of a walk to those of another at the same generic times."""
     return other.frame(one.time(frames)) if one is not other else frames
 
 

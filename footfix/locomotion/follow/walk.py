@@ -54,22 +54,22 @@ class Walk:
 
     @property
     def frames(self) -> int:
-        """L, of one round."""
+        """Count the frames L of one round."""
         return len(self.clip) - 1
 
     @property
     def seconds(self) -> float:
-        """[s] of one round."""
+        """Get the duration of one round [s]."""
         return self.frames * self.clip.frame_time
 
     @property
     def speed(self) -> float:
-        """[m/s] as captured."""
+        """Get the captured speed [m/s]."""
         return self.length / self.seconds
 
     @property
     def stride_seconds(self) -> float:
-        """[s] of a stride."""
+        """Get the duration of a stride [s]."""
         return self.seconds / self.strides
 
     @cached_property
@@ -135,11 +135,11 @@ class Walk:
 
     @cached_property
     def _curves(self) -> dict[tuple[int, ...] | None, tuple[tuple[int, ...], tuple[int, ...], Cubic]]:
-        """What `_curve_of` has found so far."""
+        """Keep what `_curve_of` has found so far."""
         return {}
 
     def _curve_of(self, joints: Sequence[int]) -> tuple[tuple[int, ...], tuple[int, ...], Cubic]:
-        """The joints that move in their parents' frames, those that turn, and the curves of the ones and the others."""
+        """Find the joints that move in their parents' frames and those that turn, and fit one curve to all of them."""
         count: Ints = np.arange(-_MARGIN, self.frames + _MARGIN + 1)
         tracks = list[Floats]()
         moved = tuple(joint for joint in joints if np.ptp(self.clip.position(joint), axis=0).any())
@@ -152,11 +152,11 @@ class Walk:
         return moved, turned, spline(count.astype(np.float64), around)
 
     def planted(self, frames: Floats) -> Bools:
-        """(F, E) which sole points are planted at moments (F,)."""
+        """Tell which sole points are planted at moments (F,), (F, E)."""
         return np.asarray(self.contacts.mask()[np.rint(frames).astype(np.intp) % self.frames])
 
     def sure(self, frames: Floats) -> Floats:
-        """(F, E) the confidence of contacts at moments (F,)."""
+        """Get the confidence of contacts at moments (F,), (F, E)."""
         out = np.ones((self.frames + 1, len(self.contacts.effectors)))
         for e, effector in enumerate(self.contacts.effectors):
             for contact in effector.contacts:
@@ -164,7 +164,7 @@ class Walk:
         return np.asarray(out[np.rint(frames).astype(np.intp) % self.frames])
 
     def strikes(self, leg: int) -> tuple[Ints, Ints]:
-        """Frames, in one round and in order, at which a leg comes down, and at which it lifts after each."""
+        """List the frames of one round, in order, at which a leg strikes, and at which it lifts after each strike."""
         length = self.frames
         down = stances(_three(self.contacts), self.rig, leg)
         found = [(a, b) for a, b in down if length <= a < 2 * length]

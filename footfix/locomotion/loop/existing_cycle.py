@@ -122,7 +122,7 @@ def _leads_on(clip: Clip, rig: Rig, bends_most: float) -> bool:
 
 
 def _size(turns: Floats) -> float:
-    """[rad] root mean square of rotation vectors (..., 3)."""
+    """Compute the root mean square of rotation vectors (..., 3) [rad]."""
     return float(np.sqrt(np.mean(np.sum(turns**2, axis=-1))))
 
 

@@ -93,7 +93,7 @@ class Loop:
 
     @property
     def seconds(self) -> float:
-        """[s] of one round."""
+        """Get the duration of one round [s]."""
         return (len(self.round) - 1) * self.round.frame_time
 
     @property
@@ -116,7 +116,7 @@ class Loop:
 
     @property
     def speed(self) -> float:
-        """[m/s] over the floor."""
+        """Compute the speed over the floor [m/s]."""
         return self.distance / self.seconds
 
 

@@ -91,7 +91,7 @@ def accelerations(clip: Clip, rig: Rig) -> Floats:
 
 
 def accelerations_of(tracks: Floats, frame_time: float) -> Floats:
-    """Compute (F - 2, J) [m/s^2] of tracks (F, J, 3) [m], frame by frame."""
+    """Compute the accelerations (F - 2, J) [m/s^2] of tracks (F, J, 3) [m], frame by frame."""
     return np.asarray(np.linalg.norm(np.diff(tracks, n=2, axis=0), axis=2) / frame_time**2)
 
 

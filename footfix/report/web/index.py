@@ -101,7 +101,7 @@ def _tiles(judged: Sequence[tuple[IndexRow, Verdict]]) -> str:
         + sections.tile("Footplants", "", str(sums[0]), meaning=words.PLANT)
         + sections.tile(f"Slide over {NOTICED_MM:g} mm", "", str(sums[1]), str(sums[2]))
         + sections.tile("Longest slide", "mm", f"{worst[0]:.0f}", f"{worst[1]:.0f}")
-        + sections.tile("Clips that came worse", "", str(came_worse), meaning=words.CLIP_WORSE)
+        + sections.tile("Clips that got worse", "", str(came_worse), meaning=words.CLIP_WORSE)
         + (
             sections.placed_tile(
                 "Largest joint change", "°", f"{change.degrees:.0f}",

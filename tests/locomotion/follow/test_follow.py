@@ -12,7 +12,7 @@ from strides import stances, stride
 
 from footfix.enforce.params import EnforceParams
 from footfix.errors import InputError, UsageError
-from footfix.formats.paths import shape
+from footfix.formats.floor_paths import shape
 from footfix.locomotion.follow.blend import ease
 from footfix.locomotion.follow.key_times import align
 from footfix.locomotion.follow.params import FollowParams

@@ -18,7 +18,7 @@ _LIMITS = Limits()
 _FRAMES = re.compile(rb"(frames?(?![ \t_]*time)(?:[ \t_]*count)?\b[ \t]*[:=]?[ \t]*)[^\s:=]+", re.IGNORECASE)
 
 
-def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
+def select_frames(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
     """Make the document of some frames.
 
     Args:

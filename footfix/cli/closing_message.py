@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from footfix.batch.task import PAGE, FileResult
-from footfix.cli.messages import say
 from footfix.cli.options import Common
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode
 from footfix.report.text import printable
 

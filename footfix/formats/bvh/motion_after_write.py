@@ -16,7 +16,7 @@ from footfix.motion.clip import Clip, Floats, Skeleton
 Column = Callable[[int], Floats]
 
 
-def reread_motion(document: Document, new: Mapping[int, Floats]) -> Clip | None:
+def motion_after_write(document: Document, new: Mapping[int, Floats]) -> Clip | None:
     """Find the motion that a document would have if some numbers were replaced and it were read again.
 
     Args:

@@ -66,7 +66,7 @@ def decode_model(data: bytes, *, name: str = "") -> CycleModel:
     """Read a model.
 
     Raises:
-        InputError: it is none, or is damaged.
+        InputError: it is not a model, or is damaged.
     """
     try:
         with np.load(BytesIO(data), allow_pickle=False) as file:
@@ -89,7 +89,7 @@ def decode_model(data: bytes, *, name: str = "") -> CycleModel:
 def _model(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> CycleModel:
     for key, array in arrays.items():
         if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
-            raise InputError(f"{key} holds numbers that are none")
+            raise InputError(f"{key} holds NaN or infinity")
     skeleton = Skeleton(
         tuple(head["joints"]), arrays["parents"], arrays["offsets_m"], arrays["end_parents"], arrays["end_offsets_m"],
         arrays["translates"], arrays["rotates"],

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from footfix.motion.clip import Floats
+from footfix.rig.frame_sample import Sample
 from footfix.rig.rig import Leg
-from footfix.rig.sample import Sample
 from footfix.rig.skin import Skin, SkinFoot, SkinLeg
 from footfix.rig.soles import SoleEstimate
 

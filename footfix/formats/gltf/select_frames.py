@@ -19,13 +19,13 @@ from footfix.motion.clip import Ints
 _LIMITS = Limits()
 
 
-def select(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
+def select_frames(document: Document, frames: Sequence[int] | Ints, *, limits: Limits = _LIMITS) -> Document:
     """Make the document of some frames, from time 0 on; every channel of the animation is cut to them.
 
     Args:
         document: the animation.
         frames: which of its frames, in their new order; a frame may come more than once.
-        limits: of no account here.
+        limits: not used; the interface of formats has it.
     """
     which = np.asarray(frames, dtype=np.intp)
     grid = Grid(0.0, document.grid.step, len(which))
@@ -88,7 +88,7 @@ def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Bes
 
 
 def _new_numbers(source: Container, first: int, views: int) -> tuple[list[dict[str, object]], bytes]:
-    """The accessors of a file from one on, and the bytes of the buffer views that are theirs."""
+    """Take the accessors of a file from number `first` on, and the bytes of their buffer views."""
     starts, parts, at = dict[int, int](), list[bytes](), 0
     for k in range(views, len(source.tables["bufferViews"])):
         view = source.tables["bufferViews"][k]
@@ -106,7 +106,7 @@ def _new_numbers(source: Container, first: int, views: int) -> tuple[list[dict[s
 
 
 def _shifted(sampler: dict[str, object], first: int, shift: int) -> dict[str, object]:
-    """A sampler whose accessors from `first` on have other numbers."""
+    """Renumber a sampler's accessors from `first` on."""
     return {
         key: value + shift if key in ("input", "output") and isinstance(value, int) and value >= first else value
         for key, value in sampler.items()

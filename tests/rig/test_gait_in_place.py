@@ -10,8 +10,8 @@ from walks import rig_of
 
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
-from footfix.rig.gait import Gait as InPlace
-from footfix.rig.gait import carried, gait_in_place
+from footfix.rig.gait_in_place import Gait as InPlace
+from footfix.rig.gait_in_place import carried, gait_in_place
 from footfix.rig.rig import Rig
 
 

@@ -36,7 +36,7 @@ def decode_plan(data: bytes, *, name: str = "") -> tuple[PlanRow, ...]:
     """Read a plan: a list of rows in order of time, or a mapping with such a list as its `plan`.
 
     Raises:
-        InputError: it is none; says in which row.
+        InputError: it is not a plan; the message names the row.
     """
     try:
         read = yaml.safe_load(data)
@@ -57,7 +57,7 @@ def decode_plan(data: bytes, *, name: str = "") -> tuple[PlanRow, ...]:
 
 def _row(row: Any, number: int, name: str) -> PlanRow:
     if not isinstance(row, Mapping) or "time" not in row:
-        raise InputError(f"row {number} of the plan is no {{time: SECONDS, ...}}", file=name)
+        raise InputError(f"row {number} of the plan has no time; a row is {{time: SECONDS, ...}}", file=name)
     for key in row:
         if key not in _KEYS:
             raise InputError(f"row {number} of the plan: {key!r} is none of {', '.join(_KEYS)}", file=name)

@@ -119,7 +119,7 @@ def read_path(data: bytes, name: str) -> DrawnPath:
 
 
 def _table(text: str, name: str) -> Floats:
-    """(N, 2) x and z of a table of points."""
+    """Read x and z of a table of points, (N, 2)."""
     head = text[:4000]
     comma = next((each for each in (";", "\t", ",") if each in head), None)
     if comma is None:
@@ -154,7 +154,7 @@ def _numbers(cells: Sequence[str], decimal: bool) -> list[float] | None:
 
 
 def _columns(titles: Sequence[str], count: int, name: str, line: int) -> tuple[int, int, bool]:
-    """Which columns are x and z, and whether they are degrees on the globe."""
+    """Find which columns are x and z, and whether they are degrees of longitude and latitude."""
     short = [re.sub(r"[\s_\[(].*", "", title) for title in titles]
     for left, right, globe in (("x", "z", False), ("lon", "lat", True), ("longitude", "latitude", True),
                                ("lng", "lat", True), ("x", "y", False)):  # fmt: skip
@@ -171,6 +171,6 @@ def _columns(titles: Sequence[str], count: int, name: str, line: int) -> tuple[i
 
 
 def _on_globe(degrees: Floats) -> Floats:
-    """(N, 2) [m] east, and south, of the first of points in degrees of longitude and latitude."""
+    """Convert degrees of longitude and latitude to metres east and south of the first point, (N, 2)."""
     lon, lat = np.radians(degrees - degrees[0]).T
     return _EARTH * np.stack([lon * np.cos(np.radians(degrees[0, 1])), -lat], axis=1)

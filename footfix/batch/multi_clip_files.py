@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from footfix.batch.files import STDIN, read_whole
+from footfix.batch.file_io import STDIN, read_whole
 from footfix.batch.task import FileResult, Task
 from footfix.errors import InputError
 from footfix.formats.suffixes import in_file

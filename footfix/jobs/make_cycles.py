@@ -16,13 +16,13 @@ from footfix.enforce.footplant import Footplant
 from footfix.errors import UsageError
 from footfix.formats.bvh.compose import compose
 from footfix.formats.document import open_document
-from footfix.formats.plans import PlanRow
+from footfix.formats.locomotion_plans import PlanRow
 from footfix.jobs.contacts import contacts_json
 from footfix.jobs.outputs import Outputs
-from footfix.locomotion.cycles.engine import Foreseen, foresee, postures
+from footfix.locomotion.cycles.engine import Prediction, postures, predict
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Line, Plan, Point
-from footfix.locomotion.cycles.postures import Postures, free_postures
+from footfix.locomotion.cycles.postures import Postures, cycle_postures
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
@@ -44,14 +44,14 @@ class Made:
         clip: F frames.
         free: the same before the feet were held in place.
         contacts: which sole points are planted.
-        foreseen: course and plants.
+        prediction: course and plants.
         postures: the sampled postures of its frames.
     """
 
     clip: Clip
     free: Clip
     contacts: Contacts
-    foreseen: Foreseen
+    prediction: Prediction
     postures: Postures
 
 
@@ -96,13 +96,13 @@ def make(model: CycleModel, plan: Plan, *, seconds: float, fps: float, line: Lin
         line: the path to go along; `plan.turn` is then ignored.
     """
     times = np.arange(round(seconds * fps) + 1) / fps
-    foreseen = foresee(model, plan, line, Point(), float(times[-1]))
-    found = postures(model, foreseen, times)
-    as_cycles = free_postures(model, foreseen.course, times)
+    prediction = predict(model, plan, line, Point(), float(times[-1]))
+    found = postures(model, prediction, times)
+    as_cycles = cycle_postures(model, prediction.course, times)
     clip = found.clip(model, 1.0 / fps)
     contacts = model.rig.no_contacts(clip).with_mask(found.contacts)
     free = replace(found, place=as_cycles.place, turns=as_cycles.turns).clip(model, 1.0 / fps)
-    return Made(clip, free, replace(contacts, method="cycles"), foreseen, found)
+    return Made(clip, free, replace(contacts, method="cycles"), prediction, found)
 
 
 def make_file(
@@ -178,7 +178,7 @@ def _plants(made: Made, model: CycleModel) -> tuple[Footplant, ...]:
 
 def cycles_entry(made: Made, model: CycleModel, plan: Plan, line: Line | None) -> dict[str, Any]:
     """Describe locomotion made from cycles as the report's entry; each key carries its unit."""
-    number, course = report_format.rounded, made.foreseen.course
+    number, course = report_format.rounded, made.prediction.course
     times = made.postures.times
     phase = course.phases(times)
     gone = course.lengths(times)

@@ -10,8 +10,8 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.correction import Correction
+from footfix.enforce.extend_to_all_frames import repeated, uncropped
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.restore_frames import put_back, repeated
 from footfix.enforce.run import Enforcement
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -56,7 +56,7 @@ MOTION = Crop(6, 12, len(WAY))
 def test_frames_that_lead_to_the_motion_lead_over_to_its_correction() -> None:
     clip = turned(WAY)
     shift = np.outer(np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), [0.01, 0.0, -0.02])
-    done = put_back(found(clip, MOTION.within, shift), clip, MOTION)
+    done = uncropped(found(clip, MOTION.within, shift), clip, MOTION)
     edge = np.where(np.arange(len(WAY)) < 8, shift[0, 0], shift[-1, 0])
     whole = SHARE * edge
     whole[6:12] = shift[:, 0]
@@ -68,7 +68,7 @@ def test_frames_that_lead_to_the_motion_lead_over_to_its_correction() -> None:
 
 def test_plants_notes_and_ground_are_counted_from_the_start_of_the_clip() -> None:
     clip = turned(WAY)
-    done = put_back(found(clip, MOTION.within, np.zeros((6, 3))), clip, MOTION)
+    done = uncropped(found(clip, MOTION.within, np.zeros((6, 3))), clip, MOTION)
     (plant,), (note,) = done.plants, done.notes
     assert (plant.start, plant.end, plant.held) == (8, 11, ((8, 10),))
     assert (note.start, note.end) == (7, 9)
@@ -80,11 +80,11 @@ def test_a_correction_without_joints_and_one_of_the_whole_clip() -> None:
     clip = turned(WAY)
     rootless = found(clip, MOTION.within, np.tile(UP, (6, 1)))
     rootless = replace(rootless, correction=Correction(0, np.tile(UP, (6, 1)), (), np.zeros((6, 0, 4))))
-    done = put_back(rootless, clip, MOTION)
+    done = uncropped(rootless, clip, MOTION)
     assert done.correction.rotations.shape == (len(WAY), 0, 4)
     assert done.correction.root_shift[:, 1] == pytest.approx(SHARE)
     whole = found(clip, slice(None), np.zeros((len(WAY), 3)))
-    assert put_back(whole, clip, Crop(0, len(WAY), len(WAY))) is whole
+    assert uncropped(whole, clip, Crop(0, len(WAY), len(WAY))) is whole
 
 
 def test_what_was_the_same_stays_the_same() -> None:

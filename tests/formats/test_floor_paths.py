@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from footfix.errors import InputError, UsageError
-from footfix.formats.paths import DrawnPath, read_path, shape
+from footfix.formats.floor_paths import DrawnPath, read_path, shape
 from footfix.formats.svg_path import points_of
 from footfix.motion.clip import Floats
 

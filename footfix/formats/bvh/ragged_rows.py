@@ -33,8 +33,8 @@ def read_ragged(cursor: Cursor, layouts: list[int], declared: int | None) -> Row
     firsts, counts = _line_counts(line, keep)
     if not len(firsts) and strange.any() and declared != 0:
         k = int(np.argmax(strange))
-        what = f"the rows are no rows of numbers: '{readable(cursor.text[starts[k] : ends[k]])}'"
-        raise cursor.fail(what, at=int(starts[k]), hint="numbers stand apart by blanks")
+        what = f"the rows are not numbers: '{readable(cursor.text[starts[k] : ends[k]])}'"
+        raise cursor.fail(what, at=int(starts[k]), hint="numbers are separated by blanks")
     if not len(firsts):
         return Rows(np.zeros((0, layouts[0])), text, start, stop, comma=comma)
     for columns in layouts:

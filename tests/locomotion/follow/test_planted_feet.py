@@ -11,14 +11,14 @@ from strides import stances
 from walks import rig_of, walk
 
 from footfix.enforce.params import EnforceParams
-from footfix.formats.paths import shape
+from footfix.formats.floor_paths import shape
 from footfix.jobs.follow import walk_of
 from footfix.jobs.source import read
+from footfix.locomotion.follow.footsteps import find_steps
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.plant_cleanup import stands
+from footfix.locomotion.follow.planted_feet import fair, rolled, unturned, yaws
 from footfix.locomotion.follow.run import Follow, follow_path
-from footfix.locomotion.follow.stance import fair, rolled, unturned, yaws
-from footfix.locomotion.follow.steps import find_steps
 from footfix.locomotion.follow.transitions import At
 from footfix.locomotion.follow.walk import Walk
 from footfix.motion import rotation

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.locomotion.follow.blend import ease
-from footfix.locomotion.follow.steps import Steps
+from footfix.locomotion.follow.footsteps import Steps
 from footfix.locomotion.follow.stride import smoothed
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats, Ints
@@ -23,7 +23,7 @@ _UP = np.array([0.0, 1.0, 0.0])
 
 
 def firmness(curvature: Floats) -> Floats:
-    """Compute (F,) from 0 on straight paths, where feet stand as captured, to 1 on curves, where they are held."""
+    """Compute how firmly feet are held, (F,): 0 on straight paths, where they stand as captured, to 1 on curves."""
     return ease(np.abs(curvature) / _TURNS)
 
 
@@ -105,7 +105,7 @@ def unturned(
 
 
 def _about_heel(yaw: Floats, heel: Floats, rolls: slice) -> Floats:
-    """(n, 3) [m] by which the toe is moved so that the heel is as far from its place as when the toe comes down."""
+    """Compute the shift of the toe (n, 3) [m] that keeps the heel as far from its place as when the toe comes down."""
     moved = rotation.rotate(rotation.about_vertical(yaw[rolls]), heel[rolls]) - heel[rolls]
     return np.asarray(moved[-1] - moved)
 

@@ -17,7 +17,7 @@ from footfix.rig.motion_crop import Crop
 _REST = 1e-3  # [rad] root mean square over the joints: frames that differ by less are the same pose
 
 
-def put_back(found: Enforcement, clip: Clip, crop: Crop) -> Enforcement:
+def uncropped(found: Enforcement, clip: Clip, crop: Crop) -> Enforcement:
     """Extend an enforcement of the motion range to all frames.
 
     A T-pose before or after the motion is unchanged; in the transition frames beside it the correction fades in or out.

@@ -54,7 +54,7 @@ class FileCycles:
 
     @property
     def summary(self) -> str:
-        """The cycles that were found, in words."""
+        """Describe the cycles that were found in words."""
         count = len(self.samples)
         text = f"{count} {'cycle' if count == 1 else 'cycles'}"
         if self.samples:

@@ -80,7 +80,7 @@ class Ground:
 
     @property
     def turn(self) -> Floats:
-        """(F, 4) the heading as a rotation."""
+        """Convert the heading to rotations (F, 4)."""
         return rotation.about_vertical(self.heading)
 
     def lay(self, points: Floats) -> Floats:

@@ -11,10 +11,10 @@ import numpy as np
 
 from footfix.errors import NoLegsError, UsageError
 from footfix.motion.clip import Floats, Skeleton
+from footfix.rig.frame_sample import Sample
 from footfix.rig.limbs import Limb, Pair, limb_of, pairs
 from footfix.rig.names import bare, read
 from footfix.rig.params import LegParams, RigParams
-from footfix.rig.sample import Sample
 from footfix.rig.toes import ball, balls
 
 _LEAST = 1.2  # least score of a pair of legs
@@ -166,7 +166,7 @@ def _stand(seen: Sample, hind: Pair, front: Pair) -> bool:
 
 
 def _lowest(seen: Sample, ankle: int) -> Floats:
-    """Find (S,) the height of the lowest point from the ankle down."""
+    """Find the height of the lowest point from the ankle down, (S,)."""
     joints = list(seen.below(ankle))
     ends = [e for e, parent in enumerate(seen.skeleton.end_parents.tolist()) if parent in joints]
     heights = np.concatenate([seen.places[:, joints, 1], seen.ends[:, ends, 1]], axis=1)

@@ -71,11 +71,11 @@ class OverGround:
         self._along.replace(steps.end - len(outward), along[..., 1] * outward[..., 0] - along[..., 0] * outward[..., 1])
 
     def velocity(self, count: int) -> Complexes:
-        """(n, 1 + 2 feet) [leg lengths/s] of pelvis, heels and toes, in the newest steps."""
+        """Get the velocities of pelvis, heels and toes in the newest steps, (n, 1 + 2 feet) [leg lengths/s]."""
         return np.asarray(self._velocity.last(count).view(np.complex128)[..., 0])
 
     def speed(self, count: int) -> Floats:
-        """(n, feet) [leg lengths/s] of the slowest point of each sole."""
+        """Get the speed of the slowest point of each sole, (n, feet) [leg lengths/s]."""
         return self._speed.last(count)
 
     def facing(self) -> Facing:
@@ -87,19 +87,19 @@ class OverGround:
 
 
 def _about(steps: Ring, changed: int, seconds: float, degree: int) -> tuple[Floats, int]:
-    """The places that steps depend on which change with others, filtered in a window, and the first row of these."""
+    """Take the filter's input around changed steps, and the first of its rows whose result is needed."""
     half = window_frames(seconds, STEP, degree) // 2
     low = max(min(changed - 2 * half, steps.end - 2 * half - 1), steps.start)
     return steps.view(low), max(changed - half - low, 0) if low > 0 else 0
 
 
 def slowest(heel: Complexes, toe: Complexes) -> Floats:
-    """Speeds of the points between heels and toes that are slowest, by their velocities; see `detect.stepping`."""
+    """Compute the speed of the slowest point between heel and toe, from their velocities; see `detect.stepping`."""
     return to_segment(np.zeros(1, dtype=np.complex128), heel, toe)
 
 
 def to_segment(point: Complexes, start: Complexes, end: Complexes) -> Floats:
-    """Distances of points from segments; the shapes broadcast."""
+    """Compute the distances of points from segments; the shapes broadcast."""
     along, off = end - start, point - start
     across = along.conj()
     share = np.minimum(np.maximum((off * across).real / np.maximum((along * across).real, 1e-12), 0.0), 1.0)

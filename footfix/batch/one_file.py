@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.attempt import attempted
-from footfix.batch.clips import beside_of, joined_result, parts_of, spread
 from footfix.batch.earlier_results import contacts_of_cleaning
-from footfix.batch.files import STDIN, read_clip
+from footfix.batch.file_io import STDIN, read_clip
+from footfix.batch.multi_clip_files import beside_of, joined_result, parts_of, spread
 from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, EVENTS, FileResult, Task
 from footfix.batch.write_outputs import made, write
@@ -213,7 +213,7 @@ def _inspect(task: Task, data: bytes) -> FileResult:
 
 
 def _sample(task: Task, data: bytes) -> FileResult:
-    from footfix.jobs.fit import cycles_of_file
+    from footfix.jobs.fit_cycles import cycles_of_file
 
     name, style = task.job.source, task.extra["style"]
     found = cycles_of_file(data, name, task.settings, style=style, beside=beside_of(task))

@@ -19,11 +19,11 @@ from footfix.locomotion.cycles.stance import HELD, UP, Span, Stance
 from footfix.motion.clip import Bools, Floats
 
 SIGMA = 0.3  # [s] of an ease, before a contact and after it (G 5.2)
-_PEEL = 0.12  # [s] after the heel has left the floor, and before it is set down, in which it becomes free to turn
-_STRAIGHT = 0.1  # of a leg's reach: how near to it a leg is so straight that its foot turns about the toe
+_PEEL = 0.12  # [s] after the heel leaves the floor, and before the foot lands, over which it becomes free to turn
+_STRAIGHT = 0.1  # [of a leg's reach] this near to its reach a leg is so straight that its foot turns about the toe
 _LOWEST = 0.08  # [leg lengths] greatest lowering of a figure
 _DOWN = 0.3  # [s] before and after a heel is set down, over which the figure is lowered and raised again
-_LED = (*HELD, "share", "free", "down")
+_QUANTITIES = (*HELD, "share", "free", "down")
 _TWO = np.arange(2)
 
 
@@ -33,23 +33,23 @@ class Feet:
 
     Args:
         stances: of each foot, in order of time.
-        lines: how the feet are led off the cycle: for each foot the four of `HELD`; by which of its ends it is led, 0
-            by the heel, 1 by the toe (while both are planted they say the same); how free it is to turn about its toe,
-            0 while its heel is planted; and how far the figure comes down for it [m].
+        lines: offsets of the feet from the cycle, seven for each foot: the four of `HELD`; the share of the toe, from 0
+            where the heel places the foot to 1 where the toe does (while both are planted they agree); how free the
+            foot is to turn about its toe, 0 while its heel is planted; and how far the figure is lowered for it [m].
     """
 
     stances: tuple[tuple[Stance, ...], ...]
     lines: Timelines
 
     def planted(self, times: Floats) -> Bools:
-        """(T, L, 2) whether heel and toe of each foot are."""
+        """Tell whether heel and toe of each foot are planted, (T, L, 2)."""
         at = times[:, None, None, None]
         begins, ends = self._planted
         return np.asarray(((at >= begins) & (at <= ends)).any(axis=3))
 
     @cached_property
     def _planted(self) -> tuple[Floats, Floats]:
-        """(L, 2, n) [s] when contacts of heels and toes begin and end, and some that never do."""
+        """List when contacts of heels and toes begin and end, (L, 2, n) [s], padded with contacts that never are."""
         most = max(map(len, self.stances), default=0)
         never = (np.inf, -np.inf)
         spans = [[[span or never for each in own for span in (each.spans[part],)] + [never] * (most - len(own))
@@ -62,15 +62,16 @@ class Feet:
         every = [each for own in self.stances for each in own]
         return np.array([each.points for each in every]), np.array([each.frames for each in every])
 
-    def led_off(self, times: Floats, pose: LegPoses) -> Floats:
-        """(T, L, 7, 3) how the feet are led off the cycle (G eq. 9); the last three are numbers, the first of three.
+    def offsets_at(self, times: Floats, pose: LegPoses) -> Floats:
+        """Compute the offsets of the feet from the cycle (G eq. 9), (T, L, 7, 3); the last three are numbers in
+        component 0.
 
         Args:
             times: (T,) [s].
             pose: the legs as the cycle has them.
         """
         value, holder = self.lines.at(times)
-        shape = (len(times), len(self.stances), len(_LED))
+        shape = (len(times), len(self.stances), len(_QUANTITIES))
         value, holder = value.reshape(*shape, 3), holder.reshape(shape)[:, :, :4]
         if any(self.stances):
             points, frames = self._held
@@ -109,7 +110,8 @@ def make_feet(stances: Sequence[Sequence[Stance]]) -> Feet:
 
 
 def _knots(stances: Sequence[Stance]) -> tuple[list[Span], list[Span], list[Span]]:
-    """By which of its ends a foot is led, how free it is to turn about its toe, and how far the figure comes down."""
+    """List times and values of a foot's three numbers: share of the toe, freedom to turn, lowering of the figure [m].
+    """
     share, free, down = list[Span](), list[Span](), list[Span]()
     for each in stances:
         if each.heel is not None and each.down > 0.0:
@@ -138,7 +140,7 @@ def goals(pose: LegPoses, off: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
     Args:
         pose: the legs as the cycle has them.
-        off: (T, L, 7, 3) from `Feet.led_off`.
+        off: (T, L, 7, 3) from `Feet.offsets_at`.
 
     Returns:
         (T, L, 3) [m] the hips, (T, L, 3) the ankles, and (T, L, 3, 3) the frames of ankles and toe joints.

@@ -19,9 +19,9 @@ from footfix.formats.bvh.text import Limits
 from footfix.formats.document import Beside, clips_of, neighbours_of, open_document
 from footfix.formats.suffixes import in_file
 from footfix.motion.lead_in import motion_range
-from footfix.rig.figure import Figure, figures
+from footfix.rig.figure_legs import Figure, figures
+from footfix.rig.frame_sample import sample
 from footfix.rig.params import LegParams, RigParams
-from footfix.rig.sample import sample
 from footfix.rig.skin import legs_of
 from footfix.settings import Settings
 
@@ -112,7 +112,7 @@ def _bound_legs(data: bytes, name: str, limits: Limits, beside: Beside | None) -
 
 
 def _in_order(leg: tuple[str, LegParams]) -> tuple[bool, bool]:
-    """In the order of the search: front before back, left before right."""
+    """Make the key that sorts legs as the search does: front before back, left before right."""
     return not leg[0].startswith("front"), leg[1].side == "right"
 
 

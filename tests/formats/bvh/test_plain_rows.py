@@ -10,7 +10,7 @@ from conftest import need, one_of_each_origin
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from footfix.formats.bvh.plain import read_plain
+from footfix.formats.bvh.plain_rows import read_plain
 
 HEAD = b"Frame Time: 0.01\n"
 ENDS = st.sampled_from([b"\n", b"\r\n", b" \n", b"\n\n", b"\n \t\n", b"\t\n"])
