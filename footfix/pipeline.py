@@ -238,9 +238,10 @@ def correct(
     for rig, motion, thin in zip(prepared.rigs, prepared.crops, prepared.doubles, strict=True):
         own = contacts.only(sole.name for sole in rig.soles)
         within = motion.contacts(own)
-        distinct = thin.clip(motion.clip(clip))
+        moving = motion.clip(clip)
+        distinct = thin.clip(moving)
         done = enforce(distinct, rig, thin.contacts(within), settings.enforce, cut=motion.cut, leave=leave)
-        found = uncropped(repeated(done, thin), clip, motion)
+        found = uncropped(repeated(done, moving, thin), clip, motion)
         notes = (*rig.notes, *prepared.notes, *own.notes, *found.notes)
         planted = motion.contacts_back(within)
         measured = thin.among(motion.start, len(clip))

@@ -41,16 +41,21 @@ def uncropped(found: Enforcement, clip: Clip, crop: Crop) -> Enforcement:
     )
 
 
-def repeated(found: Enforcement, thin: DuplicateFrames) -> Enforcement:
+def repeated(found: Enforcement, clip: Clip, thin: DuplicateFrames) -> Enforcement:
     """Extend an enforcement from unrepeated frames to all frames, so that repeated frames stay repeated.
 
     Args:
         found: on the frames that `thin` keeps.
+        clip: F frames, all of them.
         thin: which frames those are.
     """
     if not thin:
         return found
     shift, rotations = (thin.track_back(each) for each in (found.correction.root_shift, found.correction.rotations))
+    for k, joint in enumerate(found.correction.joints):
+        own = clip.rotation(joint)  # repeats may differ by rounding, which stays where nothing is corrected
+        as_captured = np.all(rotations[:, k] == own[thin.kept[thin.owner]], axis=1)[:, None]
+        rotations[:, k] = np.where(as_captured, own, rotations[:, k])
     return replace(
         found,
         plants=tuple(_repeated(plant, thin) for plant in found.plants),

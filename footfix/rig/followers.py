@@ -19,10 +19,10 @@ from footfix.rig.rig import Rig
 _FRAMES = 240  # frames sampled
 _AT = 0.01  # [leg lengths] a joint follows a foot's joint if it is usually nearer to it than this,
 _NEVER = 0.05  # and never farther away than this,
-_FIXED = 0.004  # [leg lengths] or if its place in the foot's frame varies by less than this,
+_FIXED = 0.004  # [leg lengths] or if its place beside the foot varies by less than this,
 _BESIDE = 0.35  # [leg lengths] not farther away than this,
-_MOVES = 0.15  # [leg lengths] while the foot moves at least this far in its parent's frame,
-_TURNS = 0.2  # [rad] and turns at least this much
+_STEADY = 0.08  # and by less than this share of the way the foot goes in the world, and in the frame of its parent,
+_MOVES = 0.005  # [leg lengths] which is at least this
 _ALONG = 0.1  # [rad] a joint whose orientation relative to the foot varies by no more than this turns with it
 
 
@@ -34,11 +34,13 @@ class Follower:
         joint: of the helper.
         foot: the joint of the foot that it follows.
         turns: whether it turns with the foot, too.
+        level: whether its place beside the foot does not turn with the foot, as that of a point straight below it.
     """
 
     joint: int
     foot: int
     turns: bool
+    level: bool = False
 
 
 def find_followers(clip: Clip, rig: Rig) -> tuple[Follower, ...]:
@@ -61,8 +63,10 @@ def find_followers(clip: Clip, rig: Rig) -> tuple[Follower, ...]:
     found = []
     for joint in able:
         near = min(feet, key=lambda foot: float(np.median(_apart(pose, joint, foot))))
-        if _follows(pose, joint, near, int(clip.skeleton.parents[joint]), rig.leg_length):
+        if _at(pose, joint, near, rig.leg_length):
             found.append(Follower(joint, near, _turns_along(pose, joint, near)))
+        else:
+            found += _beside(pose, joint, feet, int(clip.skeleton.parents[joint]), rig.leg_length)
     return tuple(found)
 
 
@@ -115,19 +119,29 @@ def _in_frame(pose: Pose, joint: int, frame: int) -> Floats:
     return rotation.rotate(turn, pose.position(joint) - pose.position(frame))
 
 
-def _follows(pose: Pose, joint: int, foot: int, parent: int, leg_length: float) -> bool:
+def _at(pose: Pose, joint: int, foot: int, leg_length: float) -> bool:
+    """Tell whether a joint is where a foot's joint is."""
     far = _apart(pose, joint, foot) / leg_length
-    if np.median(far) < _AT and far.max() < _NEVER:
-        return True
-    if far.max() > _BESIDE or parent < 0:
-        return False
-    place = _in_frame(pose, joint, foot) / leg_length
-    if np.linalg.norm(place - np.median(place, axis=0), axis=1).max() > _FIXED:
-        return False
-    seen = _in_frame(pose, foot, parent) / leg_length
-    turned = rotation.multiply(rotation.inverse(pose.rotation(parent)), pose.rotation(foot))
-    turns = rotation.apart(turned[:1], turned)
-    return bool(np.ptp(seen, axis=0).max() > _MOVES and turns.max() > _TURNS)
+    return bool(np.median(far) < _AT and far.max() < _NEVER)
+
+
+def _beside(pose: Pose, joint: int, feet: Sequence[int], parent: int, leg_length: float) -> list[Follower]:
+    """Find the foot's joint that a joint is fixed beside, in the foot's frame or in the world's axes; none or one."""
+    near = [foot for foot in feet if _apart(pose, joint, foot).max() <= _BESIDE * leg_length]
+    if not near:
+        return []
+    places = {
+        (foot, level): pose.position(joint) - pose.position(foot) if level else _in_frame(pose, joint, foot)
+        for foot in near for level in (False, True)
+    }  # fmt: skip
+    varies = {key: float(np.linalg.norm(each - np.median(each, axis=0), axis=1).max()) for key, each in places.items()}
+    rigid = 0.1 * _FIXED * leg_length  # where a foot hardly bends, all its joints are alike: the ankle comes first
+    foot, level = min(varies, key=lambda key: max(varies[key], rigid))
+    ways = [pose.position(foot), *([_in_frame(pose, foot, parent)] if parent >= 0 else [])]
+    moves = min(float(np.ptp(way, axis=0).max()) for way in ways)
+    if moves < _MOVES * leg_length or varies[foot, level] > min(_FIXED * leg_length, _STEADY * moves):
+        return []
+    return [Follower(joint, foot, _turns_along(pose, joint, foot), level)]
 
 
 def _turns_along(pose: Pose, joint: int, foot: int) -> bool:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton
+from footfix.motion.duplicate_frames import doubled
 from footfix.motion.kinematics import forward
 from footfix.motion.segments import distinct
 
@@ -85,7 +86,9 @@ class Sample:
 def sample(clip: Clip, within: slice = slice(None)) -> Sample:
     """Take up to `MOST_FRAMES` pairs of frames spread evenly over a part of a clip; the rest pose where it has none."""
     skeleton = clip.skeleton
-    frames = np.arange(len(clip))[within]
+    clip = clip.frames(within)
+    clip = doubled(clip).clip(clip)  # what is repeated stands still in between, and says nothing of how fast it moves
+    frames = np.arange(len(clip))
     step = max(1, round(STEP / clip.frame_time))
     first, second = _evenly(clip, frames, step)
     if not len(first):  # hardly any frame is valid: look for those few

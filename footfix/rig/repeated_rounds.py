@@ -18,6 +18,7 @@ from footfix.rig.cyclic_clip import Cycle, find_cycle, may_be_cycle, said_to_be_
 from footfix.rig.rig import Rig
 
 _BESIDE = 2.0  # [s] before and after the clip: long enough for effects of the ends on a correction to fade
+_IN_PLACE = 1.0  # of the root's usual step: a round whose open end goes no farther than this stays in place
 _FEWEST = 4  # least number of frames of a round where the user says that the clip is a cycle
 
 
@@ -83,12 +84,21 @@ class Rounds:
         """Compute the travel of some rounds: a turn (4,) about the vertical, then a horizontal shift (3,) [m]."""
         place, n = self.pose.position(self.root), self.cycle.frames
         turn = rotation.about_vertical(self.cycle.yaw)
-        after = place[n] if len(place) > n else place[-1] + rotation.rotate(turn, place[1] - place[0])
+        after = place[n] if len(place) > n else place[-1] + self._over(turn)
         one = (after - rotation.rotate(turn, place[0])) * [1.0, 0.0, 1.0]
+        if len(place) == n and np.linalg.norm(one) < _IN_PLACE * np.linalg.norm(np.diff(place, axis=0), axis=1).mean():
+            one[:] = 0.0
         way = np.zeros(3)
         for _ in range(abs(rounds)):
             way = rotation.rotate(turn, way) + one if rounds > 0 else rotation.rotate(rotation.inverse(turn), way - one)
         return rotation.about_vertical(rounds * self.cycle.yaw), way
+
+    def _over(self, turn: Floats) -> Floats:
+        """Compute the root's step (3,) [m] across the seam, by the cubic through two steps on either side."""
+        place = self.pose.position(self.root)
+        first, later = rotation.rotate(turn, np.diff(place[:3], axis=0))
+        earlier, last = np.diff(place[-3:], axis=0)
+        return np.asarray(0.5 * (first + last) + (first - later + last - earlier) / 6.0)
 
     def contacts(self, own: Contacts) -> Contacts:
         """Repeat the contacts of the clip in all rounds; a contact across the seam becomes one.

@@ -85,6 +85,22 @@ def test_a_round_of_few_frames_is_found_though_a_joint_is_quickest_over_the_seam
     assert found is not None and found.frames == len(clip)  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize("travel", [1.1, 0.0])
+@pytest.mark.parametrize("every", [1, 3])
+def test_a_round_without_its_last_frame_goes_as_far_as_one_with_it(travel: float, every: int) -> None:
+    whole, _ = striding(0.2)
+    t = np.arange(len(whole)) / FRAMES
+    sways = [0.02 * np.sin(2.0 * np.pi * t + 1.0), 0.0 * t, (travel - 1.1) * t + 0.05 * np.sin(4.0 * np.pi * t)]
+    whole = whole.with_joints({0: whole.position(0) + np.stack(sways, axis=1)}, {}).frames(slice(None, None, every))
+    rig = rig_of(walk())
+    closed, unclosed = (rounds_of(clip, rig, "yes") for clip in (whole, whole.frames(slice(0, -1))))
+    assert closed is not None and unclosed is not None
+    unclosed = replace(unclosed, cycle=replace(unclosed.cycle, frames=len(unclosed.whole), yaw=0.0))
+    n = len(unclosed.whole)
+    a, b = (laid.clip.position(0)[laid.within.start :][: 2 * n] for laid in (closed, unclosed))
+    assert b == pytest.approx(a, abs=1e-3 if travel else 1e-9)
+
+
 def test_what_the_last_frame_lacks_to_the_first_is_said() -> None:
     clip, _ = striding(closed=True)
     shin = clip.skeleton.names.index("LeftLeg")

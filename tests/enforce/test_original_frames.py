@@ -94,11 +94,26 @@ def test_what_was_the_same_stays_the_same() -> None:
     assert thin
     kept = np.flatnonzero(np.diff(np.concatenate([[-1.0], np.repeat(np.arange(20.0), 2)])) != 0.0)
     shift = np.outer(np.arange(len(thin.clip(clip))), [0.01, 0.0, 0.0])
-    done = repeated(found(clip, kept, shift), thin)
+    done = repeated(found(clip, kept, shift), clip, thin)
     assert np.array_equal(done.correction.root_shift[0::2], done.correction.root_shift[1::2])
     assert done.correction.root_shift[0::2, 0] == pytest.approx(0.01 * np.arange(20))
     assert degrees_more(clip, done) == pytest.approx(np.full(40, 10.0))
     (plant,) = done.plants
     assert (plant.start, plant.end, plant.held) == (4, 10, ((4, 8),))
     same = found(once, slice(None), np.zeros((20, 3)))
-    assert repeated(same, doubled(once)) is same
+    assert repeated(same, once, doubled(once)) is same
+
+
+def test_repeats_that_differ_by_rounding_keep_what_they_differ_by_where_nothing_is_corrected() -> None:
+    once = turned(np.arange(20.0))
+    noise = np.where(np.arange(40) % 2, 1e-5, 0.0)  # [degrees]
+    clip = turned(np.repeat(np.arange(20.0), 2) + noise)
+    thin = doubled(clip)
+    done = found(once, slice(None), np.zeros((20, 3)))
+    half = done.correction.rotations.copy()
+    knee = done.correction.joints[0]
+    half[:10, 0] = once.rotation(knee)[:10]  # the first ten frames need nothing
+    done = replace(done, correction=replace(done.correction, rotations=half))
+    back = repeated(done, clip, thin).correction.rotations[:, 0]
+    assert np.array_equal(back[:20], clip.rotation(knee)[:20])
+    assert np.array_equal(back[20::2], back[21::2])

@@ -160,6 +160,17 @@ def test_soles_and_floor_are_where_the_walker_has_them(name: str) -> None:
         assert np.linalg.norm(np.array(sole.offset) - offset) < (0.03 if name in ("tiptoe", "sprint") else 0.015)
 
 
+@pytest.mark.parametrize("times", [2, 3, 4])
+def test_frames_that_stand_several_times_change_nothing(times: int) -> None:
+    clip = walk().clip.frames(slice(None, None, 4))
+    clip = replace(clip, frame_time=4.0 * clip.frame_time)
+    long = replace(clip.frames(np.repeat(np.arange(len(clip)), times)), frame_time=clip.frame_time / times)
+    one, other = find_rig(clip), find_rig(long)
+    assert one.floor == pytest.approx(other.floor, abs=1e-9)
+    for a, b in zip(one.soles, other.soles, strict=True):
+        assert a.offset == pytest.approx(b.offset, abs=1e-9)
+
+
 @pytest.mark.parametrize("name", ["stairs", "stairs-down"])
 def test_stairs_stand_on_the_lowest_floor_and_say_so(name: str) -> None:
     made = walk(name)

@@ -11,7 +11,7 @@ from footfix.errors import InputError
 from footfix.formats.bvh.numbers import foreign, number, tokens, words
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor, Notes, readable
-from footfix.formats.bvh.unseparated_numbers import describe, split_numbers
+from footfix.formats.bvh.unseparated_numbers import count_numbers, decimals_throughout, describe
 from footfix.motion.clip import Bools, Floats, Ints
 
 _NEXT_PART = re.compile(rb"^[ \t]*(?:MOTION|HIERARCHY)\b", re.IGNORECASE | re.MULTILINE)
@@ -121,13 +121,13 @@ def _refuse_glued(cursor: Cursor, starts: Ints, ends: Ints, line: Ints, strange:
     more = np.zeros_like(counts)
     first: dict[int, int] = {}
     for k in np.flatnonzero(strange).tolist():
-        extra = len(split_numbers(cursor.text[starts[k] : ends[k]])) - 1
+        extra = count_numbers(cursor.text[starts[k] : ends[k]]) - 1
         if extra:
             more[line[k]] += extra
             first.setdefault(int(line[k]), k)
     for at, k in first.items():
         if counts[at] + more[at] in layouts:
-            what, hint = describe(cursor.text[starts[k] : ends[k]])
+            what, hint = describe(cursor.text[starts[k] : ends[k]], decimals_throughout(cursor.text, cursor.pos))
             raise cursor.fail(what, at=int(starts[k]), hint=hint)
 
 

@@ -61,6 +61,54 @@ def test_they_are_named_with_their_place_and_repair_puts_them_apart(rows: slice,
     assert repair(decode(again))[0] == again
 
 
+def fixed(newline: bytes = b"\n") -> bytes:
+    """A file whose numbers all have four decimals."""
+    data = PLAIN[: PLAIN.index("0.00 9.00")].encode()
+    row = b"%d.0000 9.0000 1.2500 0.0000 -0.0000 5.5000 -0.0010 12.5300 1.0000 0.0000 0.0000 -0.5000"
+    return (data.replace(b"Frames: 4", b"Frames: 6") + b"\n".join(row % k for k in range(6)) + b"\n").replace(
+        b"\n", newline
+    )
+
+
+@pytest.mark.parametrize(("a", "b"), [
+    (b"12.5300 1.0000", b"12.53001.0000"), (b"0.0010 12.5300 1.0000 0.0000", b"0.001012.53001.00000.0000"),
+    (b"-0.0010 12.5300", b"-0.001012.5300"), (b" 0.0000 -0.0000 5.5000", b" 0.0000-0.00005.5000"),
+])  # fmt: skip
+@pytest.mark.parametrize("newline", [b"\n", b"\r\n"])
+@pytest.mark.parametrize("times", [-1, 2])
+@pytest.mark.parametrize("comma", [False, True])
+def test_without_a_sign_the_number_of_decimals_tells_them_apart(
+    a: bytes, b: bytes, newline: bytes, times: int, comma: bool
+) -> None:
+    head, cut, body = fixed(newline).rpartition(b"0.0333333")
+    body = body.replace(b".", b",") if comma else body
+    a, b = (each.replace(b".", b",") if comma else each for each in (a, b))
+    whole, data = head + cut + body, head + cut + body.replace(a, b, times)
+    with pytest.raises(InputError, match="run together") as told:
+        decode(data)
+    word = data.index(b.split()[-1])
+    assert told.value.line == 1 + data[:word].count(b"\n") and "--repair" in str(told.value)
+    assert separate_numbers(data)[0] == whole
+
+
+def test_all_numbers_of_all_rows_may_run_together() -> None:
+    whole = fixed()
+    head, body = whole[: whole.index(b"0.0000 9.0000")], whole[whole.index(b"0.0000 9.0000") :]
+    data = head + body.replace(b" ", b"")
+    with pytest.raises(InputError, match="run together"):
+        decode(data)
+    assert separate_numbers(data)[0] == whole
+
+
+def test_where_the_number_of_decimals_varies_they_are_named_but_not_put_apart() -> None:
+    data = fixed().replace(b"5.5000 ", b"5.5 ").replace(b"12.5300 1.0000", b"12.53001.0000", 1)
+    with pytest.raises(InputError, match="run together") as told:
+        decode(data)
+    assert "not certain" in str(told.value) and "--repair" not in str(told.value)
+    assert (told.value.line, told.value.column) == (1 + data[: data.index(b"12.53001")].count(b"\n"), 49)
+    assert separate_numbers(data) == (data, ())
+
+
 def test_what_is_in_order_and_what_is_not_certain_stay_as_they_are() -> None:
     for data in (plain(), minus(), plain().replace(b"0.00 9.00", b"1e-5 9.00", 1), b"", b"no BVH, 1-2"):
         assert separate_numbers(data) == (data, ())
