@@ -20,7 +20,8 @@ _LASTS = 0.06  # [s] least duration of a lock; pauses and duplicate frames are s
 _CARRIED = 2  # but of fewer frames in a row where the hip moves on, which it does in neither of them:
 _MOVES_ON = 20.0  # [factor] it is this many times as fast as the fastest locked foot
 _AROUND = 0.35  # [s] before and after a plant, in which the correction fades in and out
-_RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them
+_RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them,
+_OTHER_END = 0.5  # [share] and so is one in which the other end of the foot is locked in this share
 
 
 def kept(
@@ -30,8 +31,8 @@ def kept(
     """Tell for each plant whether it stands well enough as it is.
 
     It does if its slide and its distance from the floor are within the tolerances, or, where `keep_rested` is set, if
-    a program has locked it in 30 % of its frames. The other end of the foot counts, too, while it is locked and the hip
-    moves on: programs lock feet, and a cleaned foot is found planted some frames longer at one end than before.
+    a program has locked it in 30 % of its frames, or the other end of its foot in half of them while the hip moves on:
+    programs lock feet, and a cleaned foot is found planted some frames longer at one end than before.
 
     Args:
         plants: of the clip.
@@ -118,20 +119,27 @@ def _still(
     return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
 
 
-def _rests(plant: Footplant, held: Bools) -> bool:
-    """Tell whether a plant is locked in so many of its steps; `held` (F - 1,) marks those of the clip."""
-    steps = held[plant.start : plant.end - 1]
-    return bool(np.count_nonzero(steps) >= _RESTING * max(len(steps), 1))
+def _rests(plant: Footplant, held: tuple[Bools, Bools]) -> bool:
+    """Tell whether a plant is locked in so many of its steps; `held` marks those of its own end, and of the other."""
+    own, other = (np.count_nonzero(each[plant.start : plant.end - 1]) for each in held)
+    steps = max(plant.end - plant.start - 1, 1)
+    return bool(own >= _RESTING * steps or other >= _OTHER_END * steps)
 
 
-def _held(leg: LegTracks, ground: Floats, frame_time: float, leg_length: float) -> tuple[Bools, Bools]:
-    """Mark the steps (F - 1,) in which heel, and toe, are so still that a program must have locked the foot."""
+def _held(
+    leg: LegTracks, ground: Floats, frame_time: float, leg_length: float
+) -> tuple[tuple[Bools, Bools], tuple[Bools, Bools]]:
+    """Mark the steps (F - 1,) in which a foot is so still that a program must have locked it.
+
+    For heel and for toe: the steps in which itself is locked, and those in which the other is while the hip moves on.
+    """
     slowest = PUT_TO_REST * leg_length * frame_time  # [m]
     moves_on = _steps(leg.hip.T - ground) > _MOVES_ON * slowest
     rest = [_steps(leg.place(point).T - ground) <= slowest for point in (HEEL, TOE)]
     carried = [_lasting(each & moves_on, _CARRIED) for each in rest]
     still = [_lasting(each, max(3, round(_LASTS / frame_time))) for each in rest]
-    return still[HEEL] | carried[HEEL] | carried[TOE], still[TOE] | carried[TOE] | carried[HEEL]
+    own = [each | other for each, other in zip(still, carried, strict=True)]
+    return (own[HEEL], carried[TOE]), (own[TOE], carried[HEEL])
 
 
 def _steps(track: Floats) -> Floats:
