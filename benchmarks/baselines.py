@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.detect.cycles import zigzag
+from footfix.detect.gait_cycles import zigzag
 from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.smoothing import savgol

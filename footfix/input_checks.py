@@ -88,10 +88,10 @@ def _no_clip(given: Any) -> str:
 
 
 def _check_finite(what: str, track: Floats) -> None:
-    """Refuse a track (F, n) with numbers that are none, saying in which frames."""
+    """Refuse a track (F, n) with NaN or infinity, saying in which frames."""
     if track.strides and track.strides[0] == 0:
         track = track[:1]
-    if np.isfinite(track.sum()):  # one number that is none makes the sum none, at a tenth of the cost
+    if np.isfinite(track.sum()):  # a single NaN or infinity shows in the sum, at a tenth of the cost
         return
     broken = np.flatnonzero(~np.isfinite(track).all(axis=1))
     if len(broken):  # else the numbers are as large as numbers get

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from footfix.detect.run import detect_over
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.restore_frames import put_back, repeated
+from footfix.enforce.original_frames import repeated, uncropped
 from footfix.enforce.run import enforce
 from footfix.enforce.task import ground_of
 from footfix.errors import InputError
@@ -31,8 +31,8 @@ from footfix.motion.smoothing import smooth_clip
 from footfix.notes import Note
 from footfix.rig.find import find_rigs
 from footfix.rig.motion_crop import Crop, crop
+from footfix.rig.repeated_rounds import Rounds, rounds_of
 from footfix.rig.rig import Rig
-from footfix.rig.rounds import Rounds, rounds_of
 from footfix.settings import Settings
 
 if TYPE_CHECKING:
@@ -238,9 +238,10 @@ def correct(
     for rig, motion, thin in zip(prepared.rigs, prepared.crops, prepared.doubles, strict=True):
         own = contacts.only(sole.name for sole in rig.soles)
         within = motion.contacts(own)
-        distinct = thin.clip(motion.clip(clip))
+        moving = motion.clip(clip)
+        distinct = thin.clip(moving)
         done = enforce(distinct, rig, thin.contacts(within), settings.enforce, cut=motion.cut, leave=leave)
-        found = put_back(repeated(done, thin), clip, motion)
+        found = uncropped(repeated(done, moving, thin), clip, motion)
         notes = (*rig.notes, *prepared.notes, *own.notes, *found.notes)
         planted = motion.contacts_back(within)
         measured = thin.among(motion.start, len(clip))

@@ -124,7 +124,7 @@ def suggest(word: str, known: Iterable[str]) -> str:
 
 
 def _merge(current: Any, values: Any, origin: str, prefix: str) -> Any:
-    """A parameter class with some of its values replaced; nested classes recursively."""
+    """Replace some values of a parameter class; nested classes recursively."""
     if not isinstance(values, Mapping):
         raise UsageError(f"{origin}: {prefix.rstrip('.') or 'settings'} is a group of settings, not {values!r}")
     kinds = typing.get_type_hints(type(current))
@@ -157,7 +157,7 @@ _SCIENTIFIC = re.compile(r"[-+]?\d+(\.\d*)?[eE][-+]?\d+")
 
 
 def _convert(value: Any, kind: Any, origin: str, path: str) -> Any:
-    """A plain value as the type that a parameter declares."""
+    """Convert a plain value to the type that a parameter declares."""
     shape, parts = typing.get_origin(kind), typing.get_args(kind)
     if shape in (typing.Union, types.UnionType):
         if value is None and type(None) in parts:
@@ -204,7 +204,7 @@ def _convert(value: Any, kind: Any, origin: str, path: str) -> Any:
 
 
 def _build(kind: type[Any], value: Any, origin: str, path: str) -> Any:
-    """A value of a parameter class from a mapping that may leave out what has a default."""
+    """Make a parameter class from a mapping that may leave out what has a default."""
     if not isinstance(value, Mapping):
         raise UsageError(f"{origin}: {path} is a group of settings, not {value!r}")
     kinds = typing.get_type_hints(kind)

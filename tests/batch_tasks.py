@@ -7,9 +7,9 @@ import signal
 import time
 from pathlib import Path
 
-from footfix.batch.outputs import Job
+from footfix.batch.one_file import clean_one
+from footfix.batch.output_paths import Job
 from footfix.batch.task import FileResult, Task
-from footfix.batch.work import clean_one
 from footfix.settings import Settings
 
 

@@ -13,13 +13,20 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import once
-import pytest
-from hypothesis import settings
+# One thread a process, as the command line has it: the tests run on all cores anyway, and threads of numpy that wait
+# for each other took a third of the time of the tests of cycles. Numpy reads this once, when it is first imported.
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
 
-from footfix import cli, pipeline
-from footfix.batch import processes
-from footfix.locomotion.loop import run as loop_run
+import once  # noqa: E402
+import pytest  # noqa: E402
+from hypothesis import settings  # noqa: E402
+
+from footfix import cli, pipeline  # noqa: E402
+from footfix.batch import processes  # noqa: E402
+from footfix.jobs import clean, contacts, fit_cycles, follow, inspect, loop, source  # noqa: E402
+from footfix.locomotion.loop import run as loop_run  # noqa: E402
+from footfix.report import pages  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("FOOTFIX_SHARED", ROOT.parent / "shared"))
@@ -30,8 +37,9 @@ Run = Callable[..., tuple[int, str, str]]  # a command line: exit code, standard
 # takes longer than all the rest of the collection. (This file stands before the others are rewritten.)
 sys.dont_write_bytecode = False
 
-# Examples are not timed: on a busy machine any of them may take long.
-settings.register_profile("untimed", deadline=None)
+# Examples are not timed: on a busy machine any of them may take long. They are half as many as by default: most of
+# these tests run in every change to the code, and new examples come with each run.
+settings.register_profile("untimed", deadline=None, max_examples=50)
 settings.load_profile("untimed")
 
 
@@ -44,8 +52,9 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Keep what was imported and collected out of garbage collections: there is much of it, and it stays."""
+    """Keep what was imported and collected out of garbage collections, and have fewer: there is much, and it stays."""
     gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
@@ -79,6 +88,11 @@ def need(paths: list[Path], folder: str) -> list[Path]:
 # Rooms, and tests of the lines of documents, whose tests are of what happens around the numeric steps.
 DRIVEN = ("api", "batch", "cli", "report", "test_docs.py", "test_docstrings.py", "test_readme.py")
 MANY_PROCESSES = ("test_dask.py", "test_processes.py")  # whose law is that each process makes the same
+STEPS = (  # which take longest
+    (pipeline, "detect_over"), (pipeline, "enforce"), (pipeline, "find_rigs"), (loop_run, "make_loop"),
+    (source, "infer_units"),
+    *((module, "find_rigs") for module in (clean, contacts, fit_cycles, follow, inspect, loop, pages)),
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -90,25 +104,20 @@ def forking(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(autouse=True, scope="module")
 def each_clip_once(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Detect and correct the same clip with the same settings once a process, where numbers are not what is tested."""
+    """Place, detect and correct the same clip with the same settings once a run, where numbers are not the test's."""
     with pytest.MonkeyPatch.context() as patch:
         if {request.path.parent.name, request.path.name} & set(DRIVEN) and request.path.name not in MANY_PROCESSES:
-            for module, name in ((pipeline, "detect_over"), (pipeline, "enforce"), (loop_run, "make_loop")):
+            for module, name in STEPS:
                 patch.setattr(module, name, _remembering(getattr(module, name)))
         yield
-
-
-_MADE: dict[bytes, object] = {}
 
 
 def _remembering(function: Callable[..., object]) -> Callable[..., object]:
     """Make a function that gives what it gave for the very same values before; they and it are never changed."""
 
     def remembered(*args: object, **more: object) -> object:
-        key = hashlib.sha256(pickle.dumps((function.__name__, args, more))).digest()
-        if key not in _MADE:
-            _MADE[key] = function(*args, **more)
-        return _MADE[key]
+        key = hashlib.sha256(pickle.dumps((function.__name__, args, more))).hexdigest()
+        return once.remembered(key, lambda: function(*args, **more))
 
     return remembered
 

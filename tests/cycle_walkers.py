@@ -9,7 +9,7 @@ from once import once
 from walker import make
 from walker_plan import Gait
 
-from footfix.jobs.fit import FileCycles, Fitted, cycles_of_file, fit_files
+from footfix.jobs.fit_cycles import FileCycles, Fitted, cycles_of_file, fit_files
 from footfix.settings import Settings
 
 SPEEDS = {"walk": (0.8, 1.1, 1.4, 1.8), "run": (1.8, 2.3, 2.9, 3.5)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.leg import effector_tracks
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig

@@ -171,10 +171,10 @@ OWN_FILES = {
     "rows without channels": (
         b"HIERARCHY ROOT a { OFFSET 0 0 0 }\nMOTION\nFrames: 1\nFrame Time: 0.1\n1 2 3\n",
         refused("5:1: rows have 3 numbers, but the hierarchy has 0 channels")),
-    "rows of words": (HEAD.encode() + b"end\n", refused("24:1: the rows are no rows of numbers: 'end'")),
+    "rows of words": (HEAD.encode() + b"end\n", refused("24:1: the rows are not numbers: 'end'")),
     "rows with semicolons": (
         HEAD.encode() + ROWS.replace(" ", ";").encode(),
-        refused("24:1: the rows are no rows of numbers: '0.00;9.00;0.00;1.00;2.00;3.00;-4.50;5.25...'")),
+        refused("24:1: the rows are not numbers: '0.00;9.00;0.00;1.00;2.00;3.00;-4.50;5.25...'")),
     "no rows but a word": (
         HEAD.replace("Frames: 4", "Frames: 0").encode() + b"end\n", read(0, "no-frames", "trailing-text")),
     # motions

@@ -12,6 +12,33 @@ from typing import TypeVar
 FOLDER = "FOOTFIX_TESTS_ONCE"  # environment variable: a folder of this run, set by conftest
 
 _Value = TypeVar("_Value")
+_MADE: dict[str, object] = {}
+
+
+def remembered(key: str, make: Callable[[], _Value]) -> _Value:
+    """Make a value that this process, or another one of the run, may have made; nobody is waited for.
+
+    Args:
+        key: of all that the value depends on.
+        make: gives it; what it gives can be pickled, and is never changed.
+    """
+    if key not in _MADE:
+        folder = os.environ.get(FOLDER)
+        made = Path(folder or "") / f"{key}.pickle"
+        if folder is not None and made.exists():
+            _MADE[key] = pickle.loads(made.read_bytes())
+        else:
+            _MADE[key] = make()
+            if folder is not None:
+                _keep(made, _MADE[key])
+    return _MADE[key]  # type: ignore[return-value]
+
+
+def _keep(made: Path, value: object) -> None:
+    """Write a value so that its file is there whole or not at all."""
+    part = made.with_suffix(f".{os.getpid()}")
+    part.write_bytes(pickle.dumps(value))
+    part.replace(made)
 
 
 def once(name: str, make: Callable[[], _Value]) -> _Value:
@@ -38,7 +65,5 @@ def once(name: str, make: Callable[[], _Value]) -> _Value:
     except BaseException:
         begun.unlink()  # what failed here is not waited for elsewhere
         raise
-    part = made.with_suffix(f".{os.getpid()}")
-    part.write_bytes(pickle.dumps(value))
-    part.replace(made)
+    _keep(made, value)
     return value

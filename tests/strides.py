@@ -9,8 +9,8 @@ from once import once
 from walks import rig_of, walk
 
 from footfix.enforce.params import EnforceParams
+from footfix.locomotion.follow.prepared_walk import Walk, make_walk
 from footfix.locomotion.follow.run import Follow
-from footfix.locomotion.follow.walk import Walk, make_walk
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.run import make_loop
 from footfix.motion.kinematics import Pose, forward

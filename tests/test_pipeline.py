@@ -16,9 +16,9 @@ from walker_plan import Gait
 import footfix
 from footfix import pipeline
 from footfix.batch import gates
-from footfix.batch.outputs import Job
+from footfix.batch.output_paths import Job
 from footfix.batch.task import Task
-from footfix.enforce.restore_frames import put_back
+from footfix.enforce.original_frames import uncropped
 from footfix.formats.contacts import Labels
 from footfix.jobs.clean import clean_file
 from footfix.jobs.measure import measure_file
@@ -206,7 +206,7 @@ def test_frames_that_lead_over_from_a_t_pose_lead_to_what_is_corrected() -> None
     rise = np.tile([0.0, 0.03, 0.0], (len(clip) - LED_IN, 1))  # (F, 3) [m]
     inner = pipeline.enforce(motion.clip(clip), rig, made.contacts, SETTINGS.enforce)
     inner = replace(inner, correction=replace(inner.correction, root_shift=rise))
-    shift = put_back(inner, clip, motion).correction.root_shift
+    shift = uncropped(inner, clip, motion).correction.root_shift
     assert np.allclose(shift[:4, 1], [0.0, 0.01, 0.02, 0.03], atol=2e-3) and np.allclose(shift[3:], rise)
 
 

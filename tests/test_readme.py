@@ -74,7 +74,7 @@ def test_the_commands_on_cycles_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             for path in made:  # two walks do as well, where fewer cycles are enough
                 if path.stem not in ("walk_150cm_s", "walk_180cm_s"):
                     path.unlink()
-            monkeypatch.setattr("footfix.jobs.fit.FEWEST", 10)
+            monkeypatch.setattr("footfix.jobs.fit_cycles.FEWEST", 10)
             continue
         monkeypatch.setattr(sys, "argv", [program, *rest])
         assert cli.run() == 0, line

@@ -6,6 +6,7 @@ import hashlib
 from functools import cache
 
 import numpy as np
+from once import remembered
 from walker import Walk, make
 from walker_gaits import Gait
 
@@ -15,8 +16,6 @@ from footfix.enforce.run import Enforcement, enforce
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Leg, Rig, SolePoint
-
-_CLEANED: dict[bytes, tuple[Clip, Enforcement]] = {}
 
 
 @cache
@@ -83,14 +82,15 @@ def extension(clip: Clip, rig: Rig) -> float:
 def cleaned(
     clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams | None = None
 ) -> tuple[Clip, Enforcement]:
-    """The clip with its plants enforced; the same clip is enforced once for all tests of a process."""
+    """The clip with its plants enforced; the same clip is enforced once for all tests of a run."""
     params = params or EnforceParams()
     skeleton = clip.skeleton
     bones = skeleton.parents, skeleton.offsets, skeleton.end_parents, skeleton.end_offsets
     numbers = b"".join(array.tobytes() for array in (clip.positions, clip.rotations, *bones))
     words = repr((clip.frame_time, skeleton.translates, skeleton.rotates, rig, contacts, params))
-    key = hashlib.sha256(numbers + words.encode()).digest()
-    if key not in _CLEANED:
+
+    def make() -> tuple[Clip, Enforcement]:
         found = enforce(clip, rig, contacts, params)
-        _CLEANED[key] = apply(clip, found.correction), found
-    return _CLEANED[key]
+        return apply(clip, found.correction), found
+
+    return remembered(hashlib.sha256(numbers + words.encode()).hexdigest(), make)

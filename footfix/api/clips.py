@@ -48,7 +48,7 @@ def find_rig(
             of a glTF file that was loaded; by default what `settings.rig.skin` names.
 
     Raises:
-        ArgumentError: the clip is none, or not in metres.
+        ArgumentError: it is not a clip, or not in metres.
         InputError: the skin can't be read.
         NoLegsError: nothing in the skeleton could be a pair of legs.
     """
@@ -67,7 +67,7 @@ def find_rigs(
             of a glTF file that was loaded; by default what `settings.rig.skin` names.
 
     Raises:
-        ArgumentError: the clip is none, or not in metres.
+        ArgumentError: it is not a clip, or not in metres.
         InputError: the skin can't be read.
         NoLegsError: no figure has legs.
     """
@@ -217,7 +217,7 @@ def apply(clip: Clip, correction: Correction) -> Clip:
 
 
 def global_positions(clip: Clip) -> Floats:
-    """Work out where all joints of a clip are in the world: (F, J, 3) [m], y up.
+    """Compute where all joints of a clip are in the world, (F, J, 3) [m], y up.
 
     Args:
         clip: the motion.

@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 
 from footfix.api.parameters import check_settings
 from footfix.batch.cycles import load_model as _load_model
-from footfix.batch.files import read_whole, write_whole
+from footfix.batch.file_io import read_whole, write_whole
 from footfix.errors import ArgumentError, InputError
-from footfix.formats.models import encode_model
-from footfix.formats.plans import PlanRow
-from footfix.jobs.fit import Fitted, cycles_of_file, fit_files
-from footfix.jobs.make import plan_of
+from footfix.formats.cycle_models import encode_model
+from footfix.formats.locomotion_plans import PlanRow
+from footfix.jobs.fit_cycles import Fitted, cycles_of_file, fit_files
+from footfix.jobs.make_cycles import plan_of
 from footfix.locomotion.cycles.engine_state import Live
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Plan
@@ -89,17 +89,17 @@ class Engine:
 
     @property
     def time(self) -> float:
-        """[s] since it began."""
+        """Get the time since it began [s]."""
         return self._live.time
 
     @property
     def skeleton(self) -> Skeleton:
-        """The figure's joints."""
+        """Get the figure's joints."""
         return self.model.skeleton
 
     @property
     def rig(self) -> Rig:
-        """Its legs and soles."""
+        """Get its legs and soles."""
         return self.model.rig
 
     def set(
@@ -133,7 +133,7 @@ class Engine:
         return Frame(self.time, self._places(found.place[k]), frozen(found.turns[k]), down)
 
     def ahead(self, seconds: float, *, frames: int = 25) -> Ahead:
-        """Foresee what comes next: postures from now on, and where the feet are going to stand.
+        """Predict what comes next: postures from now on, and where the feet are going to stand.
 
         What was asked for is in it; where something else is asked for in every frame, what was a tenth of a second ago.
 
@@ -163,7 +163,7 @@ class Engine:
         return plan_of([PlanRow(0.0, speed, run, turn, weights)], self.model)
 
     def _places(self, root: Floats) -> Floats:
-        """(..., J, 3) [m] of the root's place (..., 3)."""
+        """Place all joints (..., J, 3) [m] by the root's place (..., 3)."""
         places = np.empty((*root.shape[:-1], *self._at_rest.shape))
         places[:] = self._at_rest
         places[..., self.rig.root, :] = root
@@ -173,7 +173,7 @@ class Engine:
         out = {}
         for sole in self.rig.soles:
             own, part = [], int(sole.part == "toe")
-            for stance in self._live.foreseen.feet.stances[sole.leg]:
+            for stance in self._live.prediction.feet.stances[sole.leg]:
                 span = stance.spans[part]
                 if span is not None and span[1] > self.time and span[0] <= self.time + seconds:
                     x, y, z = stance.points[part].tolist()
@@ -217,7 +217,7 @@ def load_model(path: str | Path) -> CycleModel:
     """Read a model of cycles.
 
     Raises:
-        InputError: the file can't be read, or is none.
+        InputError: the file can't be read, or is not a model.
     """
     return _load_model(path)
 

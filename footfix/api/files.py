@@ -38,7 +38,7 @@ def load(
         The file; its `.clip` is the motion in metres, y up, its `.notes` what was odd about it.
 
     Raises:
-        InputError: it can't be read, holds numbers that are none, or several animations, of which none was named.
+        InputError: it can't be read, holds NaN or infinity, or holds several animations, of which none was named.
         OSError: it can't be opened.
     """
     file, named = _file_and_clip(path, animation)
@@ -89,10 +89,10 @@ def save(path: str | os.PathLike[str], clip: Clip, *, like: Document | None = No
             in centimetres, y up, is composed.
 
     Raises:
-        ArgumentError: the clip is none, or not of the document's joints; or the path is that of another format.
+        ArgumentError: it is not a clip, or not of the document's joints; or the path is that of another format.
         OutputError: it could not be written; what stood there still does.
     """
-    from footfix.batch.files import write_whole
+    from footfix.batch.file_io import write_whole
 
     check_clip(clip)
     if like is not None and clip.skeleton.names != like.clip.skeleton.names:

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 
 from footfix.api.parameters import check_settings
 from footfix.errors import ArgumentError
-from footfix.formats.paths import shape
+from footfix.formats.floor_paths import shape
 from footfix.input_checks import check_clip
 from footfix.jobs.follow import Start, check_starts, start_of, walk_of
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.run import Follow, follow_path
-from footfix.locomotion.follow.walk import Walk
 from footfix.motion.clip import Clip
 from footfix.settings import Settings
 
@@ -44,7 +44,7 @@ def follow(
         The walks along the path, and how it was walked.
 
     Raises:
-        ArgumentError: the points are no path, or clips or settings can't be what is meant.
+        ArgumentError: the points do not make a path, or clips or settings can't be what is meant.
         UsageError: a walk begins where it can't.
         InputError: a clip holds no walk that can be repeated, or the clips have different skeletons.
     """

@@ -65,7 +65,7 @@ def save_contacts(
         ArgumentError: the suffix is another one, or JSON is asked for without clip and rig.
         OutputError: it could not be written; what stood there still does.
     """
-    from footfix.batch.files import write_whole
+    from footfix.batch.file_io import write_whole
 
     write_whole(Path(path), _encoded(Path(path), contacts, clip, rig, like))
 

@@ -16,9 +16,9 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.from_positions import fit_rotations
 from footfix.motion.kinematics import places
 from footfix.pipeline import Result
-from footfix.rig.figure import figures
+from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import figures
 from footfix.rig.rig import Rig
-from footfix.rig.sample import sample
 from footfix.rig.units import scores, vector
 from footfix.settings import Settings
 
@@ -83,7 +83,7 @@ def clean_positions(
         rig: legs and soles; found where it is not given.
 
     Raises:
-        ArgumentError: an array has another shape, numbers that are none, or another unit than it is said to have.
+        ArgumentError: an array has another shape, holds NaN or infinity, or is in another unit than stated.
         NoLegsError: nothing in the skeleton could be a pair of legs.
     """
     given = np.asarray(positions)

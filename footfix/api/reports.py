@@ -83,7 +83,7 @@ def make_report(
     Raises:
         ArgumentError: the clip is another one.
     """
-    results = (result,) if isinstance(result, Result) else tuple(result)
+    results = _each(result)
     check_clip(before)
     if len(results[0].clip) != len(before):
         raise ArgumentError(f"the result has {len(results[0].clip)} frames, and the clip before {len(before)}")
@@ -108,10 +108,15 @@ def make_page(
     Raises:
         ArgumentError: the clip is another one.
     """
-    results = (result,) if isinstance(result, Result) else tuple(result)
+    results = _each(result)
     report = make_report(results, before, like=like, settings=settings)
     contacts = contacts_json(
         all_contacts([each.contacts for each in results]), report["source"], report["rig"], check_settings(settings)
     )
     rig = joined([each.rig for each in results])
     return draw(before, results[0].clip, rig, report, contacts, ReportParams(kind="html"))[0][PAGE]
+
+
+def _each(result: Result | Sequence[Result]) -> tuple[Result, ...]:
+    """List the results of all figures of a clip, of which there may be one."""
+    return (result,) if isinstance(result, Result) else tuple(result)

@@ -66,7 +66,7 @@ class Stream:
         before: whether frames before that "pass" as they are, or "wait" to be corrected, too.
 
     Raises:
-        ArgumentError: the source is none, or the frame time is missing.
+        ArgumentError: the source is neither of these, or the frame time is missing.
         NoLegsError: the figure has no legs.
         UsageError: settings or look-ahead ask for what only a whole clip can have.
     """
@@ -77,7 +77,7 @@ class Stream:
         calibration: float = StreamParams.calibration, before: Before = StreamParams.before,
     ) -> None:  # fmt: skip
         if not isinstance(source, (Document, Skeleton)):
-            raise ArgumentError(f"a stream is of a loaded BVH file or a skeleton, not {type(source).__name__}")
+            raise ArgumentError(f"source must be a loaded BVH file or a skeleton, not {type(source).__name__}")
         given = source.frame_time if frame_time is None and isinstance(source, Document) else frame_time
         if given is None:
             raise ArgumentError("a stream of a skeleton needs frame_time, the seconds from frame to frame")
@@ -92,12 +92,12 @@ class Stream:
 
     @property
     def delay(self) -> float:
-        """[s] that a frame waits at most: look-ahead and a thirtieth of a second."""
+        """Get the longest time that a frame waits [s]: the look-ahead and a thirtieth of a second."""
         return self._live.delay * self._frame_time
 
     @property
     def effectors(self) -> tuple[str, ...]:
-        """Names of the sole points whose contacts frames tell; none before calibration."""
+        """List the names of the sole points whose contacts frames carry; none before calibration."""
         return self._live.effectors
 
     def push(self, frames: Clip | tuple[ArrayLike, ArrayLike] | ArrayLike) -> list[Frame]:
@@ -108,7 +108,7 @@ class Stream:
                 (n, J, 3) [m] and rotations (n, J, 4).
 
         Raises:
-            ArgumentError: they are of another shape, or hold numbers that are none.
+            ArgumentError: they are of another shape, or hold NaN or infinity.
         """
         return [self._frame(each) for each in self._live.push(self._rows(frames))]
 

@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.attempt import attempted
-from footfix.batch.files import read_whole, write_whole
+from footfix.batch.file_io import read_whole, write_whole
 from footfix.batch.inputs import Source
-from footfix.batch.outputs import plan as plan_outputs
+from footfix.batch.output_paths import plan as plan_outputs
 from footfix.batch.task import FileResult, Task, beside
 from footfix.batch.write_outputs import fingerprint, write_outputs
 from footfix.errors import UsageError
 
 if TYPE_CHECKING:
-    from footfix.formats.plans import PlanRow
-    from footfix.jobs.fit import FileCycles, Fitted
+    from footfix.formats.locomotion_plans import PlanRow
+    from footfix.jobs.fit_cycles import FileCycles, Fitted
     from footfix.jobs.outputs import Outputs
     from footfix.locomotion.cycles.model import CycleModel
     from footfix.settings import Settings
@@ -40,8 +40,8 @@ def fit_and_write(files: Sequence[FileCycles], output: Path, *, components: int 
     Raises:
         InputError: there are too few cycles.
     """
-    from footfix.formats.models import encode_model
-    from footfix.jobs.fit import fit_files
+    from footfix.formats.cycle_models import encode_model
+    from footfix.jobs.fit_cycles import fit_files
 
     fitted = fit_files(files, components=components)
     output.parent.mkdir(parents=True, exist_ok=True)
@@ -78,7 +78,7 @@ def load_model(path: str | Path) -> CycleModel:
     Raises:
         InputError: it can't be read.
     """
-    from footfix.formats.models import decode_model
+    from footfix.formats.cycle_models import decode_model
 
     return decode_model(read_whole(path, _MOST), name=str(path))
 
@@ -89,7 +89,7 @@ def load_plan(path: str | Path) -> tuple[PlanRow, ...]:
     Raises:
         InputError: it can't be read.
     """
-    from footfix.formats.plans import decode_plan
+    from footfix.formats.locomotion_plans import decode_plan
 
     return decode_plan(read_whole(path, _MOST_PLAN), name=str(path))
 
@@ -141,8 +141,8 @@ def _made(
 
     import numpy as np
 
-    from footfix.formats.models import decode_model
-    from footfix.jobs.make import make_file, plan_of
+    from footfix.formats.cycle_models import decode_model
+    from footfix.jobs.make_cycles import make_file, plan_of
 
     model = decode_model(data, name=model_file)
     plan = plan_of(rows, model)

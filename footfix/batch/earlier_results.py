@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from footfix.batch.files import STDIN
+from footfix.batch.file_io import STDIN
 from footfix.batch.task import REPORT, Task
 from footfix.formats.contacts import Labels
 from footfix.formats.suffixes import in_file

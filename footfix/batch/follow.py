@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footfix.batch.attempt import attempted
-from footfix.batch.files import STDIN, read_clip, read_whole
+from footfix.batch.file_io import STDIN, read_clip, read_whole
 from footfix.batch.inputs import Source
-from footfix.batch.outputs import plan
+from footfix.batch.output_paths import plan
 from footfix.batch.task import FileResult, Task, beside
 from footfix.batch.write_outputs import fingerprint, write_outputs
 from footfix.errors import UsageError
 from footfix.formats.suffixes import STDIN_NAME
 
 if TYPE_CHECKING:
-    from footfix.formats.paths import DrawnPath
+    from footfix.formats.floor_paths import DrawnPath
     from footfix.settings import Settings
 
 _AT = re.compile(r"(.+)@((?:\d+\.?\d*|\.\d+)[sm])", re.IGNORECASE | re.DOTALL)
@@ -51,7 +51,7 @@ def read_path(text: str) -> DrawnPath:
         UsageError: it is neither a file nor a shape.
         InputError: the file holds no path.
     """
-    from footfix.formats.paths import read_path, shape
+    from footfix.formats.floor_paths import read_path, shape
 
     if Path(text).is_file():
         return read_path(read_whole(text, _MOST), text)

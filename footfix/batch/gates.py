@@ -76,7 +76,7 @@ def check(task: Task, data: bytes) -> FileResult:
         Status "over" where a measure exceeds its gate, else "done"; the report holds measures and gates. A gate on a
         measure that this clip lacks is skipped, with a note.
     """
-    from footfix.batch.clips import beside_of
+    from footfix.batch.multi_clip_files import beside_of
     from footfix.batch.skins import skin_for
     from footfix.jobs.measure import measure_file
 

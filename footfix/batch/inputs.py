@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from footfix.batch.files import STDIN, read_whole
+from footfix.batch.file_io import STDIN, read_whole
 from footfix.errors import UsageError
 from footfix.formats.suffixes import STDIN_NAME, in_file, is_cleaned, is_motion
 

@@ -13,9 +13,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from footfix.batch.clips import named
-from footfix.batch.files import write_whole
+from footfix.batch.file_io import write_whole
 from footfix.batch.inputs import MARK
+from footfix.batch.multi_clip_files import named
 from footfix.batch.task import FileResult
 from footfix.errors import OutputError
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from footfix.batch.files import remove_leftovers
+from footfix.batch.file_io import remove_leftovers
 from footfix.batch.task import FileResult, Task
 from footfix.errors import FootfixError
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from footfix.batch.files import read_whole, write_whole
+from footfix.batch.file_io import read_whole, write_whole
 from footfix.batch.skins import skin_for
 from footfix.batch.task import CONTACTS, REPORT, FileResult
 from footfix.errors import FootfixError, InputError
@@ -116,6 +116,6 @@ def _input(report: Mapping[str, Any], path: Path, source: Path | None, most: int
             if hashlib.sha256(data).hexdigest() == known:
                 return data
     raise InputError(
-        f"the clip it was made from, {name}, is not {'there' if source else 'beside it'} as it was",
+        f"the clip it was made from, {name}, is not {'there' if source else 'beside it'}, or was changed since",
         file=str(path), hint="--source says where it is",
     )  # fmt: skip

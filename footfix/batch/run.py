@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from footfix.batch.files import STDIN, remove_leftovers
+from footfix.batch.file_io import STDIN, remove_leftovers
 from footfix.batch.journal import Journal
 from footfix.batch.processes import Results, Stop, Work, here, on_processes
 from footfix.batch.task import FileResult, Task
@@ -106,7 +106,7 @@ def _done(work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: C
     ended: Results
     workers = crew.workers or (_processors() if len(chosen) >= _WORTH_A_PROCESS else 1)
     if crew.dask:
-        from footfix.batch.cluster import on_cluster
+        from footfix.batch.dask_cluster import on_cluster
 
         ended = on_cluster(work, chosen, address=crew.dask, stop=stop, starting=begin)
     elif workers > 1 or crew.timeout is not None:

@@ -7,7 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from footfix.batch.files import read_whole
+from footfix.batch.file_io import read_whole
 from footfix.errors import InputError
 from footfix.rig.params import NO_SKIN
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from footfix.batch.outputs import Job
+from footfix.batch.output_paths import Job
 
 if TYPE_CHECKING:
     from footfix.formats.contacts import Labels

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from footfix.batch.attempt import attempted
-from footfix.batch.clips import beside_of, joined_result, parts_of
-from footfix.batch.files import sync_folder, write_whole
-from footfix.batch.outputs import is_within
+from footfix.batch.file_io import sync_folder, write_whole
+from footfix.batch.multi_clip_files import beside_of, joined_result, parts_of
+from footfix.batch.output_paths import is_within
 from footfix.batch.task import CONTACTS, REPORT, FileResult, Task, beside
 from footfix.errors import OutputError
 from footfix.version import __version__

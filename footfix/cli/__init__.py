@@ -16,7 +16,7 @@ from importlib import import_module
 
 import click
 
-from footfix.cli.messages import say
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode, FootfixError, UsageError
 from footfix.formats.suffixes import is_motion
 from footfix.version import __version__
@@ -29,9 +29,9 @@ COMMANDS = {
     "follow": "Lead captured walks along a path, one style handed over to the next.",
     "cycles": "Learn how a figure walks and runs from its clips; make locomotion of any speed.",
     "detect": "Find contacts only, as labels.",
-    "check": "Measure clips and hold them against gates; change nothing.",
+    "check": "Measure clips and compare them with gates; change nothing.",
     "inspect": "Say what is in a file: rig, units, floor, and everything odd about it.",
-    "settings": "Print the settings that hold, each with origin, meaning and unit; list the presets.",
+    "settings": "Print the settings in effect, each with origin, meaning and unit; list the presets.",
     "report": "Draw the pages of cleaned clips anew, from their report files.",
 }
 

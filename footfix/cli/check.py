@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
-from footfix.batch.clips import spread
 from footfix.batch.journal import Journal
-from footfix.batch.work import check_one
+from footfix.batch.multi_clip_files import spread
+from footfix.batch.one_file import check_one
 from footfix.cli.options import Common, Given, Many, given, many, shared
 from footfix.cli.running import (
     code,
@@ -40,11 +40,11 @@ def check(
     src: tuple[str, ...], most: tuple[str, ...], given: Given, anew: bool, junit: Path | None, style: str, listed: bool,
     many: Many, common: Common,
 ) -> int:  # fmt: skip
-    """Measure clips and hold them against gates; change nothing.
+    """Measure clips and compare them with gates, which are upper bounds of measures; change nothing.
 
-    A clip that footfix cleaned is measured against the contacts that lie beside it, others are looked through.
+    A clip that footfix cleaned is measured on the contacts that lie beside it; in other clips contacts are detected.
     Exits with 1 where a clip is over a gate, given by --max or by `gates:` in the config. Where neither gives one,
-    share_over_21mm, skating_ratio and penetration_mm are held against bounds that --list gives with their reasons.
+    share_over_21mm, skating_ratio and penetration_mm have default gates, which --list shows with their reasons.
     Plants that cleaning let go are counted apart, as let_go; held_slide_mm and held_over_21mm are of the others.
     """
     from footfix.batch import gates

@@ -12,17 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from footfix.batch import outputs
-from footfix.batch.clips import spread, spread_pairs
+from footfix.batch import output_paths
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal, Past, journal_in, recall
-from footfix.batch.outputs import Job
+from footfix.batch.multi_clip_files import spread, spread_pairs
+from footfix.batch.one_file import clean_one
+from footfix.batch.output_paths import Job
 from footfix.batch.run import Outcome
 from footfix.batch.task import CONTACTS, PAGE, PICTURE, REPORT, FileResult, Task, beside
-from footfix.batch.work import clean_one
-from footfix.cli.messages import say
+from footfix.cli.closing_message import wrote
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
-from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,
@@ -34,6 +33,7 @@ from footfix.cli.running import (
     tasks_for,
     write_file,
 )
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -76,11 +76,11 @@ def clean(
 
     SRC is a BVH or glTF file (.glb, .gltf, .vrm, .vrma), a folder, or - for standard input.
 
-    Of one clip, walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html are written beside it;
-    -o FOLDER puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Every
+    Beside walk.bvh are written walk.clean.bvh, walk.contacts.json, walk.report.json and walk.report.html; -o FOLDER
+    puts them there, as walk.bvh and so on, and -o NAME.bvh gives the corrected clip a name of its own. Every
     animation of a glTF file is a clip: character.glb gives character.clean.glb, character.Walk.contacts.json, and so
-    on for each. Of one folder, index.html and summary.json are written too: into that folder, or into the one that -o
-    names. Several files or folders get those two with -o only.
+    on for each. For one folder, index.html and summary.json are written too: into that folder, or into the one that
+    -o names. Several files or folders get those two with -o only.
     """
     options: dict[str, Any] = {}
     if method:
@@ -115,12 +115,12 @@ def run_clips(
     if output is not None and in_place:
         raise UsageError("-o and --in-place exclude each other")
     found = found_inputs(src, many, leave_out=output)
-    one_file = outputs.names_file(output, found, folder=bool(many.from_file) or _a_folder(src))
+    one_file = output_paths.names_file(output, found, folder=bool(many.from_file) or _a_folder(src))
     config = config_for(src, many, common, options)
     whole = whole_run(src, found, None if one_file else output, many, config.settings().report.kind, ending)
     dry_run, force, resume = writing.dry_run, writing.force, writing.resume
     past = recall(whole.folder, ending) if whole.folder is not None and resume else Past()
-    jobs = outputs.plan(
+    jobs = output_paths.plan(
         found, output=output, in_place=in_place, force=force, dry_run=dry_run, one_file=one_file,
         suffixes=lambda source: beside(config.settings(Path(source.path))),
         ours=lambda job: resume and (job.name in past.begun or _reported(job)),

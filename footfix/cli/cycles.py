@@ -14,7 +14,7 @@ from footfix.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     from footfix.batch.task import FileResult
-    from footfix.jobs.fit import Fitted
+    from footfix.jobs.fit_cycles import Fitted
 
 
 @click.group()
@@ -30,7 +30,7 @@ def cycles() -> None:
               "tired='*tired*'. May be repeated. By default a file's style is the folder it lies in.")  # fmt: skip
 @click.option("--components", type=click.IntRange(1, 200), metavar="N",
               help="The most principal components that a gait keeps; 20 by default.")  # fmt: skip
-@click.option("--force", is_flag=True, help="Overwrite a model that is there.")
+@click.option("--force", is_flag=True, help="Overwrite an existing model.")
 @many
 @shared
 def fit(
@@ -39,16 +39,16 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a model to the straight walks and runs in clips of one skeleton.
 
-    A gait needs 20 cycles, of two speeds at least; 100 of a range of speeds are better. Clips that are something else
-    are left aside. The model names its files, and holds none of them.
+    A gait needs 20 cycles, of two speeds at least; 100 over a range of speeds are better. Clips of other motion are
+    skipped. The model holds the names of its files, but none of their motion.
     """
-    from footfix.batch.clips import spread
     from footfix.batch.cycles import check_output, fit_and_write, style_of
     from footfix.batch.journal import Journal
-    from footfix.batch.work import sample_one
-    from footfix.cli.messages import say
+    from footfix.batch.multi_clip_files import spread
+    from footfix.batch.one_file import sample_one
     from footfix.cli.running import code, config_for, found_inputs, print_json, reading, run_tasks, tasks_for
-    from footfix.jobs.fit import fit_entry
+    from footfix.cli.stderr import say
+    from footfix.jobs.fit_cycles import fit_entry
     from footfix.report.text import printable
 
     found = found_inputs(src, many)
@@ -130,7 +130,7 @@ def _fitted(fitted: Fitted, output: Path, verbose: bool) -> str:
 @click.option("--fps", type=click.FloatRange(1.0, 1000.0), default=60.0, show_default=True, help="Frames a second.")
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @shared
 def make(
     model: str, output: Path, seconds: float | None, speed: float | None, plan: str | None, run_: float | None,
@@ -139,9 +139,9 @@ def make(
 ) -> int:  # fmt: skip
     """Make locomotion from a model: BVH, contacts and report, as of `clean`."""
     from footfix.batch.cycles import load_plan, run_make
-    from footfix.cli.results import print_result
+    from footfix.cli.closing_message import print_result
     from footfix.cli.running import config_near
-    from footfix.formats.plans import PlanRow
+    from footfix.formats.locomotion_plans import PlanRow
 
     single = {"--speed": speed, "--run": run_, "--turn": turn, "--style": style}
     given = [name for name, value in single.items() if value is not None]

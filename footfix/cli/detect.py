@@ -11,14 +11,13 @@ from typing import Any
 
 import click
 
-from footfix.batch import outputs
-from footfix.batch.clips import spread
+from footfix.batch import output_paths
 from footfix.batch.journal import Journal
+from footfix.batch.multi_clip_files import spread
+from footfix.batch.one_file import detect_one
 from footfix.batch.task import FileResult
-from footfix.batch.work import detect_one
-from footfix.cli.messages import say
+from footfix.cli.closing_message import wrote
 from footfix.cli.options import Common, Given, Many, given, many, shared
-from footfix.cli.results import wrote
 from footfix.cli.running import (
     Say,
     code,
@@ -30,6 +29,7 @@ from footfix.cli.running import (
     run_tasks,
     tasks_for,
 )
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode
 
 
@@ -45,7 +45,7 @@ from footfix.errors import ExitCode
 @click.option("--events", is_flag=True, help="Also write when feet strike and lift, as walk.events.json; a glTF file "
               "gets a copy, too: character.events.glb has them as extras of its animations.")  # fmt: skip
 @given("Contacts to keep; the rest is detected")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @many
 @shared
 def detect(
@@ -74,11 +74,11 @@ def run_detect(
     found = found_inputs(src, many, leave_out=output)
     config = config_for(src, many, common, options)
     folder = bool(many.from_file) or any(Path(each).is_dir() for each in src)
-    one_file = outputs.names_file(output, found, folder=folder, ends=tuple(_SHORT))
+    one_file = output_paths.names_file(output, found, folder=folder, ends=tuple(_SHORT))
     if kind is None:
         named = "" if output is None or not one_file else output.name.lower()
         kind = next((each for end, each in _SHORT.items() if named.endswith(end)), "json")
-    jobs = outputs.plan_labels(
+    jobs = output_paths.plan_labels(
         found, output=output, suffix=ENDS[kind], force=force or common.as_json, one_file=one_file
     )  # fmt: skip
     tasks = [

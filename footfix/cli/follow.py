@@ -27,7 +27,7 @@ _SPEED = re.compile(r"(\d+\.?\d*|\.\d+)\s*(x|m/s)?", re.IGNORECASE)
 @click.option("--no-lean", is_flag=True, help="The figure stays upright in curves (follow.lean).")
 @click.option("--report", type=click.Choice(["none", "json", "html"]), help="What is written beside the clip.")
 @click.option("--dry-run", is_flag=True, help="Do everything but write.")
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @shared
 def follow(
     path: str, clips: tuple[str, ...], output: Path, speed: str | None, seconds: float | None, no_stride: bool,
@@ -42,7 +42,7 @@ def follow(
     path: walk.bvh tired.bvh@3s jog.bvh@8m.
     """
     from footfix.batch.follow import named, run_follow
-    from footfix.cli.results import print_result
+    from footfix.cli.closing_message import print_result
     from footfix.cli.running import config_near
 
     parts = [named(each) for each in clips]

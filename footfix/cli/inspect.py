@@ -7,12 +7,12 @@ from pathlib import Path
 
 import click
 
-from footfix.batch import outputs
-from footfix.batch.clips import spread
-from footfix.batch.files import STDIN
+from footfix.batch import output_paths
+from footfix.batch.file_io import STDIN
 from footfix.batch.journal import Journal
+from footfix.batch.multi_clip_files import spread
+from footfix.batch.one_file import inspect_one, repair_one
 from footfix.batch.task import FileResult
-from footfix.batch.work import inspect_one, repair_one
 from footfix.cli.options import Common, Many, many, shared
 from footfix.cli.running import (
     Say,
@@ -34,7 +34,7 @@ from footfix.errors import ExitCode, UsageError
 @click.option("--repair", is_flag=True, help="Write what a strict reader wants, and say what was changed.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="PATH",
               help="Folder for repaired files; with one file also a name for it.")  # fmt: skip
-@click.option("--force", is_flag=True, help="Overwrite outputs that are there.")
+@click.option("--force", is_flag=True, help="Overwrite existing outputs.")
 @many
 @shared
 def inspect(src: tuple[str, ...], repair: bool, output: Path | None, force: bool, many: Many, common: Common) -> int:
@@ -69,8 +69,8 @@ def run_repair(src: tuple[str, ...], *, output: Path | None, force: bool, many: 
     if output is None and any(source.path != STDIN for source in found):
         raise UsageError("--repair writes files: say where with -o")
     folder = bool(many.from_file) or any(Path(each).is_dir() for each in src)
-    one_file = outputs.names_file(output, found, folder=folder)
-    jobs = outputs.plan(
+    one_file = output_paths.names_file(output, found, folder=folder)
+    jobs = output_paths.plan(
         found, output=output, in_place=False, suffixes=lambda source: (), force=force, one_file=one_file
     )  # fmt: skip
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from footfix.batch.work import loop_one
+from footfix.batch.one_file import loop_one
 from footfix.cli.clean import run_clips
 from footfix.cli.options import Common, Given, Many, Writing, given, many, shared, writing
 from footfix.errors import UsageError

@@ -132,12 +132,12 @@ def writing(command: Command) -> Command:
     return _gathered(
         command, Writing, "writing",
         click.option("--dry-run", is_flag=True, help="Do everything but write."),
-        click.option("--force", is_flag=True, help="Overwrite outputs that are there."),
-        click.option("--resume", is_flag=True, help="Go on with an interrupted run: leave what is done already."),
+        click.option("--force", is_flag=True, help="Overwrite existing outputs."),
+        click.option("--resume", is_flag=True, help="Continue an interrupted run: skip what is done already."),
         click.option("--junit", type=click.Path(dir_okay=False, path_type=Path),
                      help="Write the results as JUnit XML."),
         click.option("--format", "style", type=click.Choice(["text", "github"]), default="text", show_default=True,
-                     help="How failures are told."),
+                     help="How failures are printed."),
     )  # fmt: skip
 
 
@@ -166,7 +166,7 @@ class Many:
 
     @property
     def tag(self) -> str:
-        """The part of file names that tells this shard of a run from the others."""
+        """Make the part of file names that tells this shard of a run from the others."""
         return "run" if self.shard is None else f"{self.shard[0]}-of-{self.shard[1]}"
 
     def named(self, stem: str, suffix: str) -> str:

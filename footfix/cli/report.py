@@ -7,7 +7,7 @@ from typing import Literal
 
 import click
 
-from footfix.cli.messages import say
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode
 
 
@@ -18,7 +18,7 @@ from footfix.errors import ExitCode
 @click.option("--png", is_flag=True, help="Draw a picture of the worst plants, too.")
 @click.option("--no-html", is_flag=True, help="Draw the picture only.")
 @click.option("-o", "--output", type=click.Path(file_okay=False, path_type=Path), help="Folder for what is drawn.")
-@click.option("--force", is_flag=True, help="Draw over what is there.")
+@click.option("--force", is_flag=True, help="Overwrite existing pages and pictures.")
 def report(
     reports: tuple[str, ...], source: Path | None, png: bool, no_html: bool, output: Path | None, force: bool
 ) -> int:

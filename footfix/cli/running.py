@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from footfix.batch import inputs
-from footfix.batch.clips import spread
-from footfix.batch.files import STDIN, read_whole, write_whole
+from footfix.batch.file_io import STDIN, read_whole, write_whole
 from footfix.batch.inputs import Source
 from footfix.batch.journal import Journal
-from footfix.batch.outputs import Job
+from footfix.batch.multi_clip_files import spread
+from footfix.batch.output_paths import Job
 from footfix.batch.run import Crew, Outcome, run
 from footfix.batch.task import FileResult, Task
 from footfix.cli.options import Common, Given, Many
@@ -61,7 +61,7 @@ def found_inputs(
     src: tuple[str, ...], many: Many, *, leave_out: Path | None = None, own_outputs: bool = False
 ) -> tuple[Source, ...]:  # fmt: skip
     if many.dask and many.timeout is not None:
-        raise UsageError("--timeout stops processes of this machine; a cluster's are not ours to stop")
+        raise UsageError("--timeout stops processes of this machine only; leave it out with --dask")
     if (*src, *many.from_file).count(STDIN) > 1:
         raise UsageError("standard input can be named only once")
     found = inputs.sources(

@@ -17,9 +17,9 @@ from footfix.cli.running import config_near, print_json
 @click.option("--presets", is_flag=True, help="List the presets instead: what each is for, what it changes and why.")
 @shared
 def settings(src: tuple[str, ...], presets: bool, common: Common) -> int:
-    """Print the settings that hold, each with its origin, meaning and unit, as YAML that --config takes.
+    """Print the settings in effect, each with its origin, meaning and unit, as YAML that --config takes.
 
-    With SRC, those that hold for this file, as footfix.yaml may give some files settings of their own.
+    With SRC, those in effect for this file, since footfix.yaml may give some files settings of their own.
     """
     if presets:
         return list_presets(common)

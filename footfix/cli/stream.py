@@ -10,9 +10,9 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from footfix.cli.messages import say
 from footfix.cli.options import Common, shared
 from footfix.cli.running import config_near
+from footfix.cli.stderr import say
 from footfix.errors import ExitCode, OutputError, UsageError
 
 if TYPE_CHECKING:
@@ -46,9 +46,9 @@ def _seconds(context: click.Context, option: click.Parameter, value: str) -> flo
               help="A clip of the same figure, on which legs, floor and unit are measured; and the header of rows that "
               "come without one.")  # fmt: skip
 @click.option("--calibration", default="2", show_default=True, metavar="SECONDS", callback=_seconds,
-              help="Without --calibrate they are measured on so much of the stream.")
+              help="Without --calibrate, how much of the stream legs, floor and unit are measured on.")
 @click.option("--before", type=click.Choice(["pass", "wait"]), default="pass", show_default=True,
-              help="Frames before that pass as they are, or wait and are corrected, too.")
+              help="Frames before calibration pass as they are, or wait and are corrected, too.")
 @shared
 def stream(
     look_ahead: float, output: Path | None, events: str | None, listen: str | None, connect: str | None, once: bool,
@@ -64,7 +64,7 @@ def stream(
     footfix stream --connect 127.0.0.1:7001 --calibrate walk.bvh --events - -o clean.bvh
     """
     if common.as_json:
-        raise UsageError("--json has nothing to say here; --events tells strikes and lifts as lines of JSON")
+        raise UsageError("a stream has no --json document; --events writes strikes and lifts as lines of JSON")
     if events == "-" and output is None and not listen:
         raise UsageError("--events - takes standard output: name a file for the rows with -o")
     settings = config_near([] if calibrate is None else [str(calibrate)], common, {}).settings(None)
@@ -80,7 +80,7 @@ def stream(
 
 def _whole(settings: Settings, output: Path | None) -> int:
     """Wait for the end, and write what `clean` writes."""
-    from footfix.batch.files import write_whole
+    from footfix.batch.file_io import write_whole
     from footfix.jobs.clean import clean_file
 
     data = sys.stdin.buffer.read()
@@ -141,7 +141,7 @@ def _live(
 
 def _document(path: Path, settings: Settings) -> Document:
     """Read a file of the figure, in metres and y up."""
-    from footfix.batch.files import read_whole
+    from footfix.batch.file_io import read_whole
     from footfix.formats.bvh.document import Document
     from footfix.jobs.source import read
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from footfix.detect.cycles import Cycle, CycleParams, find_cycles
+from footfix.detect.gait_cycles import Cycle, CycleParams, find_cycles
 from footfix.detect.threshold import ThresholdParams, threshold
 from footfix.detect.tracks import Finding, Tracks
 from footfix.motion.clip import Bools, Floats

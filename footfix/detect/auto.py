@@ -66,7 +66,7 @@ def auto(
     at 0.9 were right nine times in ten (`benchmarks/detection.py --confidence`).
     """
     sampled = resample(tracks)
-    alone, answers = weighed(sampled, params, weights.network() if network is None else network)
+    alone, answers = log_probabilities(sampled, params, weights.network() if network is None else network)
     when = weights.timing() if timing is None else timing
     per_frame = tracks.frame_time / STEP
     columns: list[Bools] = []
@@ -115,7 +115,7 @@ def _planted(answer: Floats) -> Floats:
     return np.asarray(-np.expm1(answer[:, SWING]))
 
 
-def weighed(
+def log_probabilities(
     sampled: Sampled, params: AutoParams, network: Network, chunk: int = CHUNK
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
     """Compute each foot's log probabilities (n, 4), without and with regard to the other foot and the pelvis."""

@@ -76,7 +76,7 @@ def _smooth_speeds(points: Floats, tracks: Tracks, params: LyardParams) -> Float
 
 
 def _agreement(points: Floats, root: Floats, first: Ints, hop: int) -> tuple[Floats, Floats]:
-    """L eq. 1 and the dot product p, for every pair of points: (F, E, E) by i and j, and |dR| (F,) [m]."""
+    """Compute L eq. 1 and the dot product p for every pair of points, (F, E, E) by i and j, and |dR| (F,) [m]."""
     offset = points - root  # o(v, t), in world axes
     now, then = offset[:, first], offset[:, first + hop]
     half = 0.5 * (now + then)  # o(v, t + delta), delta = 1/2, by linear interpolation

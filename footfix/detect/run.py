@@ -17,10 +17,10 @@ from footfix.motion.clip import Clip
 from footfix.motion.contacts import Contacts
 from footfix.motion.duplicate_frames import DuplicateFrames, doubled
 from footfix.notes import Note
-from footfix.rig.gait import carried, gait_in_place
+from footfix.rig.gait_in_place import carried, gait_in_place
 from footfix.rig.motion_crop import crop
+from footfix.rig.repeated_rounds import Rounds, rounds_of
 from footfix.rig.rig import Rig
-from footfix.rig.rounds import Rounds, rounds_of
 
 Method = Literal["auto", "threshold", "adaptive", "lyard"]
 METHODS: tuple[Method, ...] = get_args(Method)

@@ -10,7 +10,7 @@ import numpy as np
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
 from footfix.notes import Note
-from footfix.rig.mesh import FootMesh
+from footfix.rig.foot_mesh import FootMesh
 from footfix.rig.rig import Rig
 
 GRAVITY = 9.81  # [m/s^2]

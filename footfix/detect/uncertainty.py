@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.detect.cycles import CycleParams, find_cycles
+from footfix.detect.gait_cycles import CycleParams, find_cycles
 from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.contacts import runs
@@ -16,9 +16,9 @@ from footfix.notes import Note
 _LEG = 0.88  # [m] leg length of an average adult, assumed whatever the clip's own unit says
 _WALK_RATIO = 0.4  # [m s] step length times step duration, walking; running is not far from it
 _GRAVITY = 9.81  # [m/s^2]
-_OFF = 0.1  # [leg lengths] a foot higher over the floor than this is off it
+_OFF = 0.08  # [leg lengths] a foot higher over the floor than this is off it
 _FEWEST = 6  # least number of frames of a jump
-_HOP = 0.03  # [m] least rise and fall of the pelvis in a jump
+_HOP = 0.01  # [m] least rise and fall of the pelvis in a jump
 _PARABOLA = 0.08  # greatest deviation of the pelvis from a parabola, as a share of that rise
 _PACE = 0.5  # [s] window of velocities from which the pace is computed: long enough to average noise out
 _RATES = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 150.0, 200.0, 240.0, 250.0, 300.0)
@@ -32,6 +32,7 @@ class DoubtParams:
         quick, slow: least and greatest plausible duration of steps, relative to the usual one for their
             length [factor].
         floating: a fall with both feet off the floor that is no faster than this is slow motion [g].
+        sinking: the same of a pelvis that sinks between the steps of a walk [g].
         slow_fall: least duration of steps, relative to the usual one, that is slow motion if falls are, too [factor].
         slow_few: the same where there are fewer than `cycles` gait cycles [factor].
         dull: feet move in slow motion if their accelerations relative to their speeds give a lower frequency [Hz],
@@ -47,7 +48,8 @@ class DoubtParams:
 
     quick: float = 0.4
     slow: float = 3.5
-    floating: float = 0.13
+    floating: float = 0.4
+    sinking: float = 0.13
     slow_fall: float = 2.0
     slow_few: float = 2.6
     dull: float = 0.46
@@ -159,7 +161,7 @@ def _slowness(tracks: Tracks, left: FootTracks, right: FootTracks, params: Doubt
         return None  # no gait at all, or a very noisy one
     step = _LEG * float(np.median([cycle.step for cycle in cycles]))
     ratio = 0.5 * period * step / _WALK_RATIO
-    floats = period > 0.8 * params.longest and step >= params.stride and _slow_fall(tracks) <= params.floating
+    floats = period > 0.8 * params.longest and step >= params.stride and _slow_fall(tracks) <= params.sinking
     if floats and ratio >= (params.slow_fall if len(cycles) >= params.cycles else params.slow_few):
         return ratio
     if len(cycles) < params.cycles:

@@ -1,1 +1,1 @@
-"""Holding plants where they are planted: targets, inverse kinematics, root-only correction."""
+"""Correct a clip so that planted feet stay where they are: one least-squares problem over all frames."""

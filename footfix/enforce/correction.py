@@ -9,7 +9,7 @@ import numpy as np
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, frozen
 from footfix.motion.kinematics import forward
-from footfix.rig.helper_joints import Follower
+from footfix.rig.followers import Follower
 
 _NOTHING = 1e-9  # [m, rad]
 
@@ -58,13 +58,14 @@ def apply(clip: Clip, correction: Correction) -> Clip:
 
 
 def _led_along(before: Clip, after: Clip, follower: Follower) -> Clip:
-    """The corrected clip with a joint where it was before in the frame of its foot, in frames in which it is not."""
+    """Move a follower to where it was before beside its foot, in frames in which it is not there."""
     joint, foot = follower.joint, follower.foot
     parent = int(after.skeleton.parents[joint])
     was = forward(before, sorted({joint, foot}))
     now = forward(after, sorted({joint, foot, *({parent} - {-1})}))
     turn = rotation.multiply(now.rotation(foot), rotation.inverse(was.rotation(foot)))
-    place = now.position(foot) + rotation.rotate(turn, was.position(joint) - was.position(foot))
+    beside = was.position(joint) - was.position(foot)
+    place = now.position(foot) + (beside if follower.level else rotation.rotate(turn, beside))
     turned = rotation.multiply(turn, was.rotation(joint)) if follower.turns else was.rotation(joint)
     off = np.linalg.norm(place - now.position(joint), axis=1) > _NOTHING
     twisted = rotation.apart(turned, now.rotation(joint)) > _NOTHING

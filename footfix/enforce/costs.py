@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# r of the objective: the standard deviations below are for this many independent frames a second
+# r of the objective [Hz]: the standard deviations below are for frames at this rate
 RATE = 60.0
 UPRIGHT = 0.05  # weight of vertical slip relative to horizontal slip; low, since a foot rolls
 NOISY = 3.0  # greatest acceleration allowed for noise, as a multiple of the default, if it may be quick motion

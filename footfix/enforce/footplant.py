@@ -1,4 +1,4 @@
-"""Footplants: one contact of one effector, its target place, and the outcome of holding it."""
+"""Footplants: one contact of one effector, and, after the solution, where and how well it was held."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Footplant:
         leg: index among `Rig.legs`.
         part: "heel" or "toe".
         start, end: frames `[start, end)` of the whole contact.
-        confidence: of the detection, 0 to 1.
+        confidence: confidence of the contact, 0 to 1.
         force: whether it is held at any cost.
         asked: (x, y, z) [m] the place requested by labels.
         target: (x, y, z) [m] the place where it is held.

@@ -17,11 +17,12 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm
 from footfix.notes import Note
-from footfix.rig.gait import Gait, gait_in_place
+from footfix.rig.gait_in_place import Gait, gait_in_place
 from footfix.rig.rig import Rig
 
 _MOST = 0.7  # [share] plants must move with the belt for this share of their time,
 OUTLIERS = 2  # and at most this many in a row may not
+_ON_FLOOR = 0.05  # [share] of plants that stand on the floor, from which the figure is not raised or lowered
 _NEAR_GAIT = 0.6  # greatest deviation of planted feet from the ground's velocity in a gait in place, as a share of it
 
 
@@ -36,6 +37,8 @@ class GroundParams:
         belt_walk: least speed of these plants [leg lengths/s].
         lift: the whole figure is raised or lowered if its plants are off the floor by at least this [leg lengths].
         agree: share of the plants that must agree within half of that [share].
+        step: but not if some plants stand nearer than this to the floor, and would be farther from it than this
+            [leg lengths].
     """
 
     belt: float = 0.15
@@ -44,6 +47,7 @@ class GroundParams:
     belt_walk: float = 0.5
     lift: float = 0.0055
     agree: float = 0.8
+    step: float = 0.067
 
 
 @dataclass(frozen=True)
@@ -157,7 +161,7 @@ def _centre(drifts: Sequence[Drift]) -> Floats:
 
 
 def go_along(drifts: Sequence[Drift], travel: Floats, least: float, params: GroundParams) -> Bools | None:
-    """Mark (N,) the plants that move with their common velocity, `least` [m/s] or more.
+    """Mark the plants (N,) that move with their common velocity, `least` [m/s] or more.
 
     None where fewer than most of them do, or where the hips, with velocity `travel` (3,) [m/s], don't stay in place.
     """
@@ -194,6 +198,9 @@ def lift(lacks: Floats, leg_length: float, params: GroundParams) -> float:
     """
     if len(lacks) < 3:
         return 0.0
-    common = float(np.median(lacks))
+    common, near = float(np.median(lacks)), params.step * leg_length
     agreeing = float(np.mean(np.abs(lacks - common) < 0.5 * abs(common)))
+    on_floor = (np.abs(lacks) < near) & (np.abs(lacks - common) >= near)
+    if float(np.mean(on_floor)) > _ON_FLOOR:  # the others stand on something: a belt that is higher than the floor
+        return 0.0
     return common if abs(common) > params.lift * leg_length and agreeing >= params.agree else 0.0

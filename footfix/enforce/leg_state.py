@@ -109,7 +109,7 @@ def left_jacobian(vector: Floats) -> Floats:
 
 
 def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:
-    """(3, 3, ...) I + first [v] + second [v]^2; [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
+    """Evaluate I + first [v] + second [v]^2, (3, 3, ...); [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
     out = np.empty((3, *v.shape))
     diagonal = 1.0 - second * square
     once, twice = first * v, second * v

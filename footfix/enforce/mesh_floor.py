@@ -9,9 +9,9 @@ import numpy as np
 
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import LegTracks
-from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.pins import Pins
 from footfix.enforce.standing_heights import Floors
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.enforce.vertices import Vertices, depths, vertices_of
 from footfix.motion.clip import Bools, Floats, Skeleton
 from footfix.motion.kinematics import Pose

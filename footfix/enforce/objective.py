@@ -31,7 +31,7 @@ def systems(
         problem: the clip's.
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
-        static: times as much as sliding what hardly moves is held.
+        static: static over kinetic friction.
         root: whether the root is an unknown. Where it is not, the legs are independent of each other.
         at: the legs in that state, from `posture`, where they are known.
 
@@ -52,7 +52,7 @@ def objective(
         problem: the clip's.
         x: (U, F) a state.
         eps: [m] of slip below which SLIP is a parabola.
-        static: times as much as sliding what hardly moves is held.
+        static: static over kinetic friction.
         root: whether to include the root's own cost.
         at: the legs in that state, from `posture`, where they are known.
     """

@@ -127,6 +127,6 @@ def _price(plant: Footplant, leg: LegTracks, after: CorrectedLeg, strays: Floats
 
 
 def _flexion(distance: Floats, thigh: Floats, shank: Floats) -> Floats:
-    """Compute (n,) [rad] of a knee whose leg is so long from hip to ankle (n,) [m], by the law of cosines."""
+    """Compute the flexion (n,) [rad] of a knee for the distance from hip to ankle (n,) [m], by the law of cosines."""
     cosine = (distance**2 - thigh**2 - shank**2) / np.maximum(2.0 * thigh * shank, 1e-12)
     return np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import FEWEST, Footplant
-from footfix.enforce.leg import POINTS, LegTracks
+from footfix.enforce.leg import HEEL, POINTS, TOE, LegTracks
 from footfix.enforce.pins import PinParams
 from footfix.enforce.standing_heights import Floors
-from footfix.motion.clip import Bools, Floats, Ints
+from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import PUT_TO_REST, runs
 from footfix.motion.segments import segments
 
 _RESTED = 0.0005  # [leg lengths] a plant that strays less than this throughout was locked by a program, too
-_LASTS = 0.06  # [s] least duration of a lock
+_LASTS = 0.06  # [s] least duration of a lock; pauses and duplicate frames are shorter,
+_CARRIED = 2  # but of fewer frames in a row where the hip moves on, which it does in neither of them:
+_MOVES_ON = 20.0  # [factor] it is this many times as fast as the fastest locked foot
 _AROUND = 0.35  # [s] before and after a plant, in which the correction fades in and out
-_RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them
+_RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them,
+_OTHER_END = 0.5  # [share] and so is one in which the other end of the foot is locked in this share
 
 
 def kept(
@@ -29,7 +31,8 @@ def kept(
     """Tell for each plant whether it stands well enough as it is.
 
     It does if its slide and its distance from the floor are within the tolerances, or, where `keep_rested` is set, if
-    a program has locked it in 30 % of its frames.
+    a program has locked it in 30 % of its frames, or the other end of its foot in half of them while the hip moves on:
+    programs lock feet, and a cleaned foot is found planted some frames longer at one end than before.
 
     Args:
         plants: of the clip.
@@ -42,15 +45,15 @@ def kept(
         params: the tolerances.
     """
     found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
+    held = [_held(leg, ground, frame_time, leg_length) for leg in legs] if params.keep_rested else []
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
-        point = POINTS.index(own[0].part)
-        track = legs[own[0].leg].place(point).T - ground
+        leg, point = own[0].leg, POINTS.index(own[0].part)
+        track = legs[leg].place(point).T - ground
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         still = _still(cores, track, level, leg_length, heights, params)
-        rests = _rests([(p.start, p.end) for p in own], track, frame_time, leg_length)
-        for plant, keep in zip(own, (still | (rests & params.keep_rested)).tolist(), strict=True):
-            found[plant.id] |= keep
+        for plant, keep in zip(own, still.tolist(), strict=True):
+            found[plant.id] |= keep or (params.keep_rested and _rests(plant, held[leg][point]))
     return tuple(found)
 
 
@@ -109,30 +112,44 @@ def _still(
     spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
     params: PinParams,
 ) -> Bools:  # fmt: skip
-    """Tell (S,) whether a track (F, 3) [m] stays near one place and its level [m] in each span."""
+    """Tell whether a track (F, 3) [m] stays near one place and its level [m] in each span, (S,)."""
     middle, slide = _strays(spans, track)
     near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
     rests = slide <= _RESTED * leg_length
     return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
 
 
-def _rests(spans: Sequence[tuple[int, int]], track: Floats, frame_time: float, leg_length: float) -> Bools:
-    """Tell (S,) whether a track (F, 3) [m] is so still in each span that a program must have locked it."""
-    parts = segments(spans)
-    step = np.full(len(parts.frames), np.inf)
-    step[1:] = np.hypot(*np.diff(track[parts.frames][:, [0, 2]], axis=0).T)
-    step[parts.starts] = np.inf
-    rest = _lasting(step <= PUT_TO_REST * leg_length * frame_time, parts.owner, frame_time)
-    count = parts.mean(rest.astype(np.float64)) * parts.lengths
-    return np.asarray(count >= _RESTING * np.maximum(parts.lengths - 1, 1))
+def _rests(plant: Footplant, held: tuple[Bools, Bools]) -> bool:
+    """Tell whether a plant is locked in so many of its steps; `held` marks those of its own end, and of the other."""
+    own, other = (np.count_nonzero(each[plant.start : plant.end - 1]) for each in held)
+    steps = max(plant.end - plant.start - 1, 1)
+    return bool(own >= _RESTING * steps or other >= _OTHER_END * steps)
 
 
-def _lasting(mask: Bools, owner: Ints, frame_time: float) -> Bools:
-    """Keep of a mask (N,) the stretches long enough not to be a duplicate frame."""
+def _held(
+    leg: LegTracks, ground: Floats, frame_time: float, leg_length: float
+) -> tuple[tuple[Bools, Bools], tuple[Bools, Bools]]:
+    """Mark the steps (F - 1,) in which a foot is so still that a program must have locked it.
+
+    For heel and for toe: the steps in which itself is locked, and those in which the other is while the hip moves on.
+    """
+    slowest = PUT_TO_REST * leg_length * frame_time  # [m]
+    moves_on = _steps(leg.hip.T - ground) > _MOVES_ON * slowest
+    rest = [_steps(leg.place(point).T - ground) <= slowest for point in (HEEL, TOE)]
+    carried = [_lasting(each & moves_on, _CARRIED) for each in rest]
+    still = [_lasting(each, max(3, round(_LASTS / frame_time))) for each in rest]
+    own = [each | other for each, other in zip(still, carried, strict=True)]
+    return (own[HEEL], carried[TOE]), (own[TOE], carried[HEEL])
+
+
+def _steps(track: Floats) -> Floats:
+    """Measure how far a track (F, 3) [m] moves over the floor from each frame to the next, (F - 1,) [m]."""
+    return np.asarray(np.hypot(*np.diff(track[:, [0, 2]], axis=0).T))
+
+
+def _lasting(mask: Bools, least: int) -> Bools:
+    """Keep of a mask (N,) the stretches of at least so many."""
     out = np.zeros_like(mask)
-    least = max(3, round(_LASTS / frame_time))
     for start, end in runs(mask):
-        cuts = [start, *(start + 1 + np.flatnonzero(np.diff(owner[start:end]))).tolist(), end]
-        for a, b in pairwise(cuts):
-            out[a:b] = b - a >= least
+        out[start:end] = end - start >= least
     return out

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.enforce.correction import Correction, apply
-from footfix.enforce.cycle import correction_back, cycle_note, plants_back
+from footfix.enforce.cyclic_clip import correction_back, cycle_note, plants_back
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import tracks
 from footfix.enforce.outcomes import CorrectedLeg, outcomes
@@ -23,9 +23,9 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
-from footfix.rig.helper_joints import Follower, find_followers, left_behind
+from footfix.rig.followers import Follower, find_followers, left_behind
+from footfix.rig.repeated_rounds import Rounds, rounds_of
 from footfix.rig.rig import Rig
-from footfix.rig.rounds import Rounds, rounds_of
 
 
 @dataclass(frozen=True, eq=False)

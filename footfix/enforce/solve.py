@@ -61,7 +61,7 @@ def interpolated(x: Floats, at: Ints, wanted: Ints) -> Floats:
 
 
 def thinned(problem: Problem, which: Ints) -> Problem:
-    """Thin the problem to some frames: pins hold from each to the next of them."""
+    """Thin the problem to some frames; a pin's slip is then that from each kept frame to the next."""
     every = int(which[1] - which[0])
     if every == 1:
         return problem

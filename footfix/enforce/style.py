@@ -69,6 +69,6 @@ def _moved(plant: Footplant, leg: LegTracks, rig: Rig, height: float, params: St
 
 
 def _level(vector: Floats) -> Floats:
-    """Find (3,) the direction of a vector over the floor."""
+    """Find the direction of a vector over the floor, (3,)."""
     level = vector * [1.0, 0.0, 1.0]
     return np.asarray(level / max(float(np.linalg.norm(level)), 1e-300))

@@ -1,6 +1,9 @@
 """The terms of the objective, each with its weight and its derivative: their sum over the whole clip is minimised.
 
-Unknowns of frame t (see `leg`):  d of the root;  q, k, w, b of each leg;  x = (d, q, k, w, b, q, k, w, b, ...).
+Unknowns of frame t (see `leg`):  x = (d, q, k, w, b, q, k, w, b, ...):  d the root's shift; of each leg q the turn of
+the line from hip to ankle, k the knee's flexion, w the foot's turn, b the bend of the toes.  p is the place of a
+planted point, dt the frame time, r a rate (`costs.RATE`); h and a are weights of a pin (`pins`), s.. standard
+deviations (`costs`).
 
 Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near the capture, and near its accelerations
            + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    planted points do not move: friction, c a metre

@@ -19,7 +19,7 @@ from footfix.enforce.leg_state import LegState, cross, exponential, rotated
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints, Skeleton
 from footfix.motion.kinematics import Pose
-from footfix.rig.mesh import FootMesh
+from footfix.rig.foot_mesh import FootMesh
 
 _NEAR = 0.08  # [leg lengths] over the floor, up to which the lowest vertices of a foot are searched
 _LACKS = 0.0006  # [leg lengths] the lowest of all vertices may be this much below the chosen ones

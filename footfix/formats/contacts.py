@@ -1,8 +1,8 @@
 """Contact labels: JSON (the contract) and CSV (one row a contact); arrays are read by `label_arrays`.
 
 What is read back may come from a person, another tool or a network, so it is checked against the clip. JSON, CSV and
-NPZ carry the same, so that a clip comes out the same from each; a row a frame (NPY, CSV) says only what is planted, and
-what it says is held as contacts that a person gave.
+NPZ lose nothing: a clip is cleaned alike with each. One row a frame (NPY, CSV) holds only what is planted, and counts
+as contacts given by a person.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The interface between files and clips: what the rest of footfix asks of a file of motion, whatever its format.
 
-A format is a module or package with `decode`, `rewrite`, `select`, `glance` and `repair`, named in
+A format is a module or package with `decode`, `rewrite`, `select_frames`, `glance` and `repair`, named in
 `footfix.formats.suffixes`; it may have `separate_numbers`. One whose files hold several clips also has `clips_of` and
 `joined`; where its files may refer to others it has `neighbours_of`, and its functions take `beside`, to read them.
 """
@@ -32,58 +32,59 @@ class Document(Protocol):
 
     @property
     def name(self) -> str:
-        """What the file is called, for messages."""
+        """Name the file, for messages."""
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """What was assumed in reading it, and what is wrong."""
+        """List what was assumed in reading it, and what is wrong."""
 
     @property
     def unusable(self) -> tuple[Note, ...]:
-        """The notes that say why nothing can be done with this motion; empty for a sound file."""
+        """List the notes that say why nothing can be done with this motion; empty for a sound file."""
 
     @property
     def frames(self) -> int:
-        """How many frames it holds."""
+        """Count its frames."""
 
     @property
     def columns(self) -> int:
-        """How many numbers a frame has."""
+        """Count the numbers of a frame."""
 
     @property
     def frame_time(self) -> float:
-        """[s] of one frame."""
+        """Get the duration of a frame [s]."""
 
     @property
     def start(self) -> float:
-        """[s] the time of the first frame."""
+        """Get the time of the first frame [s]."""
 
     @property
     def unit_m(self) -> float:
-        """[m] one unit of the file."""
+        """Get the length of one unit of the file [m]."""
 
     @property
     def up(self) -> str:
-        """The file's upward axis: "y", "-y", "z", "-z", "x" or "-x"."""
+        """Get the file's upward axis: "y", "-y", "z", "-z", "x" or "-x"."""
 
     @property
     def clip(self) -> Clip:
-        """The motion in metres, y up, by the unit and axis it is believed to have."""
+        """Get the motion in metres, y up, by the unit and axis that the file most likely has."""
 
     @property
     def metric(self) -> bool:
-        """Whether its format says metres and y up, so that the figure's size hardly counts against it."""
+        """Tell whether its format prescribes metres and y up; the figure's size is then weak evidence against that."""
 
     @property
     def moved(self) -> Bools:
-        """(J,) the joints that the file may move; channels of a format that need not have them may be missing."""
+        """Mark the joints (J,) that the file may move; a format may leave channels of joints out."""
 
     @property
     def skin(self) -> Skin | None:
-        """The character whose meshes the file shows, from which its soles can be taken; None where it shows none."""
+        """Get the character whose meshes the file shows, from which its soles can be taken; None where it shows none.
+        """
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
-        """Give the same file another belief about its unit and its upward axis."""
+        """Return the same file read with another unit [m] and upward axis."""
 
 
 def open_document(
@@ -141,7 +142,7 @@ def joined(data: bytes, so_far: bytes, written: bytes, *, name: str, beside: Bes
 
 
 def annotated(data: bytes, extras: Mapping[str, Any], *, name: str, beside: Beside | None = None) -> bytes | None:
-    """Write a file with more at some of its clips, by their names; None where its format has no place for that."""
+    """Write a file with further data (`extras`) of some of its clips, by name; None where its format has none."""
     kind = _format(name)
     if not hasattr(kind, "annotated"):
         return None
@@ -161,7 +162,7 @@ def neighbours_of(
 
 
 def separate_numbers(data: bytes, *, name: str = "") -> tuple[bytes, tuple[Note, ...]]:
-    """Put right what keeps a file from being read at all, with a note for each change; most formats know nothing such.
+    """Correct what keeps a file from being read at all, with a note for each change; few formats have such faults.
 
     Args:
         data: the file.
@@ -187,7 +188,7 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
     return written
 
 
-def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Document:
+def select_frames(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Document:
     """Make a document with some of the frames of another one, each written as it was.
 
     Args:
@@ -195,7 +196,7 @@ def select(document: Document, frames: Ints, *, limits: Limits = _LIMITS) -> Doc
         frames: which of its frames, in their new order; a frame may come more than once.
         limits: beyond these it can't be read again.
     """
-    selected: Document = _format(document.name).select(document, frames, limits=limits)
+    selected: Document = _format(document.name).select_frames(document, frames, limits=limits)
     return selected
 
 

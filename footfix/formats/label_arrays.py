@@ -97,7 +97,7 @@ def from_npz(data: bytes, name: str, order: Sequence[str]) -> Labels:
 
 
 def _from_intervals(arrays: Mapping[str, Any], labels: Labels, mask: Any, name: str) -> Labels | None:
-    """Labels from the list of contacts in an archive, None where there is none or it is not of this mask."""
+    """Read labels from the list of contacts in an archive; None where there is none or it does not fit the mask."""
     names = list(labels.effectors)
     try:
         effectors: dict[str, tuple[Contact, ...]] = dict.fromkeys(names, ())
@@ -183,6 +183,6 @@ def from_mask(
 
 
 def _mean(confidence: Floats) -> float:
-    """Mean confidence of a contact, of the frames that have one; without any, somebody added it by hand."""
+    """Average the confidence of a contact over frames that have one; without any it was added by hand: certain."""
     known = confidence[np.isfinite(confidence) & (confidence > 0.0)]
     return round(min(float(known.mean()), 1.0), 4) if len(known) else 1.0

@@ -77,7 +77,7 @@ def fit(labels: Labels, blank: Contacts) -> tuple[Contacts, frozenset[str]]:
 
 
 def _to_last_frame(labels: Labels) -> Labels:
-    """Labels with a row a step as labels with a row a frame."""
+    """Convert labels with a row for each step between frames to a row for each frame."""
     rows = labels.frames or 0
     longer = {
         name: tuple(replace(each, end=each.end + (each.end == rows)) for each in contacts)

@@ -55,7 +55,7 @@ _BEFORE = {"S": "CS", "T": "QT"}
 
 
 def _piece(kind: str, here: Point, base: Point, numbers: Sequence[float], control: Point) -> tuple[list[Point], Point]:
-    """The points of one piece after `here`, and its last control point."""
+    """List the points of one piece after `here`, and its last control point."""
     if kind == "H":
         return [complex(base.real + numbers[0], here.imag)], here
     if kind == "V":
@@ -80,7 +80,7 @@ def _bezier(points: Sequence[Point]) -> list[Point]:
 
 
 def _arc(here: Point, end: Point, numbers: Sequence[float]) -> list[Point]:
-    """An elliptical arc, by its centre (SVG 1.1, F.6.5)."""
+    """List points of an elliptical arc, by its centre (SVG 1.1, F.6.5)."""
     rx, ry, tilt, large, sweep = abs(numbers[0]), abs(numbers[1]), np.radians(numbers[2]), numbers[3], numbers[4]
     if rx == 0.0 or ry == 0.0 or here == end:
         return [end]
@@ -103,7 +103,7 @@ def _arc(here: Point, end: Point, numbers: Sequence[float]) -> list[Point]:
 
 
 def _commands(data: str, name: str) -> list[tuple[str, list[float]]]:
-    """Commands with their numbers, those repeated without a letter by themselves."""
+    """Split path data into commands with their numbers; a letter with several sets of numbers becomes several."""
     found: list[tuple[str, list[float]]] = []
     letter, numbers = "", list[float]()
     for each in [*_tokens(data, name), "Z!"]:
@@ -137,7 +137,7 @@ def _tokens(data: str, name: str) -> list[str | float]:
 
 
 def _flags(number: str, letter: str, out: Sequence[str | float]) -> list[str | float]:
-    """A number; of an arc's flags, which may stand without blanks before the next number, each by itself."""
+    """Read a number; flags of an arc, which may stand without blanks before the next number, are split off."""
     since = 0
     for each in reversed(out):
         if isinstance(each, str):

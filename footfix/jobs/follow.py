@@ -14,14 +14,14 @@ import numpy as np
 from footfix import version
 from footfix.errors import InputError, UsageError
 from footfix.formats.document import write_motion
-from footfix.formats.paths import DrawnPath
+from footfix.formats.floor_paths import DrawnPath
 from footfix.jobs.contacts import contacts_json, find_contacts
 from footfix.jobs.loop import LEAST_FRAMES
 from footfix.jobs.outputs import Outputs
 from footfix.jobs.source import about, read, source_entry
+from footfix.locomotion.follow.prepared_walk import Walk, make_walk
 from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.transitions import At
-from footfix.locomotion.follow.walk import Walk, make_walk
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.duplicate_frames import DuplicateFrames

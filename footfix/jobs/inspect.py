@@ -8,7 +8,7 @@ from typing import Any
 from footfix.errors import InputError
 from footfix.formats.document import Beside, open_document, repair, separate_numbers, shown_skin
 from footfix.formats.suffixes import bare
-from footfix.jobs.legs import with_shared_legs
+from footfix.jobs.shared_legs import with_shared_legs
 from footfix.jobs.source import placed
 from footfix.notes import Note
 from footfix.report import document as report_format

@@ -13,11 +13,11 @@ import numpy as np
 from footfix import version
 from footfix.errors import InputError
 from footfix.formats.contacts import Labels
-from footfix.formats.document import Beside, Document, rewrite, select, shown_skin
+from footfix.formats.document import Beside, Document, rewrite, select_frames, shown_skin
 from footfix.formats.suffixes import in_file
 from footfix.jobs.contacts import contacts_json, find_contacts
-from footfix.jobs.legs import with_shared_legs
 from footfix.jobs.outputs import Outputs, Status
+from footfix.jobs.shared_legs import with_shared_legs
 from footfix.jobs.skip_reason import why_left
 from footfix.jobs.source import about, opened, source_entry
 from footfix.locomotion.loop.run import Loop, as_round
@@ -67,7 +67,7 @@ def loop_file(
         rigs = find_rigs(clip, settings.rig, frame_range, shown_skin(document, settings.rig, skin))
         prepared = prepare(clip, settings, rigs, frame_range)
         loop = _cut(prepared, find_contacts(prepared, settings, labels), settings, why_left(document, rigs))
-        some = select(document, loop.frames, limits=settings.limits)
+        some = select_frames(document, loop.frames, limits=settings.limits)
         # the bytes to write, and the clip that reading them again gives
         written, reread = (data, clip) if loop.clip is clip else rewrite(some, loop.clip, limits=settings.limits)
     cycle = as_round(reread, loop.rig, loop.travel, settings.loop)

@@ -8,7 +8,7 @@ import numpy as np
 
 from footfix.formats.document import Document
 from footfix.notes import Note
-from footfix.rig.helper_joints import find_followers, left_behind
+from footfix.rig.followers import find_followers, left_behind
 from footfix.rig.rig import Rig
 
 
@@ -33,7 +33,7 @@ def why_left(document: Document, rigs: Sequence[Rig]) -> Note | None:
 
 
 def _stranded(document: Document, rig: Rig) -> tuple[str, ...]:
-    """The joints outside the legs that are where its feet are, can't go along, and bear their mesh."""
+    """List the joints outside the legs that are where its feet are, can't go along, and carry their mesh."""
     skin = document.skin
     if skin is None or rig.meshes:
         return ()

@@ -11,7 +11,7 @@ from typing import Any
 from footfix.errors import InputError
 from footfix.formats.document import Beside, Document, open_document
 from footfix.formats.suffixes import bare
-from footfix.jobs.legs import with_shared_legs
+from footfix.jobs.shared_legs import with_shared_legs
 from footfix.motion.clip import Clip
 from footfix.motion.lead_in import motion_range
 from footfix.notes import Note

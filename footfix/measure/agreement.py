@@ -45,7 +45,7 @@ class Frames:
 
     @property
     def f1(self) -> float:
-        """Harmonic mean of precision and recall; 1 where there are no contacts and none was found."""
+        """Compute the harmonic mean of precision and recall; 1 where there are no contacts and none was found."""
         total = 2 * self.both + self.found + self.missed
         return 2 * self.both / total if total else 1.0
 
@@ -100,7 +100,7 @@ class Events:
 
     @property
     def median(self) -> float:
-        """The median absolute error [s]; NaN where nothing was paired."""
+        """Compute the median absolute error [s]; NaN where nothing was paired."""
         return float(np.median(np.abs(self.errors))) if len(self.errors) else float("nan")
 
     def quantile(self, share: float) -> float:
@@ -132,7 +132,7 @@ def together(parts: list[Events]) -> Events:
 
 
 def feet(mask: Bools) -> Bools:
-    """Find (F, legs) where heel or toe of a foot is in contact, from a mask (F, 2 legs) of alternating heel and toe."""
+    """Tell when heel or toe of a foot is in contact, (F, legs), from a mask (F, 2 legs) of alternating heel and toe."""
     return np.asarray(mask[:, 0::2] | mask[:, 1::2])
 
 

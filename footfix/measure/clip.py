@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.measure.plants import NOTICED_MM, PlantMeasure, measure_plants
-from footfix.measure.visible_points import posed
+from footfix.measure.skinned_joints import posed
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import Pose, places

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from footfix.measure.visible_points import Seen, seen_of
+from footfix.measure.skinned_joints import Seen, seen_of
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
@@ -61,14 +61,14 @@ class PlantMeasure:
 
 
 def slide(track: Floats, plants: Segments) -> Floats:
-    """Measure (S,) [m] the farthest horizontal distance of a track (F, 3) [m] from its median place in each plant."""
+    """Measure how far a track (F, 3) [m] gets from its median place over the floor in each plant, (S,) [m]."""
     x, z = track[plants.frames, 0], track[plants.frames, 2]
     away = np.hypot(x - plants.median(x)[plants.owner], z - plants.median(z)[plants.owner])
     return plants.largest(away)
 
 
 def yaw(turns: Floats, plants: Segments) -> Floats:
-    """Measure (S,) [rad] the farthest turn of rotations (F, 4) about the vertical from their median in each plant.
+    """Measure the farthest turn of rotations (F, 4) about the vertical from their median in each plant, (S,) [rad].
 
     Each frame is compared with the plant's middle one, in the world; of that rotation only the twist about the vertical
     counts, so that a foot that rolls from heel to toe does not turn.
@@ -82,13 +82,14 @@ def yaw(turns: Floats, plants: Segments) -> Floats:
 
 
 def travel(track: Floats, plants: Segments) -> Floats:
-    """Measure (S,) [m] the horizontal distance of a track (F, 3) [m] from its first place to its last in each plant."""
+    """Measure the horizontal distance of a track (F, 3) [m] from its first place to its last in each plant, (S,) [m].
+    """
     first, last = (track[plants.frames[at]] for at in (plants.starts, plants.starts + plants.lengths - 1))
     return np.asarray(np.hypot(last[:, 0] - first[:, 0], last[:, 2] - first[:, 2]))
 
 
 def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, Floats]:
-    """Measure (S,), (S,) [m/s] mean and highest horizontal speed of a track (F, 3) [m] in each plant."""
+    """Measure mean and highest horizontal speed of a track (F, 3) [m] in each plant, (S,) [m/s] each."""
     steps = np.zeros(len(plants.frames))
     steps[1:] = np.hypot(*np.diff(track[plants.frames][:, [0, 2]], axis=0).T) / frame_time
     follows = np.diff(plants.frames, prepend=-2) == 1
@@ -99,7 +100,7 @@ def speeds(track: Floats, plants: Segments, frame_time: float) -> tuple[Floats, 
 
 
 def floor_levels(heights: Floats, plants: Segments, rig: Rig) -> Floats:
-    """Find (S,) [m] the height of the floor under each plant.
+    """Find the height of the floor under each plant, (S,) [m].
 
     Args:
         heights: (F,) [m] of the sole point; with a skin, of the lowest vertex of the foot.

@@ -77,7 +77,7 @@ class Skeleton:
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """The children of each joint, in the order of the file."""
+        """List the children of each joint, in the order of the file."""
         lists: list[list[int]] = [[] for _ in self.names]
         for joint, parent in enumerate(self.parents.tolist()):
             if parent >= 0:
@@ -171,12 +171,12 @@ class Clip:
         return whole
 
     def position(self, joint: int) -> Floats:
-        """Get (F, 3) [m] the track of one joint in its parent's frame."""
+        """Get the track of one joint in its parent's frame, (F, 3) [m]."""
         tracks = self.__dict__.get("_places")
         return self.positions[:, joint] if tracks is None else tracks[joint]
 
     def rotation(self, joint: int) -> Floats:
-        """Get (F, 4) the rotations of one joint in its parent's frame."""
+        """Get the rotations of one joint in its parent's frame, (F, 4)."""
         tracks = self.__dict__.get("_turns")
         return self.rotations[:, joint] if tracks is None else tracks[joint]
 
@@ -200,7 +200,7 @@ class Clip:
 
     @property
     def fps(self) -> float:
-        """Frames per second."""
+        """Get the frames per second."""
         return 1.0 / self.frame_time
 
     def frames(self, which: slice | Ints) -> Clip:

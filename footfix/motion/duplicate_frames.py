@@ -16,7 +16,10 @@ from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.contacts import Contacts
 from footfix.notes import Note
 
-_SAME = 1e-7  # [m, quaternion] frames that differ by less are equal
+_SAME = 1e-7  # [m, quaternion] frames that differ by less are equal,
+_NOISE = 0.02  # or by less than this share of the largest step both shortly before and shortly after: by rounding,
+_NOISY = 0.02  # provided that so many frames do, as a share of the clip;
+_NOISIER, _REGULAR = 0.06, 0.15  # or by less than this share of it, where so many frames are repeats in any case
 _MOST = 5  # most equal frames in a row; more are a pause
 _FEWEST, _SHARE = 3, 0.005  # number of repeated frames, and their share of the clip, from which a note is made
 _FRAMES = 12  # shortest clip in which repeated frames are searched
@@ -155,12 +158,20 @@ def doubled(clip: Clip) -> DuplicateFrames:
 
 
 def _same(clip: Clip) -> Bools:
-    """Mark (F - 1,) the frames after the first that equal the one before."""
-    same = np.ones(len(clip) - 1, dtype=np.bool_)
-    for joint in range(len(clip.skeleton)):
-        for track in (clip.position(joint), clip.rotation(joint)):
-            if track.strides[0]:
-                same &= (np.abs(np.diff(track, axis=0)) <= _SAME).all(axis=1)
-        if not same.any():
-            break
-    return same
+    """Mark the frames after the first that equal the one before but for rounding, (F - 1,)."""
+    step = np.zeros(len(clip) - 1)  # [m, quaternion] of the joint that moves most
+    with np.errstate(invalid="ignore"):  # frames that hold no finite numbers equal none
+        for joint in range(len(clip.skeleton)):
+            place, turn = clip.position(joint), clip.rotation(joint)
+            if place.strides[0]:
+                np.maximum(step, np.abs(np.diff(place, axis=0)).max(axis=1), out=step)
+            if turn.strides[0]:
+                apart = [np.abs(turn[1:] - sign * turn[:-1]).max(axis=1) for sign in (1.0, -1.0)]
+                np.maximum(step, np.minimum(*apart), out=step)
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(step, _MOST, constant_values=np.inf), _MOST).max(axis=1)
+    beside = np.minimum(around[: len(step)], around[_MOST + 1 :])  # the largest shortly before, and shortly after
+    beside[~(beside > _SAME)] = 0.0  # a pause
+    rounded = (step <= _NOISE * beside) & (beside > 0.0)
+    share = float(np.mean(rounded))
+    noise = _NOISIER if share >= _REGULAR else _NOISE if share >= _NOISY else 0.0
+    return np.asarray(step <= np.maximum(_SAME, noise * beside))

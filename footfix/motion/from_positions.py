@@ -74,7 +74,7 @@ def _tallest(positions: Floats) -> int:
 
 
 def _turned(before: Floats, offsets: Floats, bones: Floats) -> Floats:
-    """Compute (F, 4) the turn of a joint in the world.
+    """Compute the turn of a joint in the world, (F, 4).
 
     Args:
         before: (F, 4) that of its parent.
@@ -94,7 +94,7 @@ def _turned(before: Floats, offsets: Floats, bones: Floats) -> Floats:
 
 
 def _together(offsets: Floats, bones: Floats) -> Floats:
-    """Compute (F, 4) the turns that bring several bones nearest to where they are, by least squares.
+    """Compute the turns (F, 4) that bring several bones nearest to where they are, by least squares.
 
     Source: W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Cryst. A32 (1976).
     """

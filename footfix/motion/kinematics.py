@@ -31,15 +31,15 @@ class Pose:
         return Pose(self.joints, places.transpose(2, 0, 1), turns.transpose(2, 0, 1))
 
     def position(self, joint: int) -> Floats:
-        """Get (F, 3) [m] the track of one joint, by its index in the skeleton."""
+        """Get the track of one joint in the world, by its index in the skeleton, (F, 3) [m]."""
         return self.positions[:, self.joints.index(joint)]
 
     def rotation(self, joint: int) -> Floats:
-        """Get (F, 4) the rotation of one joint's frame in the world, by its index in the skeleton."""
+        """Get the rotation of one joint's frame in the world, by its index in the skeleton, (F, 4)."""
         return self.rotations[:, self.joints.index(joint)]
 
     def point(self, joint: int, offset: Floats) -> Floats:
-        """Compute (F, 3) [m] the track of a point fixed in a joint's frame at `offset` (3,) or (F, 3) [m]."""
+        """Compute the track (F, 3) [m] of a point fixed in a joint's frame at `offset` (3,) or (F, 3) [m]."""
         return self.position(joint) + rotation.rotate(self.rotation(joint), np.asarray(offset))
 
 

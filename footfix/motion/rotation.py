@@ -124,7 +124,7 @@ def angle(q: Floats) -> Floats:
 
 
 def apart(a: Floats, b: Floats) -> Floats:
-    """Compute (...) [rad] how far rotations (..., 4) are turned from others."""
+    """Compute how far rotations (..., 4) are turned from others, (...) [rad]."""
     return angle(multiply(inverse(a), b))
 
 

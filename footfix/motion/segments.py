@@ -32,15 +32,15 @@ class Segments:
         return len(self.spans)
 
     def largest(self, values: Floats) -> Floats:
-        """Find (S,) the largest of values (N,) in each stretch."""
+        """Find the largest of values (N,) in each stretch, (S,)."""
         return np.maximum.reduceat(values, self.starts) if len(self) else np.zeros(0)
 
     def mean(self, values: Floats) -> Floats:
-        """Compute (S,) the mean of values (N,) in each stretch."""
+        """Compute the mean of values (N,) in each stretch, (S,)."""
         return np.add.reduceat(values, self.starts) / self.lengths if len(self) else np.zeros(0)
 
     def median(self, values: Floats) -> Floats:
-        """Compute (S,) the median of values (N,) in each stretch."""
+        """Compute the median of values (N,) in each stretch, (S,)."""
         if not len(self):
             return np.zeros(0)
         ordered = values[np.lexsort((values, self.owner))]
@@ -48,7 +48,7 @@ class Segments:
         return np.asarray(0.5 * (ordered[low] + ordered[high]))
 
     def quantile(self, values: Floats, share: float) -> Floats:
-        """Compute (S,) a quantile of values (N,) in each stretch, to the bit that of `np.quantile`."""
+        """Compute a quantile of values (N,) in each stretch, (S,), to the bit that of `np.quantile`."""
         if not len(self):
             return np.zeros(0)
         ordered = values[np.lexsort((values, self.owner))]
@@ -75,7 +75,7 @@ class Segments:
         )
 
     def middle(self) -> Ints:
-        """Find (S,) the place of each stretch's middle frame in the arrays laid end to end."""
+        """Find the index of each stretch's middle frame in the arrays laid end to end, (S,)."""
         return self.starts + self.lengths // 2
 
 

@@ -45,7 +45,7 @@ def can_smooth(seconds: float, frame_time: float, degree: int) -> bool:
 
 @lru_cache(maxsize=512)
 def _weights(window: int, degree: int, at: float, derivative: int) -> Floats:
-    """Compute (window,) weights that evaluate the least-squares polynomial, or a derivative [1/frame^d], at a place."""
+    """Compute weights (window,) that evaluate the least-squares polynomial, or a derivative [1/frame^d], at a place."""
     places = np.arange(window) - window // 2
     powers = np.vander(places, degree + 1, increasing=True).astype(np.float64)  # (window, degree + 1)
     k = np.arange(derivative, degree + 1)

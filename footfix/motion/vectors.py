@@ -8,12 +8,12 @@ from footfix.motion.clip import Floats
 
 
 def dot(a: Floats, b: Floats) -> Floats:
-    """Compute (...) the scalar products of (..., D)."""
+    """Compute the scalar products (...) of (..., D)."""
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
 def norm(a: Floats) -> Floats:
-    """Compute (...) the lengths of (..., D)."""
+    """Compute the lengths (...) of (..., D)."""
     return np.sqrt(dot(a, a))
 
 

@@ -69,11 +69,12 @@ def _changes(follow: Report) -> list[str]:
 
 
 def _why(change: Report) -> str:
-    """Why a blend takes as long as it does, where that is not by what differs most alone."""
+    """Say why a blend does not take as long as the joint that differs most asks for (K 6.2); "" where it does."""
     if not change.get("clamped"):
         return ""
     asked, peak, other = (number(change.get(key)) for key in ("asked_s", "peak_times", "asked_peak_times"))
-    by = "no length by what differs most" if asked is None else f"{asked:.2f} s by what differs most"
+    by = "none" if asked is None else f"{asked:.2f} s"
+    by += " by the joint that differs most"
     if peak is None or other is None or other <= peak:
         return f" ({by})"
     return f" ({by}, but joints would accelerate {other:.2f} times as much as in the clips; now {peak:.2f} times)"

@@ -15,11 +15,11 @@ from footfix.motion.kinematics import Pose
 from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
 from footfix.rig import soles
-from footfix.rig.figure import Figure, figures, joint
-from footfix.rig.mesh import FootMesh
+from footfix.rig.foot_mesh import FootMesh
+from footfix.rig.frame_sample import Sample, sample
+from footfix.rig.leg_assignment import Figure, figures, joint
 from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Leg, Rig, SolePoint
-from footfix.rig.sample import Sample, sample
 from footfix.rig.skin import Skin
 from footfix.rig.skin_fit import Fitted, fit_skin
 from footfix.rig.zero_plane import on_zero_plane, skin_on_zero_plane
@@ -252,7 +252,7 @@ def _floor(
 
 
 def _lowest(seen: Sample, points: Sequence[SolePoint]) -> tuple[Floats, Floats]:
-    """Find (S, L) [m] the height of each leg's lower sole point, and (S, L, 3) [m/s] how its joint moves."""
+    """Find the height of each leg's lower sole point, (S, L) [m], and how its joint moves, (S, L, 3) [m/s]."""
     lowest, velocities = [], []
     for index in {point.leg for point in points}:
         own = [point for point in points if point.leg == index]

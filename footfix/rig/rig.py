@@ -11,7 +11,7 @@ from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts, Effector, Part
 from footfix.motion.kinematics import Pose, forward
 from footfix.notes import Note
-from footfix.rig.mesh import FootMesh
+from footfix.rig.foot_mesh import FootMesh
 
 
 @dataclass(frozen=True)

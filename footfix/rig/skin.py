@@ -14,10 +14,10 @@ import numpy as np
 
 from footfix.errors import InputError
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, frozen
-from footfix.rig.figure import Figure, figures
+from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import Figure, figures
 from footfix.rig.names import read
 from footfix.rig.params import RigParams
-from footfix.rig.sample import sample
 
 _MOVED = 0.5  # least weight of a foot's joints on a vertex of the foot
 _DOWN = 0.7  # least cosine between a normal of the sole and down
@@ -78,7 +78,7 @@ class Skin:
         return found
 
     def moved_by(self, joints: Bools) -> Floats:
-        """Add up (V,) the weights of joints (J,) on each vertex."""
+        """Add up the weights of joints (J,) on each vertex, (V,)."""
         return np.asarray(np.where(joints[self.joints], self.weights, 0.0).sum(axis=1))
 
 
@@ -287,7 +287,8 @@ def stands_on_toes(ankle: float, length: float) -> bool:
 
 
 def _ahead(skin: Skin, leg: SkinLeg, up: Floats, vertices: Floats) -> Floats:
-    """Find (3,) where a foot points: from its ankle to its toe joint, or to the middle of its vertices; level."""
+    """Find the direction (3,) in which a foot points: from ankle to toe joint, or to the middle of its vertices; level.
+    """
     way = (vertices.mean(axis=0) if leg.toe is None else skin.places[leg.toe]) - skin.places[leg.ankle]
     way = way - (way @ up) * up
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-12))

@@ -16,12 +16,12 @@ from footfix.errors import InputError
 from footfix.motion import rotation
 from footfix.motion.clip import Floats, Ints
 from footfix.notes import Note
-from footfix.rig.mesh import FootMesh
+from footfix.rig.foot_mesh import FootMesh
+from footfix.rig.frame_sample import Sample
 from footfix.rig.names import bare
 from footfix.rig.rig import Leg, SolePoint
-from footfix.rig.sample import Sample
 from footfix.rig.skin import Skin, SkinFoot, SkinLeg, feet_of, legs_of, stands_on_toes
-from footfix.rig.skin_frames import shared_frames
+from footfix.rig.skin_bone_frames import shared_frames
 from footfix.rig.skin_vertices import LOW, kept, outline, spread, toes
 from footfix.rig.soles import SoleEstimate
 
@@ -156,7 +156,7 @@ def _by_frames(
 
 
 def _joints_in_clip(skin: Skin, own: SkinLeg, leg: Leg, names: Sequence[str], *, named: bool) -> Ints:
-    """Find (J,) the clip's joint that each of the skin's joints is or hangs on; -1 above the ankle or where unknown."""
+    """Find the clip's joint that each of the skin's joints (J,) is or hangs on; -1 above the ankle or where unknown."""
     folded = [bare(name).casefold() for name in names]
     known = {own.ankle: leg.ankle}
     if own.toe is not None and leg.toe is not None:
@@ -172,7 +172,7 @@ def _joints_in_clip(skin: Skin, own: SkinLeg, leg: Leg, names: Sequence[str], *,
 
 
 def _anchors(skin: Skin, to: Ints) -> list[int]:
-    """For each joint of the skin the one, itself or above it, that stands for the clip's joint it hangs on."""
+    """Find for each joint of the skin the topmost one, itself or above it, that hangs on the same joint of the clip."""
     found: list[int] = []
     for joint, parent in enumerate(skin.parents.tolist()):
         found.append(found[parent] if parent >= 0 and to[joint] == to[parent] else joint)
@@ -187,7 +187,7 @@ def _by_places(skin: Skin, sole: SkinFoot, leg: Leg, foot: SoleEstimate, scale: 
     longer = 0.0 if reach is None or own is None else own - reach
 
     def in_ankle(points: Floats) -> Floats:
-        """(N, 3) in the frame of the clip's ankle; as much longer as the clip's foot is, up to the toe joint."""
+        """Place points (N, 3) in the frame of the clip's ankle, stretched to its foot's length up to the toe joint."""
         from_it = scale * (points - ankle)
         along, across, high = from_it @ sole.ahead, from_it @ sole.left, from_it @ sole.up
         if reach is not None and reach > 0.0:

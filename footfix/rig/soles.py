@@ -13,7 +13,7 @@ import numpy as np
 
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats, Ints
-from footfix.rig.sample import Sample
+from footfix.rig.frame_sample import Sample
 
 # In leg lengths, except shares.
 _ANKLE_HEIGHT, _ANKLE_HEIGHTS = 0.095, (0.06, 0.14, 0.115)  # the usual one, least, most, most of a guess

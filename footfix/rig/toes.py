@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.motion.clip import Floats
-from footfix.rig.limbs import Limb
+from footfix.rig.frame_sample import Sample
+from footfix.rig.leg_candidates import Limb
 from footfix.rig.names import read
-from footfix.rig.sample import Sample
 
 _BALL = 0.7  # share of the way from ankle to tip of toes at which the ball is
 _NEAREST = 0.3  # share below which a joint is still the ankle

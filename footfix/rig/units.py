@@ -11,9 +11,9 @@ from footfix.errors import UsageError
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.lead_in import motion_range
 from footfix.notes import Note
-from footfix.rig.figure import Figure, figures
+from footfix.rig.frame_sample import Sample, sample
+from footfix.rig.leg_assignment import Figure, figures
 from footfix.rig.params import RigParams
-from footfix.rig.sample import Sample, sample
 
 AXES = ("y", "z", "-y", "-z", "x", "-x")  # likelier first
 

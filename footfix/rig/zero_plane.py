@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from footfix.motion.clip import Floats
-from footfix.rig.sample import Sample
+from footfix.rig.frame_sample import Sample
 from footfix.rig.soles import MESH_OVER_LOW, SoleEstimate, floor, resting
 
 # In leg lengths.
@@ -85,7 +85,7 @@ def _measured(foot: SoleEstimate, rest: float, leg: float) -> SoleEstimate:
 
 
 def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> float:
-    """Find [m] the usual height of the toe joint while it rests; of the lowest tip where there is none.
+    """Find the usual height [m] of the toe joint while it rests; of the lowest tip where there is none.
 
     Of several levels it is the lowest on which the foot often rests.
     """
@@ -98,7 +98,7 @@ def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> flo
 
 
 def _lowest_tip(sample: Sample, ankle: int) -> tuple[Floats, Floats]:
-    """Find (S, 1, 3) [m] and [m/s] of whatever is lowest below an ankle."""
+    """Find what is lowest below an ankle, (S, 1, 3) [m], and its velocity [m/s]."""
     joints = list(sample.below(ankle)[1:])
     ends = [e for e, parent in enumerate(sample.skeleton.end_parents.tolist()) if parent in (ankle, *joints)]
     places = np.concatenate([sample.places[:, joints], sample.ends[:, ends]], axis=1)  # (S, P, 3) [m]

@@ -30,7 +30,7 @@ def product(a: Floats, b: Floats) -> Floats:
 
 
 def after(b: Floats) -> Floats:
-    """Get (..., 4, 4) matrices that compose rotations a (4,) with rotations b (..., 4): `b` followed by `a`."""
+    """Make the matrices (..., 4, 4) that compose rotations a (4,) with rotations b (..., 4): `b` followed by `a`."""
     return np.asarray((b[..., _OTHER] * _SIGN).swapaxes(-1, -2)[..., _AT])
 
 
@@ -83,7 +83,7 @@ def exponential(vector: Floats) -> Floats:
 
 
 def exponential_and_jacobian(vector: Floats) -> Floats:
-    """Get (3, 3, 2, ...): `exponential` and `left_jacobian` of rotation vectors (3, ...) [rad]."""
+    """Compute `exponential` and `left_jacobian` of rotation vectors (3, ...) [rad], (3, 3, 2, ...)."""
     square, angle, sines, halves = _sines(vector)
     both = np.empty((3, *square.shape))
     both[0], both[1] = sines, halves
@@ -92,7 +92,7 @@ def exponential_and_jacobian(vector: Floats) -> Floats:
 
 
 def _sines(vector: Floats) -> tuple[Floats, ...]:
-    """(...) each: x^2, x = |v|, sin(x) / x, and (1 - cos x) / x^2."""
+    """Compute x^2, x = |v|, sin(x) / x, and (1 - cos x) / x^2, each (...)."""
     square = np.add.reduce(vector * vector, axis=0)
     angle = np.sqrt(square)
     half = np.maximum(0.5 * angle, _LEAST)
@@ -101,7 +101,7 @@ def _sines(vector: Floats) -> tuple[Floats, ...]:
 
 
 def _series(v: Floats, square: Floats, first: Floats, second: Floats) -> Floats:
-    """(3, 3, ...) I + first [v] + second [v]^2; [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
+    """Evaluate I + first [v] + second [v]^2, (3, 3, ...); [v] w = v x w, and [v]^2 = v v' - |v|^2 I."""
     once, twice = first * v, second * v
     flat = np.empty((9, *once.shape[1:]))
     flat[::4] = (1.0 - second * square) + twice * v

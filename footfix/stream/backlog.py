@@ -66,7 +66,7 @@ class Backlog:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing waits."""
+        """Tell whether nothing waits."""
         return not self._items
 
 
@@ -74,10 +74,10 @@ class Outlet:
     """Bytes for a reader that may be slow: the oldest frames are then dropped and counted."""
 
     def __init__(self, write: Callable[[bytes], None]) -> None:
-        """Begin.
+        """Start the thread that writes.
 
         Args:
-            write: blocks until the bytes are gone; raises OSError where the reader is.
+            write: blocks until the bytes are written; raises OSError where the reader has gone.
         """
         self._write, self._backlog = write, Backlog(drops=True)
         self.gone = False
@@ -86,7 +86,7 @@ class Outlet:
 
     @property
     def dropped(self) -> int:
-        """Writes that were dropped."""
+        """Count the writes that were dropped."""
         return self._backlog.dropped
 
     def put(self, data: bytes) -> None:

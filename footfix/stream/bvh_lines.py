@@ -89,7 +89,7 @@ class Lines:
     """Splits the input into lines, whatever pieces it comes in."""
 
     def __init__(self, document: Document | None = None, name: str = "") -> None:
-        """Begin.
+        """Start without input.
 
         Args:
             document: what rows mean that come without a header.
@@ -226,7 +226,7 @@ def header_of(document: Document) -> bytes:
 
 
 def with_room(header: bytes) -> tuple[bytes, int]:
-    """A header whose count of frames can be put right later; and where that count stands, -1 where there is none."""
+    """Make room in a header for a count of frames that is known later; return where it is, -1 without one."""
     found = _FRAMES.search(header, _motion_at(header))
     if found is None:
         return header, -1
@@ -236,7 +236,7 @@ def with_room(header: bytes) -> tuple[bytes, int]:
 
 
 def counted(header: bytes, at: int, frames: int) -> bytes | None:
-    """What is to stand at the count of frames of a header `with_room`; None where it is right, or does not fit."""
+    """Make the text of the count of frames in a header `with_room`; None where it is right, or does not fit."""
     if at < 0:
         return None
     room = re.match(rb"\d+[ \t]*", header[at:])

@@ -16,7 +16,7 @@ from footfix.enforce.whole_clip import noises
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.notes import Note
 from footfix.rig.find import find_rigs
-from footfix.rig.helper_joints import Follower, find_followers
+from footfix.rig.followers import Follower, find_followers
 from footfix.rig.motion_crop import crop
 from footfix.rig.rig import Rig
 from footfix.settings import Settings

@@ -22,10 +22,10 @@ from footfix.detect.timing import timed_by
 from footfix.detect.tracks import FootTracks, Tracks
 from footfix.detect.viterbi import EARLY, Stretch, resting, stretches
 from footfix.motion.clip import Bools, Floats
-from footfix.stream.evidence import weigh
+from footfix.stream.evidence import newest_evidence
 from footfix.stream.filters import filtered
-from footfix.stream.over_ground import OverGround
-from footfix.stream.ring import Ring
+from footfix.stream.ground_velocities import OverGround
+from footfix.stream.ring_buffer import Ring
 from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.time_grid import FOOT, PAST, Grid
 
@@ -36,7 +36,7 @@ _KNEES = 0.5  # [s] over which feet of kneeling figures are examined
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class FoundContacts:
     """Contacts of the newest frames.
 
     Args:
@@ -108,18 +108,18 @@ class Detector:
         self._frames.append(np.stack(feet, axis=1))
         self._over.follow(self._grid.steps, self._grid.add(tracks))
 
-    def look(self) -> None:
+    def compute_evidence(self) -> None:
         """Compute the features of the newest frames."""
         self._places = places = self._grid.steps.last(round(PAST / STEP))
         self._count = count = min(max(self._open, self._grid.steps.end - self._answers.end), len(places))
         self._facing = self._over.facing()
-        curves = weigh(places, self._facing, count + _REACH, self._mates, self._jitter)
+        curves = newest_evidence(places, self._facing, count + _REACH, self._mates, self._jitter)
         answered = logits(weights.network(), curves, count)
         self._answered = grounded(
             answered.reshape(-1, answered.shape[-1]), curves[:, -count:].reshape(-1, curves.shape[-1]), self._params
         ).reshape(answered.shape)
 
-    def weigh(self) -> None:
+    def compute_probabilities(self) -> None:
         """Compute each foot's probabilities from these features and the motion of the whole figure."""
         velocity, speed = self._over.velocity(self._count), self._over.speed(len(self._places))
         steps = stepping(self._answered, self._mates, velocity, speed, self._params.stepping)
@@ -127,7 +127,7 @@ class Detector:
         answers = stands(self._answered, 1.0 - (1.0 - steps) * (1.0 - swings))
         self._answers.replace(self._grid.steps.end - self._count, answers.swapaxes(0, 1))
 
-    def see(self, first: int) -> Seen:
+    def find_contacts(self, first: int) -> FoundContacts:
         """Find the contacts from frame `first` on by these probabilities."""
         end = self._frames.end
         answers = self._answers.last(self._path)
@@ -148,7 +148,7 @@ class Detector:
         at = np.minimum(np.maximum(np.arange(first, end) * self._per_frame - offset, 0.0), last - 1)
         p = np.exp(answers[at.astype(np.intp)])
         sure = (p[..., HEEL:TOE] + p[..., FLAT : TOE + 1]).reshape(down.shape)  # heel or flat, flat or toe
-        return Seen(first, self._finished(down, first), sure, tuple(lands), tuple(leaves))
+        return FoundContacts(first, self._finished(down, first), sure, tuple(lands), tuple(leaves))
 
     def _accelerations(self, last: int) -> tuple[Floats, Floats]:
         """Compute braking and tipping of `detect.timing` over the last steps, (last, feet) each."""
@@ -160,7 +160,7 @@ class Detector:
         return both[:, : len(self._mates)], both[:, len(self._mates) :]
 
     def _mark(self, found: Sequence[Stretch], offset: float, down: Bools) -> None:
-        """Mark (n, 2) when heel and toe are in contact; a frame just before a landing counts as after it.
+        """Mark when heel and toe are in contact, (n, 2); a frame just before a landing counts as after it.
 
         Args:
             found: the stretches.

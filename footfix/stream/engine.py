@@ -12,7 +12,7 @@ The work that a hop of frames (1/30 s) makes comes in parts, each of about the s
     their rows
 
 The parts are spread over the frames that come meanwhile, a few with each, as far as the look-ahead allows: so no frame
-takes the time of all parts. Finished frames are given out one by one, with the agreed delay.
+takes the time of all parts. Finished frames are put out one by one, with a fixed delay.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from footfix.enforce.task import posed_joints
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.settings import Settings
 from footfix.stream.belt import Belt
-from footfix.stream.detection import Detector, Seen
+from footfix.stream.detection import Detector, FoundContacts
 from footfix.stream.events import Event, Kind
 from footfix.stream.history import History
 from footfix.stream.kinematics import Posing
 from footfix.stream.leg_rotations import Turner
 from footfix.stream.legs import LegMeasurer, Legs
 from footfix.stream.scheduling import SpreadWork
+from footfix.stream.sliding_window import BEFORE, Settled, Window
 from footfix.stream.subskeleton import Subskeleton
-from footfix.stream.window import BEFORE, Settled, Window
 
 HOP = 1.0 / 30.0  # [s]
 _LOOKS_BACK = 0.3  # [s] over which contacts are checked again for gaps to fill
@@ -80,10 +80,10 @@ class Codec(Protocol):
     """Converts rows of numbers to motion of the part's joints, and back."""
 
     def read(self, rows: Floats) -> Clip:
-        """The motion of the part's joints of rows (n, C)."""
+        """Convert rows (n, C) to the motion of the part's joints."""
 
     def write(self, rows: Floats, before: Clip, after: Clip) -> Floats:
-        """(n, C) the rows with the motion `after` in place of `before`."""
+        """Make the rows (n, C) with the motion `after` in place of `before`."""
 
 
 class Engine:
@@ -93,7 +93,7 @@ class Engine:
         self, part: Subskeleton, codec: Codec, columns: int, frame_time: float, settings: Settings, look_ahead: float,
         shown: int = 0,
     ) -> None:  # fmt: skip
-        """Begin.
+        """Start without frames.
 
         Args:
             part: the figure.
@@ -133,8 +133,8 @@ class Engine:
         if len(rows):
             self._arrived += len(rows)
             self._take(rows)
-            self._detector.look()
-            self._detector.weigh()
+            self._detector.compute_evidence()
+            self._detector.compute_probabilities()
 
     def push(self, rows: Floats) -> list[Shown]:
         """Take the next rows (n, C); give out those that are due."""
@@ -159,7 +159,7 @@ class Engine:
         return left
 
     def _taken(self) -> Floats:
-        """(n, C) the rows of the newest hop."""
+        """Take the rows (n, C) of the newest hop."""
         rows = np.stack(self._hop) if self._hop else np.zeros((0, self._columns))
         self._hop.clear()
         return rows
@@ -169,14 +169,14 @@ class Engine:
         if len(rows):
             self._take(rows)
             yield
-            self._detector.look()
+            self._detector.compute_evidence()
             yield
-            self._detector.weigh()
+            self._detector.compute_probabilities()
             yield
         stop = self._past.end - (0 if last else self._ahead)
         if stop <= self._settled:
             return
-        seen = self._detector.see(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
+        seen = self._detector.find_contacts(max(self._settled - frames_of(_LOOKS_BACK, self._frame_time), 0))
         yield
         settled, first = self._settled, max(self._settled - BEFORE, 0)
         before, count = settled - first, stop - settled
@@ -198,7 +198,7 @@ class Engine:
         self._window.belt = self._belt.velocity
 
     def _take(self, rows: Floats) -> None:
-        """Kinematics of the newest frames."""
+        """Compute the kinematics of the newest frames."""
         clip = self._codec.read(rows)
         pose = self._posing(clip)
         legs, tracks = self._measure(pose, self._frame_time)
@@ -241,7 +241,7 @@ class Engine:
                 self._window.left[k] = False
         return down
 
-    def _events(self, seen: Seen, on: Bools) -> list[Event]:
+    def _events(self, seen: FoundContacts, on: Bools) -> list[Event]:
         """List the strikes and lifts in the frames finished now, by their contacts (n, 2 legs)."""
         down = np.concatenate([self._told[-1:], on])
         found = []

@@ -27,5 +27,5 @@ class Event:
     confidence: float
 
     def moved(self, frames: int, frame_time: float) -> Event:
-        """The same event, so many frames later."""
+        """Shift the event by so many frames."""
         return Event(self.kind, self.effector, self.frame + frames, self.time + frames * frame_time, self.confidence)

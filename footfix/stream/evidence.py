@@ -23,7 +23,7 @@ from footfix.detect.evidence import (
 )
 from footfix.motion.clip import Floats
 from footfix.stream.filters import Lowest, filtered
-from footfix.stream.over_ground import Facing
+from footfix.stream.ground_velocities import Facing
 from footfix.stream.time_grid import FOOT
 
 _MARGIN = 14  # steps before the newest ones, on which their derivatives depend
@@ -33,7 +33,7 @@ _ASKED = [list(OWN).index(name) for name in OTHER]
 _UP, _AHEAD, _ASIDE, _REACH = [1, 4], 6, 7, 8  # of what is differentiated: heel (3), toe (3) and these
 
 
-def weigh(places: Floats, facing: Facing, count: int, mates: Sequence[int], jitter: float) -> Floats:
+def newest_evidence(places: Floats, facing: Facing, count: int, mates: Sequence[int], jitter: float) -> Floats:
     """Compute the features of each foot in the newest steps.
 
     Args:
@@ -94,7 +94,7 @@ def _over_floors(own: Floats, places: Floats, count: int, mates: Sequence[int]) 
 
 
 def _body(height: Floats, count: int, jitter: float) -> Floats:
-    """(count, 3): how the pelvis rises and is accelerated, and how noisy the capture is."""
+    """Compute how fast the pelvis rises, how it is accelerated, and how noisy the capture is, (count, 3)."""
     curves = np.empty((count, len(BODY)))
     curves[:, 0] = filtered(height, seconds=0.11, degree=2, derivative=1)[-count:]
     curves[:, 1] = filtered(height, seconds=0.15, degree=2, derivative=2)[-count:]

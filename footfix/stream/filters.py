@@ -55,7 +55,7 @@ def slopes(x: Floats, seconds: float, count: int) -> Floats:
 
 @lru_cache(maxsize=16)
 def _lines(n: int, window: int, count: int) -> Floats:
-    """(count, n) the weights that n values have in the slopes of the newest steps."""
+    """Compute the weights (count, n) of n values in the slopes of the newest steps."""
     half = window // 2
     along = np.arange(window) - half
     middle = np.clip(np.arange(n - count, n), half, n - 1 - half)
@@ -81,11 +81,11 @@ class Lowest:
         self._x[:, long : long + rows] = x[:, x.shape[1] - rows :]
 
     def ahead(self, seconds: float, tracks: slice) -> Floats:
-        """(k, count) of some tracks."""
+        """Find the lowest values ahead of some tracks, (k, count)."""
         return self._lowest(self._first, steps_of(seconds), tracks)
 
     def behind(self, seconds: float, tracks: slice) -> Floats:
-        """(k, count) of some tracks."""
+        """Find the lowest values behind of some tracks, (k, count)."""
         return self._lowest(self._first + 1 - steps_of(seconds), steps_of(seconds), tracks)
 
     def _lowest(self, first: int, n: int, tracks: slice) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.kinematics import Pose
 from footfix.stream.legs import Kinds, Legs
-from footfix.stream.ring import Ring
+from footfix.stream.ring_buffer import Ring
 
 
 class History:

@@ -104,7 +104,7 @@ class Turner:
 
 
 def _world(legs: Legs, x: Floats) -> Floats:
-    """(4, L, n, 4) what turns thigh, shank, foot and toes in the world, by the legs' unknowns (8, L, n)."""
+    """Compute the world rotations (4, L, n, 4) of thigh, shank, foot and toes from the legs' unknowns (8, L, n)."""
     vectors = np.empty((3, 4, *x.shape[1:]))
     vectors[:, 0], vectors[:, 1], vectors[:, 2], vectors[:, 3] = x[K] * legs.axis, x[Q], x[W], x[B] * legs.toe_hinge
     turns = from_rotation_vector(vectors)  # of bend, line, foot and toes
@@ -118,7 +118,7 @@ def _world(legs: Legs, x: Floats) -> Floats:
 
 
 def _local(captured: Floats, turns: Floats) -> Floats:
-    """(4, L, n, 4) local rotations of joints turned in the world, each below a parent that is turned as the one above.
+    """Convert world rotations to local ones (4, L, n, 4), each below a parent turned as the joint above.
 
     Args:
         captured: (2, 4, L, n, 4) rotations of the joints, and of their parents, in the world.

@@ -125,7 +125,7 @@ class LegMeasurer:
     """Measures the legs of a figure in its pose."""
 
     def __init__(self, part: Subskeleton, joints: Sequence[int]) -> None:
-        """Know the figure, and which joints a pose is of."""
+        """Prepare for a figure, and for poses of some of its joints."""
         rig, known, skeleton = part.known.rig, part.known.legs, part.skeleton
         slot = {joint: k for k, joint in enumerate(joints)}
         toes = [leg.ankle if leg.toe is None else leg.toe for leg in rig.legs]
@@ -189,7 +189,7 @@ class LegStates:
 
 
 def own_of(x: Floats) -> Floats:
-    """(8, L, F) the legs' unknowns of a state (U, F)."""
+    """Take the legs' unknowns (8, L, F) of a state (U, F)."""
     return x[ROOT:].reshape(-1, LEG, x.shape[1]).swapaxes(0, 1)
 
 
@@ -219,7 +219,7 @@ def places_of(legs: Legs, root: Floats, x: Floats) -> Floats:
 
 
 def _vectors(legs: Legs, x: Floats) -> Floats:
-    """(3, 3, L, F) [rad] how line, foot and toes turn in a state."""
+    """Compute the rotation vectors (3, 3, L, F) [rad] of line, foot and toes in a state."""
     out = np.empty((3, 3, *legs.flexion.shape))
     out[:, 0], out[:, 1] = x[Q], x[W]
     np.multiply(x[B], legs.toe_hinge, out=out[:, 2])

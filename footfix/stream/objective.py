@@ -164,7 +164,8 @@ def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
 
 
 def _beyond(turn: Floats, far: Floats, weight: float) -> tuple[Floats | None, Floats | None]:
-    """One-sided cost of a turn (m, ..., F) longer than `far` (F,): gradient, and second derivatives (m, m, ..., F)."""
+    """Compute the one-sided cost of turns (m, ..., F) beyond `far` (F,): gradient, second derivatives (m, m, ..., F).
+    """
     size = np.sqrt(np.sum(turn**2, axis=0))
     over = size > far
     if not over.any():

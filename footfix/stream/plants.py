@@ -7,8 +7,8 @@ from math import hypot
 
 import numpy as np
 
+from footfix.enforce.easing import gamma
 from footfix.enforce.leg import ANKLE, HEEL, TOE
-from footfix.enforce.papers.ease import gamma
 from footfix.enforce.standing_heights import height
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.stream.arithmetic import median
@@ -45,14 +45,14 @@ class Ground:
     heights: bool
 
     def level(self, own: Floats, leg: int, point: int) -> float:
-        """[m] the height at which a point stands that was captured at heights (n,)."""
+        """Compute the height [m] at which a point stands that was captured at heights (n,)."""
         usual = float(median(own))
         if point == ANKLE:
             return usual
         return height(usual, float(self.rest[leg, point]), float(self.nominal[leg, point]), self.near)
 
     def step(self, level: float, leg: int, point: int) -> float:
-        """[m] how much higher than the rig's the floor is on which a point stands at a level [m]."""
+        """Compute how much higher than the rig's the floor is under a point that stands at a level [m]."""
         up = level - float(self.rest[leg, point])
         return up if abs(up) >= self.near else 0.0
 
@@ -90,7 +90,7 @@ class Plant:
         return np.asarray(out)
 
     def off(self, point: Floats, frame: int) -> float:
-        """[m] how far a point (3,) is from where it stands in a frame, over the ground."""
+        """Measure how far a point (3,) is from its place in a frame, over the ground [m]."""
         assert self.place is not None
         (x, _, z), (px, _, pz), (bx, _, bz) = point.tolist(), self.place.tolist(), self.belt.tolist()
         gone = frame - self.at

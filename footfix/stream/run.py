@@ -68,7 +68,7 @@ class Sink:
     """A file to which rows or events are written at once."""
 
     def __init__(self, stream: IO[bytes], *, drops: bool) -> None:
-        """Know it.
+        """Prepare to write to it.
 
         Args:
             stream: open for writing.
@@ -119,7 +119,7 @@ class Run:
         self, settings: Settings, params: StreamParams, known: Document | None, rows: Sink | None, events: Sink | None,
         talk: Talk, peer: Peer | None = None, interrupted: Interrupted | None = None,
     ) -> None:  # fmt: skip
-        """Know inputs and outputs.
+        """Keep the inputs and outputs; `run` starts.
 
         Args:
             settings: the parameters of all steps.
@@ -227,7 +227,7 @@ class Run:
             self._write_header(header_of(self._known))
         if row.broken:
             number = self.frames + len(self._waiting)
-            self._talk.fault("no-number", f"frame {number} holds what is no number; the last one stands in its place")
+            self._talk.fault("no-number", f"frame {number} has a value that is no number; the last valid one is used")
         self._waiting.append(row)
         self._watch_pace()
         self._give(self._live.push(row.values[None]))

@@ -17,8 +17,8 @@ from footfix.notes import Note
 from footfix.rig.units import infer_units
 from footfix.settings import Settings
 from footfix.stream.calibration import LEAST, calibrate
-from footfix.stream.codec import Arrays, Channels
 from footfix.stream.engine import Engine, Shown, paced
+from footfix.stream.row_conversion import Arrays, Channels
 from footfix.stream.subskeleton import Subskeleton, part_of
 
 Before = Literal["pass", "wait"]
@@ -66,7 +66,7 @@ class Live:
         self, source: Document | Skeleton, frame_time: float, settings: Settings, params: StreamParams,
         *, known: Document | Clip | None = None, told: Callable[[Note], None] | None = None,
     ) -> None:  # fmt: skip
-        """Begin.
+        """Start without rows.
 
         Args:
             source: the header of a file, or the joints that arrays are of.
@@ -110,7 +110,7 @@ class Live:
 
     @property
     def _passes(self) -> bool:
-        """Whether frames before calibration pass."""
+        """Tell whether frames before calibration pass."""
         return self._params.before == "pass"
 
     def push(self, rows: Floats) -> list[Shown]:
@@ -240,7 +240,7 @@ class Live:
         )
 
     def _counted(self, shown: Sequence[Shown]) -> list[Shown]:
-        """Frames of the engine, counted since the stream began."""
+        """Number the engine's frames from the start of the stream."""
         if not self._offset:
             return list(shown)
         return [

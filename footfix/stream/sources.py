@@ -46,7 +46,7 @@ class Address:
         """Read HOST:PORT, :PORT or tcp://HOST:PORT.
 
         Raises:
-            UsageError: it is none.
+            UsageError: it is not an address.
         """
         scheme, mark, rest = text.partition("://")
         if mark and scheme.lower() != "tcp":
@@ -107,13 +107,13 @@ class Standard(Source):
     """Standard input, or any file that is open."""
 
     def __init__(self, backlog: Backlog, document: Document | None, number: int, *, alone: bool) -> None:
-        """Know it.
+        """Prepare to read it; `start` begins.
 
         Args:
             backlog: where to put what comes.
             document: what rows mean without a header.
-            number: of the open file.
-            alone: whether its end is the end even if nothing came.
+            number: file descriptor of the open file.
+            alone: whether its end ends the stream even if nothing came.
         """
         super().__init__(backlog, document, "<stdin>")
         self._number, self._alone = number, alone
@@ -136,15 +136,15 @@ class Peer(Source):
         self, backlog: Backlog, document: Document | None, address: Address, *, listens: bool, once: bool,
         told: Callable[[str], None], hears: Callable[[], bool] = lambda: True,
     ) -> None:  # fmt: skip
-        """Know it.
+        """Listen at the address, or prepare to connect to it.
 
         Args:
             backlog: where to put what comes.
             document: what rows mean without a header.
             address: of the peer, or to listen at.
             listens: whether it connects to us.
-            once: whether its first end is the end.
-            told: is called with what is to be said.
+            once: whether the stream ends when it goes for the first time.
+            told: called with messages.
             hears: whether to read what it sends.
 
         Raises:

@@ -16,7 +16,7 @@ from footfix.detect.overtaking import OvertakingParams
 from footfix.detect.stepping import SteppingParams, from_rest_to_rest, planted_throughout, probability
 from footfix.motion.clip import Floats
 from footfix.stream.filters import Lowest, slopes
-from footfix.stream.over_ground import Complexes, slowest, to_segment
+from footfix.stream.ground_velocities import Complexes, slowest, to_segment
 
 _LEAST = 1e-6  # of a speed whose logarithm is taken
 
@@ -68,7 +68,7 @@ def stepping(
 
 
 def _whole_step(far: Complexes, creeps: float, params: SteppingParams) -> float:
-    """The probability that a foot steps, as of `detect.stepping.whole_step`.
+    """Find the probability that a foot steps, as `detect.stepping.whole_step` does.
 
     Args:
         far: (2, 2) [leg lengths] how far heel and toe of the foot go meanwhile, and of the other.
@@ -83,7 +83,7 @@ def _whole_step(far: Complexes, creeps: float, params: SteppingParams) -> float:
 
 
 def resting_speed(speeds: Floats, count: int, params: SteppingParams) -> Floats:
-    """(feet, count) at most how fast feet of some speeds (m, feet) are while they rest; see `detect.stepping`."""
+    """Find the greatest speed (feet, count) of resting feet, from speeds (m, feet); see `detect.stepping`."""
     steps = max(round(params.rest / STEP), 1)
     m, feet = speeds.shape
     if m <= steps:
@@ -102,7 +102,7 @@ def resting_speed(speeds: Floats, count: int, params: SteppingParams) -> Floats:
 
 
 def _parting(own: Complexes, other: Complexes, pelvis: Complexes) -> tuple[Floats, Floats]:
-    """(feet, n) each: the least speed at which a point of one sole leaves one of the other, and the pelvis it."""
+    """Find the least speed at which a point of one sole leaves one of the other, and the pelvis it, (feet, n) each."""
     points = np.empty((5, *own.shape[1:]), dtype=np.complex128)  # own heel and toe, the pelvis, the other's
     starts, ends = np.empty_like(points), np.empty_like(points)
     points[:2], points[2], points[3:] = own, pelvis, other

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.motion.clip import Skeleton
-from footfix.rig.helper_joints import Follower
 from footfix.rig.rig import Rig
 from footfix.stream.calibration import Calibration
 
@@ -45,7 +44,7 @@ def part_of(skeleton: Skeleton, known: Calibration) -> Subskeleton:
         skeleton.translates[list(joints)],
         skeleton.rotates[list(joints)],
     )
-    followers = tuple(Follower(number[f.joint], number[f.foot], f.turns) for f in known.followers)
+    followers = tuple(replace(f, joint=number[f.joint], foot=number[f.foot]) for f in known.followers)
     return Subskeleton(joints, part, replace(known, rig=_renumbered(known.rig, number), followers=followers))
 
 

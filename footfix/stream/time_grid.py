@@ -9,7 +9,7 @@ from footfix.detect.tracks import Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import window_frames
 from footfix.stream.filters import filtered
-from footfix.stream.ring import Ring
+from footfix.stream.ring_buffer import Ring
 
 FOOT = 4  # tracks of a foot: hip, ankle, heel, toe
 PAST = 2.3  # [s] that are kept: resting feet are searched two seconds back
@@ -59,7 +59,7 @@ class Grid:
 
 
 def _catmull_rom(x: Floats, places: Floats) -> Floats:
-    """A track (n, ...) at some places [frames] by Catmull-Rom splines."""
+    """Interpolate a track (n, ...) at some places [frames] by Catmull-Rom splines."""
     left = np.minimum(places.astype(np.intp), max(len(x) - 2, 0))
     q = (places - left)[:, None, None]
     right = np.minimum(left + 1, len(x) - 1)

@@ -12,8 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from footfix.enforce.easing import ease_frames, gamma
 from footfix.enforce.leg import ROOT, TOE, K, W
-from footfix.enforce.papers.ease import ease_frames, gamma
 from footfix.motion.clip import Bools, Floats, frozen
 from footfix.motion.contacts import runs
 from footfix.stream.legs import POINTS, Legs, own_of, places_of, states_of

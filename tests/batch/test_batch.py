@@ -24,7 +24,7 @@ from footfix import cli
 from footfix.batch import gates
 from footfix.batch.inputs import MARK, shard, sources
 from footfix.batch.journal import Journal, journal_in, recall
-from footfix.batch.outputs import plan
+from footfix.batch.output_paths import plan
 from footfix.batch.task import FileResult
 from footfix.errors import UsageError
 from footfix.report.annotations import annotation

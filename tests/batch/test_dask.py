@@ -16,12 +16,12 @@ import pytest
 from walker import make
 from walker_plan import Gait
 
-from footfix.batch import cluster as cluster_work
+from footfix.batch import dask_cluster as cluster_work
 from footfix.batch.inputs import sources
-from footfix.batch.outputs import plan
+from footfix.batch.one_file import clean_one
+from footfix.batch.output_paths import plan
 from footfix.batch.run import Crew, run
 from footfix.batch.task import FileResult, Task
-from footfix.batch.work import clean_one
 from footfix.errors import UsageError
 from footfix.settings import ReportParams, Settings
 
@@ -35,7 +35,7 @@ def cluster() -> Iterator[Any]:
     if sys.platform == "linux":  # workers are forked from one process that has loaded everything, and never worked
         dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"})
         distributed.utils.get_mp_context().set_forkserver_preload(
-            ["distributed", "footfix.batch.work", "footfix.pipeline"]
+            ["distributed", "footfix.batch.one_file", "footfix.pipeline"]
         )
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
@@ -100,7 +100,7 @@ def test_a_clip_that_kills_every_worker_is_given_up_and_named(
 def test_tasks_are_given_up_where_no_worker_comes_for_long(monkeypatch: pytest.MonkeyPatch, tasks: list[Task]) -> None:
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(cluster_work, "_COUNTS", 0.1)
-    monkeypatch.setattr(cluster_work, "_ALONE", 0.5)
+    monkeypatch.setattr(cluster_work, "_ALONE", 0.3)
     with distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None, silence_logs=50) as empty:
         crew = Crew(dask=empty.scheduler_address)
         outcome = run(clean_one, tasks, crew=crew, on_result=lambda each: None)
@@ -111,7 +111,7 @@ def test_tasks_are_given_up_where_no_worker_comes_for_long(monkeypatch: pytest.M
 def test_an_address_where_nothing_answers_is_a_usage_error(tasks: list[Task], monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")
     real = distributed.Client
-    monkeypatch.setattr(distributed, "Client", lambda address, **more: real(address, **{**more, "timeout": 1}))
+    monkeypatch.setattr(distributed, "Client", lambda address, **more: real(address, **{**more, "timeout": 0.3}))
     with pytest.raises(UsageError, match="no scheduler"):
         run(clean_one, tasks, crew=Crew(dask="tcp://127.0.0.1:9"), on_result=lambda each: None)
 

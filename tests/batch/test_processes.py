@@ -58,9 +58,9 @@ def test_a_killed_worker_costs_its_clip_alone_and_is_named() -> None:
 @pytest.mark.usefixtures("forking")
 def test_a_clip_that_takes_too_long_is_stopped() -> None:
     begun = time.monotonic()
-    found = results(["a", "sleep", "b", "c"], timeout=1.0)
+    found = results(["a", "sleep", "b", "c"], timeout=0.5)
     assert time.monotonic() - begun < 30.0
-    assert found["sleep"].status == "failed" and "longer than 1 s" in found["sleep"].error
+    assert found["sleep"].status == "failed" and "longer than 0.5 s" in found["sleep"].error
     assert all(found[name].status == "done" for name in "abc")
 
 

@@ -28,7 +28,7 @@ def schema(name: str) -> dict[str, object]:
 
 @pytest.mark.usefixtures("forking")
 def test_a_bad_file_does_not_stop_the_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr("footfix.jobs.fit.FEWEST", 5)  # how many are enough is told in tests/locomotion/cycles
+    monkeypatch.setattr("footfix.jobs.fit_cycles.FEWEST", 5)  # how many are enough is told in tests/locomotion/cycles
     (tmp_path / "gaits").mkdir()
     for speed in (1.5, 1.8):
         (tmp_path / "gaits" / f"walk_{speed}.bvh").write_bytes(walker("walk", speed, 3.2, 1))

@@ -20,7 +20,7 @@ from walks import walk
 
 import footfix
 from footfix import cli
-from footfix.jobs.legs import with_shared_legs
+from footfix.jobs.shared_legs import with_shared_legs
 from footfix.rig.find import find_rig
 from footfix.settings import Settings
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from footfix.detect.adaptive import AdaptiveParams, _frames_of, _plants, _with_ends, adaptive
-from footfix.detect.cycles import Cycle, CycleParams, _even, find_cycles, zigzag
 from footfix.detect.foot_locks import let_go
+from footfix.detect.gait_cycles import Cycle, CycleParams, _even, find_cycles, zigzag
 from footfix.detect.lyard import LyardParams, _agreement, _follow, lyard
 from footfix.detect.threshold import ThresholdParams, _nearest_plant_length, threshold
 from footfix.detect.tracks import GRAVITY, FootTracks, Tracks

@@ -82,7 +82,7 @@ def test_what_is_found_on_the_grid_is_told_in_frames(monkeypatch: pytest.MonkeyP
     tracks, _ = _kneeler(0.5, 0.0)
     heel = np.where((np.arange(199) >= 100) & (np.arange(199) <= 160), 0.5, 0.98)
     answer = np.log(np.stack([1.0 - heel, 0.5 * heel, 0.3 * heel, 0.2 * heel], axis=1))
-    monkeypatch.setattr(detector, "weighed", lambda *_: ((answer,), (answer,)))
+    monkeypatch.setattr(detector, "log_probabilities", lambda *_: ((answer,), (answer,)))
     found = auto(tracks, AutoParams())
     assert [(note.start, note.end) for note in found.notes if note.id == "contact-doubtful"] == [(50, 81)]
     assert found.confidence is not None
@@ -103,7 +103,7 @@ def test_a_heel_that_hardly_rises_while_the_toe_stands_never_left(
     raised = Tracks(tracks.pelvis, (FootTracks("left", foot.hip, foot.ankle, up, foot.toe, foot.knee),), 0.9, 0.02)
     state = np.where((np.arange(199) >= 80) & (np.arange(199) < 120), TOE, FLAT)
     answer = np.log(np.full((199, 4), 0.001 / 3) + 0.999 * np.eye(4)[state])
-    monkeypatch.setattr(detector, "weighed", lambda *_: ((answer,), (answer,)))
+    monkeypatch.setattr(detector, "log_probabilities", lambda *_: ((answer,), (answer,)))
     heel, toe = auto(raised, AutoParams()).mask.T
     assert toe.all()
     assert heel[45:55].any() != left and heel[:35].all() and heel[65:].all()

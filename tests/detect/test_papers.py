@@ -15,7 +15,7 @@ from walker_plan import Gait
 
 from footfix.api.files import load
 from footfix.detect.adaptive import AdaptiveParams, adaptive
-from footfix.detect.cycles import CycleParams, find_cycles, zigzag
+from footfix.detect.gait_cycles import CycleParams, find_cycles, zigzag
 from footfix.detect.lyard import LyardParams, lyard
 from footfix.detect.threshold import ThresholdParams, threshold, vote
 from footfix.detect.tracks import Finding, Tracks, tracks_of

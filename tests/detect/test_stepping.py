@@ -11,7 +11,7 @@ import pytest
 from walker import make
 from walker_gaits import Gait
 
-from footfix.detect.auto import AutoParams, weighed
+from footfix.detect.auto import AutoParams, log_probabilities
 from footfix.detect.evidence import resample
 from footfix.detect.network import SWING
 from footfix.detect.run import DetectParams, find
@@ -201,7 +201,7 @@ def test_left_and_right_are_treated_alike() -> None:
 
 def test_the_foot_that_steps_is_sure_to_and_the_other_sure_to_stand() -> None:
     sampled = resample(shuffled(0.2, 0.3, 0.0))
-    _, (left, right) = weighed(sampled, AutoParams(), network())
+    _, (left, right) = log_probabilities(sampled, AutoParams(), network())
     middle = round(0.5 * SECONDS / 0.01)
     assert np.exp(left[middle, SWING]) > 0.95
     assert np.exp(right[middle, SWING]) < 0.05

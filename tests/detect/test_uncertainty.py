@@ -58,8 +58,17 @@ def test_who_falls_slower_than_gravity_was_made_at_another_rate(size: float) -> 
     assert frame_rate(sized(leap(2.0, 30.0, 9.81 / 16.0, lift=0.05)), DoubtParams()) == ()  # the feet hardly leave
 
 
-@pytest.mark.parametrize("fps", [24.0, 30.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0])
-def test_the_rate_that_is_named_is_the_nearest_of_those_in_use(fps: float) -> None:
+@pytest.mark.parametrize("seconds", [0.2, 0.3])  # a hop in which the pelvis rises by 5 or 11 cm
+@pytest.mark.parametrize("times", [2.0, 3.0, 5.0])
+def test_a_low_hop_at_half_of_its_rate_is_told_too(seconds: float, times: float) -> None:
+    made = 120.0
+    assert frame_rate(leap(seconds, made, lift=0.1), DoubtParams()) == ()
+    (note,) = frame_rate(leap(times * seconds, made / times, 9.81 / times**2, lift=0.1), DoubtParams())
+    assert f"about {made:.0f} fps" in note.text
+
+
+@pytest.mark.parametrize("fps", [24, 25, 30, 48, 50, 60, 90, 100, 120, 150, 200, 240, 250, 300])
+def test_the_rate_that_is_named_is_the_nearest_of_those_in_use(fps: int) -> None:
     """A leap of half a second declared as one of 2 s: at a quarter of the rate it was made at."""
     (note,) = frame_rate(leap(2.0, fps / 4.0, 9.81 / 16.0), DoubtParams())
     assert f"about {fps:.0f} fps" in note.text

@@ -14,7 +14,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
-from footfix.rig.helper_joints import Follower, find_followers, left_behind
+from footfix.rig.followers import Follower, find_followers, left_behind
 from footfix.rig.rig import Rig
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -70,6 +70,8 @@ def helped() -> tuple[Clip, Contacts]:
     clip = on(clip, "target_r", "helpers", "RightFoot", turned=False)
     clip = on(clip, "target_toe", "target_l", "LeftToeBase")
     clip = on(clip, "control", "helpers", "RightFoot", offset=np.array([0.0, -0.05, -0.1]))
+    foot = forward(clip).position(clip.skeleton.names.index("RightFoot"))
+    clip = with_joint(clip, "below", "helpers", foot - 0.1 * Y, rotation.identity((len(clip),)))
     clip = on(clip, "hand", "helpers", "Spine", offset=np.array([0.1, 0.2, 0.5]))
     return with_joint(clip, "rider", "target_r", forward(clip).position(clip.skeleton.names.index("target_r")) + Y,
                       rotation.identity((len(clip),))), contacts  # fmt: skip
@@ -107,11 +109,28 @@ def test_they_are_found_by_where_they_are() -> None:
     clip, _ = helped()
     names = clip.skeleton.names
     found = find_followers(clip, rig_below())
-    told = {names[each.joint]: (names[each.foot], each.turns) for each in found}
+    told = {names[each.joint]: (names[each.foot], each.turns, each.level) for each in found}
     assert told == {
-        "target_l": ("LeftFoot", True), "target_r": ("RightFoot", False), "target_toe": ("LeftToeBase", True),
-        "control": ("RightFoot", True),
+        "target_l": ("LeftFoot", True, False), "target_r": ("RightFoot", False, False),
+        "target_toe": ("LeftToeBase", True, False), "control": ("RightFoot", True, False),
+        "below": ("RightFoot", False, True),
     }  # fmt: skip
+
+
+def test_what_is_fixed_to_the_ankle_may_be_nearer_to_the_toe() -> None:
+    clip, _ = skating()
+    ankle = clip.skeleton.names.index("LeftFoot")
+    beside = on(clip, "beside", "Hips", "LeftFoot", offset=np.array([0.02, -0.03, 0.13]), turned=False)
+    (found,) = find_followers(beside, rig_of(walk()))
+    assert (found.foot, found.level) == (ankle, False)
+    places = clip.position(0).copy()
+    places[:] = places[:1] + np.outer(np.linspace(0.0, 0.01, len(clip)), [1.0, 0.0, 0.0])  # [m]
+    turns = {joint: np.repeat(clip.rotation(joint)[:1], len(clip), axis=0) for joint in range(len(clip.skeleton))}
+    gliding = _rooted(clip.with_joints({0: places}, turns))  # no joint turns, and feet go one centimetre
+    (found,) = find_followers(
+        on(gliding, "beside", "world", "LeftFoot", offset=np.array([0.02, -0.03, 0.13])), rig_below()
+    )
+    assert found.foot == ankle + 1
 
 
 def test_what_is_near_for_a_while_or_cannot_be_moved_is_none() -> None:
@@ -155,6 +174,8 @@ def test_they_go_along_with_the_foot_and_what_is_no_helper_of_it_stays() -> None
     for joint, foot in (("target_l", "LeftFoot"), ("target_toe", "LeftToeBase"), ("control", "RightFoot")):
         assert strays(joint, foot)[0] < 1e-8 and strays(joint, foot)[1] < 1e-7
     assert strays("target_r", "RightFoot")[0] < 1e-8
+    foot, below = names.index("RightFoot"), names.index("below")
+    assert now.position(foot) - now.position(below) == pytest.approx(was.position(foot) - was.position(below), abs=1e-9)
     r = names.index("target_r")
     assert rotation.angle(rotation.multiply(rotation.inverse(was.rotation(r)), now.rotation(r))).max() < 1e-7
     assert np.allclose(

@@ -109,6 +109,13 @@ def test_a_figure_is_lifted_only_where_its_plants_agree(sign: float) -> None:
     assert lifted() == 0.0
 
 
+def test_a_figure_that_steps_off_the_floor_onto_a_belt_is_not_lowered_by_the_belts_height() -> None:
+    on_belt = [-0.16] * 19
+    assert lift(np.array([*on_belt, 0.01, 0.02]), LEG, PARAMS) == 0.0
+    assert lift(np.array([*on_belt, 0.3, -0.02]), LEG, PARAMS) == pytest.approx(-0.16)  # one in 21 is an error
+    assert lift(np.array(on_belt), LEG, PARAMS) == pytest.approx(-0.16)
+
+
 def test_hips_that_go_on_ride_no_belt_for_a_while_either() -> None:
     speeds = np.zeros(40)
     speeds[10:26] = 1.2

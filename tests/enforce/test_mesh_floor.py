@@ -11,12 +11,12 @@ from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.leg import calibrate, tracks
-from footfix.enforce.mesh_floor import over_floor, skins_of, sunk
+from footfix.enforce.mesh_floor import deeper, over_floor, skins_of, sunk
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.pins import Pins
 from footfix.enforce.run import enforce
 from footfix.enforce.task import task_of
-from footfix.enforce.vertices import vertices_of
+from footfix.enforce.vertices import Vertices, vertices_of
 from footfix.measure.clip import measure
 from footfix.motion import rotation
 from footfix.motion.clip import Clip
@@ -125,6 +125,57 @@ def test_root_alone_puts_vertices_at_their_floor() -> None:
     lowest = np.min(rig.lowest(pose), axis=0)[planted] - rig.floor
     assert abs(float(lowest.mean())) < 0.008
     assert found.correction.joints == ()
+
+
+def test_what_is_not_over_a_step_has_the_floor_below_it() -> None:
+    """A step is only where a foot once stood: a vertex deep below its level is lifted by a little at the most."""
+    clip, rig = spoiled(0.0)
+    pose, leg = rig.pose(clip), rig.leg_length
+    legs = tracks(clip, rig, pose, calibrate(rig, pose, clip))
+    step = np.where(np.arange(len(clip)) < 60, 0.0, np.linspace(0.0, 0.3, len(clip)))  # [m]
+    found = skins_of(rig, legs, pose, 0.0, [step, 0.0 * step], clip.skeleton)
+    sink = 0.0006 * leg
+    own = next(mesh for mesh in rig.meshes if mesh.leg == 0).lowest(pose) + 0.03 * leg
+    expected = np.where(step > 0.0, np.maximum(np.minimum(step, own - rig.floor + sink), 0.0), 0.0) + rig.floor - sink
+    assert np.any(own[step > 0.0] < rig.floor + step[step > 0.0] - sink)
+    assert np.allclose(found[0].lowest, expected) and np.allclose(found[1].lowest, rig.floor - sink)
+
+
+@pytest.mark.parametrize("frame_time", [1.0 / 30.0, 1.0 / 100.0])
+def test_a_vertex_in_the_floor_lets_joints_turn_a_fifth_of_a_second_before_and_after(frame_time: float) -> None:
+    clip, rig = spoiled(0.0)
+    pose = rig.pose(clip)
+    legs = tracks(clip, rig, pose, calibrate(rig, pose, clip))
+    base = -np.array(legs[0].ankle)[None]  # (1, 3, F) one vertex at the origin
+    lowest = np.zeros((1, len(clip)))
+    lowest[0, 60] = 0.02  # [m] it is so deep in one frame
+    fault = np.full(len(clip), 0.005)
+    found = deeper(fault, {0: Vertices(base, None, lowest)}, legs, frame_time)
+    around = round(0.2 / frame_time)
+    expected = fault.copy()
+    expected[60 - around : 61 + around] = 0.02
+    assert found == pytest.approx(expected)
+    assert deeper(fault, {}, legs, frame_time) is fault
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.3])
+def test_one_of_the_few_vertices_chosen_is_the_lowest_however_the_foot_turns_near_the_floor(pitch: float) -> None:
+    clip, rig = spoiled(pitch)
+    pose = rig.pose(clip)
+    legs = tracks(clip, rig, pose, calibrate(rig, pose, clip))
+    for mesh in rig.meshes:
+        leg = legs[mesh.leg]
+        own = vertices_of(mesh, leg, pose, 0.0, np.full(len(clip), rig.floor), clip.skeleton)
+        assert own.toes is not None
+        near = np.flatnonzero(mesh.lowest(pose) < rig.floor + 0.05)
+        few = (own.base + own.toes)[..., near].transpose(2, 0, 1)  # (f, N, 3) from the ankle
+        every = mesh.tracks(pose, np.arange(len(mesh)))[near] - leg.ankle.T[near, None]
+        assert 3 < few.shape[1] < every.shape[1]
+        for roll in (-0.4, 0.0, 0.4):
+            for tilt in (-0.4, 0.0, 0.4):
+                turn = rotation.from_rotation_vector(np.array([tilt, 0.0, roll]))
+                low = [rotation.rotate(turn, each)[..., 1].min(axis=1) for each in (few, every)]
+                assert np.abs(low[0] - low[1]).max() < 0.004  # [m]
 
 
 def test_vertices_as_captured_are_what_the_foot_and_its_toes_carry() -> None:

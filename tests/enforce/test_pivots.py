@@ -66,6 +66,17 @@ def test_the_rate_is_that_of_the_figure_which_turns(rate: float) -> None:
     assert share[60:] == pytest.approx(1.0 / (1.0 + (rate / QUICK) ** 2), rel=0.01)
 
 
+@pytest.mark.parametrize("ends", [False, True])
+def test_a_step_turns_as_the_slower_of_its_two_frames_does(ends: bool) -> None:
+    """So a foot that begins or ends to turn is held in full up to the very frame."""
+    time = np.arange(FRAMES) / FPS
+    clip, rig = turned("heel", 0.5 * (time[::-1] if ends else time) ** 2)  # 1 rad/s^2, away from or towards rest
+    rate = turn_rate(figure_of(clip, rig, walk("stand", FPS, 2.0).contacts).legs[0], 1.0 / FPS)
+    slower = (time[::-1] if ends else time)[slice(1, None) if ends else slice(None, -1)]
+    inner = slice(5, -5)  # the window of the rate has both sides
+    assert np.abs(rate - slower)[inner].max() < 0.25 / FPS
+
+
 @pytest.mark.parametrize("up", [-0.2, 0.2])
 def test_a_foot_on_its_tip_hardly_counts_as_turning(up: float) -> None:
     """A line that is nearly upright is taken to be half as long over the floor as it is."""

@@ -150,3 +150,33 @@ def test_a_plant_too_short_to_be_held_stays_unless_it_is_forced() -> None:
             [plant], made.legs, np.zeros((FRAMES, 3)), level(), DT, made.rig.leg_length, heights=True, params=PARAMS
         )
         assert found is stays
+
+
+@pytest.mark.parametrize(("moves_on", "stays"), [(True, True), (False, False)])
+def test_two_still_steps_are_a_lock_where_the_hip_moves_on_and_a_duplicate_frame_where_it_does_not(
+    moves_on: bool, stays: bool
+) -> None:
+    steps = np.tile([0.002, 0.0, 0.0, 0.002], FRAMES)[: FRAMES - 1]  # [m] two of four are still
+    made = shifted(np.concatenate([[0.0], np.cumsum(steps)])[:, None] * [0.6, 0.0, 0.8])
+    (leg, other), on = made.legs, np.linspace(0.0, 2.0, FRAMES)
+    hip = leg.hip + (on if moves_on else 0.0) * np.array([[1.0], [0.0], [0.0]])
+    (found,) = kept(
+        [toe(40, 99)], (replace(leg, hip=hip), other), np.zeros((FRAMES, 3)), level(), DT, made.rig.leg_length,
+        heights=True, params=PARAMS,
+    )  # fmt: skip
+    assert found is stays
+
+
+@pytest.mark.parametrize(("number", "stays"), [(0, True), (1, False)])
+def test_a_heel_that_rolls_stays_while_the_toe_of_its_own_foot_is_locked(number: int, stays: bool) -> None:
+    made = shifted(slid(0.04, 40, 99))  # all of it slides, but for the left toe, while the hips move on by 2 m
+    on = np.linspace(0.0, 2.0, FRAMES) * np.array([[1.0], [0.0], [0.0]])
+    left, right = (replace(leg, hip=leg.hip + on) for leg in made.legs)
+    locked = left.place(TOE)[:, :1] - left.ankle  # (3, F) [m]
+    left = replace(left, points=(left.points[0], locked, *left.points[2:]))
+    heel = Footplant(0, 2 * number, "heel", number, "heel", 40, 99)
+    (found,) = kept(
+        [heel], (left, right), np.zeros((FRAMES, 3)), level(HEEL), DT, made.rig.leg_length, heights=True,
+        params=PARAMS,
+    )  # fmt: skip
+    assert found is stays

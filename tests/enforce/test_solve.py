@@ -14,11 +14,11 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce import solve as solver
-from footfix.enforce.costs import CostParams
+from footfix.enforce.costs import RATE, CostParams
 from footfix.enforce.leg import HEEL, LEG, ROOT, TOE, B
 from footfix.enforce.objective import objective, systems
 from footfix.enforce.params import EnforceParams
-from footfix.enforce.problem import Problem
+from footfix.enforce.problem import Problem, _onward
 from footfix.enforce.solve import EPS, descend, solve, thinned
 from footfix.enforce.task import task_of
 from footfix.enforce.whole_clip import costs_of, problem_of
@@ -249,16 +249,31 @@ def test_static_rounds_bring_what_hardly_moves_to_rest() -> None:
 
 def test_before_static_friction_comes_what_slides_in_most_frames_is_let_go() -> None:
     of = skating(60.0, 120)
-    spans = ((10, 40), (60, 100))
+    spans = ((10, 40), (50, 61), (70, 100))
     toe = replace(of.pins[0][TOE], hold=np.ones(119), spans=spans)
     x = np.zeros((of.unknowns, 120))
     slip = np.diff(places(of, x)[0][TOE], axis=1)  # ground that goes along: it stands,
-    slip[0, :60] += 0.1 * of.leg_length * of.frame_time  # or goes by more than the foot: it slides
+    slip[0, :57] += 0.1 * of.leg_length * of.frame_time  # or goes by more than the foot: it slides
     toe = replace(toe, slip=slip)
     of = replace(of, pins=((of.pins[0][HEEL], toe, *of.pins[0][2:]), of.pins[1]))
     found = solver.settled(of, x).pins[0][TOE]
-    assert found.spans == ((60, 100),)
-    assert not found.hold[10:39].any() and found.hold[60:99].all() and found.hold[:10].all()
+    assert found.spans == ((50, 61), (70, 100))  # three steps of ten at rest are just enough
+    assert not found.hold[10:39].any() and found.hold[50:60].all() and found.hold[70:99].all() and found.hold[:10].all()
+
+
+def test_what_is_to_come_costs_as_much_as_if_its_frames_were_solved() -> None:
+    """The cost of a last place and speed against the least cost of two seconds more of NEAR, with no more plants."""
+    s0, s2, dt, more = np.array([0.03]), np.array([0.6]), 1.0 / 240.0, 480  # [m], [m/s^2], [s]
+    told = np.zeros((3, 1, 2))
+    _onward(told, s0, s2, dt)
+    second = np.diff(np.eye(more + 2), 2, axis=0) / dt**2  # the first of them has the last two known frames
+    near = np.eye(more + 2)[2:]
+    matrix = RATE * dt * (near.T @ near / s0**2 + second.T @ second / s2**2)
+    solved = matrix[:2, :2] - matrix[:2, 2:] @ np.linalg.solve(matrix[2:, 2:], matrix[2:, :2])
+    stated = np.array([[told[0, 0, 0], told[1, 0, 0]], [told[1, 0, 0], told[0, 0, 1]]])
+    for place, speed in ((0.02, 0.0), (0.0, 0.1), (0.02, 0.1), (0.02, -0.05)):  # [m], [m/s]
+        last = np.array([place - speed * dt, place])
+        assert last @ stated @ last == pytest.approx(last @ solved @ last, rel=0.04)
 
 
 # ---- fewer frames -----------------------------------------------------------------------------------

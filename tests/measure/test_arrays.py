@@ -16,6 +16,7 @@ TRACKS = list(POINTS.transpose(1, 0, 2))
 
 
 def test_arrays_are_measured_as_clips_are() -> None:
+    assert arrays.skating_ratio(POINTS, DT) == clip.skating_ratio(TRACKS, [0.0] * 3, DT)  # as published
     assert arrays.skating_ratio(POINTS, DT, rest=0.01) == clip.skating_ratio(TRACKS, [0.01] * 3, DT) > 0.0
     assert arrays.skating_ratio(POINTS, DT, rest=[0.0, 9.0, -9.0]) == clip.skating_ratio(TRACKS, [0.0, 9.0, -9.0], DT)
     assert arrays.weighted_skate(POINTS, DT, floor=0.01, height=0.05) == clip.weighted_skate(TRACKS, 0.01, DT, 0.05) > 0

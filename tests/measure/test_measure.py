@@ -10,7 +10,7 @@ import pytest
 
 from footfix.measure.clip import WORLD, Measures, jitter, measure, physdiff, skating_ratio, weighted_skate
 from footfix.measure.plants import PlantMeasure
-from footfix.measure.visible_points import tip_of
+from footfix.measure.skinned_joints import tip_of
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contact, Contacts
@@ -276,6 +276,8 @@ def test_physdiffs_three() -> None:
     track[:, 1] = [-0.02, 0.004, 0.03, -0.004]
     track[:, 0] = [0.0, 0.01, 0.02, 0.03]
     assert physdiff([track], 0.0) == (pytest.approx(5.0), pytest.approx(7.5), pytest.approx(10.0 / 3))
+    stair = physdiff([track + 0.2 * UP], 0.2, [track[:, 1] + 0.19, track[:, 1] + 0.3])  # a vertex 1 cm below the point
+    assert stair[:2] == (pytest.approx((30.0 + 6.0 + 14.0) / 4), pytest.approx(20.0 / 4))
     found = measured(*figure(4, {BALL: track, HEEL: 9.0 * UP + np.zeros((4, 3))}))[0]
     assert found.phys_penetrate_mm == pytest.approx(5.0)
     assert found.phys_float_mm == pytest.approx(7.5)

@@ -41,6 +41,31 @@ def test_the_clip_without_what_is_repeated_is_the_one_at_the_true_rate(pattern: 
     assert note.id == "frames-doubled" and "30" in note.text and f"{100.0 * found.share:.0f} %" in note.text
 
 
+@pytest.mark.parametrize("counts", [(2,), (3, 2), (1,) * 11 + (2,)])
+def test_what_differs_by_rounding_is_repeated_too(counts: tuple[int, ...]) -> None:
+    at = np.repeat(np.arange(FRAMES), np.resize(counts, FRAMES))
+    long = of(walking(), at, 60.0)
+    rng = np.random.default_rng(1)
+    noise = np.where(np.diff(at, prepend=-1) == 0, 1e-5, 0.0)  # [m]
+    noisy = long.with_joints({0: long.position(0) + noise[:, None] * rng.normal(size=(len(at), 3))}, {})
+    assert np.array_equal(doubled(noisy).owner, at)
+    signs = np.where(np.arange(len(at)) % 3, 1.0, -1.0)[:, None]  # q and -q are one rotation
+    assert np.array_equal(doubled(long.with_joints({}, {0: signs * long.rotation(0)})).owner, at)
+
+
+def test_noise_of_a_figure_that_stands_is_no_repetition() -> None:
+    clip = walking()
+    still = np.concatenate([np.arange(40), np.full(30, 40), np.arange(40, FRAMES)])
+    pause = of(clip, still, 30.0)
+    noise = 1e-5 * np.random.default_rng(2).normal(size=(len(still), 3))  # [m]
+    assert not doubled(pause.with_joints({0: pause.position(0) + noise}, {}))
+    slowing = clip.frames(np.arange(FRAMES)).with_joints(
+        {0: clip.position(0)[0] + np.outer(np.exp(-0.5 * np.arange(FRAMES)), [1.0, 0.0, 0.0])},
+        {joint: np.repeat(clip.rotation(joint)[:1], FRAMES, axis=0) for joint in range(len(clip.skeleton))},
+    )
+    assert not doubled(slowing)
+
+
 def test_what_moves_in_every_frame_or_pauses_is_left_whole() -> None:
     clip = walking()
     pause = np.concatenate([np.arange(40), np.full(30, 40), np.arange(40, FRAMES)])

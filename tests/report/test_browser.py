@@ -20,7 +20,7 @@ from walker_gaits import Gait
 from footfix.formats import contacts as labels_format
 from footfix.jobs.loop import loop_file
 from footfix.locomotion.loop.params import LoopParams
-from footfix.measure.visible_points import posed, seen_of
+from footfix.measure.skinned_joints import posed, seen_of
 from footfix.motion.contacts import Contact
 from footfix.report.offenders import worst_plants
 from footfix.report.web.index import IndexRow, render_index
@@ -219,8 +219,8 @@ def test_the_figure_is_shown_before_after_both_and_side_by_side(used: Page) -> N
         assert used.run("document.querySelector('#stage').toDataURL()") == seen[which], which
 
 
-_PARTS = ("codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "seen.js",
-          "floor.js", "stage.js", "contacts.js", "knees.js")  # fmt: skip
+_PARTS = ("codec.js", "canvas.js", "words.js", "player.js", "loop_playback.js", "camera.js", "figure.js",
+          "measured_points.js", "floor.js", "stage.js", "contacts.js", "knees.js")  # fmt: skip
 _LOADED = """
 const data = JSON.parse(document.getElementById("data").textContent);
 const motion = readMotion(data.motion);

@@ -21,11 +21,11 @@ from rigmaker import legs, mirrored, nameless, shuffled, with_up
 from footfix.errors import NoLegsError
 from footfix.formats.bvh import Document, decode
 from footfix.motion.clip import Clip
-from footfix.rig.figure import figures
 from footfix.rig.find import find_rig
+from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import figures
 from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig
-from footfix.rig.sample import sample
 from footfix.rig.units import AXES, FileUnits, infer_units
 
 pytestmark = pytest.mark.clips

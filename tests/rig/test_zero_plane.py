@@ -17,9 +17,9 @@ from footfix.errors import UsageError
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.rig.find import find_rig
+from footfix.rig.frame_sample import Sample
 from footfix.rig.params import RigParams
 from footfix.rig.rig import Rig
-from footfix.rig.sample import Sample
 from footfix.rig.soles import MESH_OVER_LOW, SoleEstimate, floor
 from footfix.rig.units import infer_units
 from footfix.rig.zero_plane import on_zero_plane, skin_on_zero_plane

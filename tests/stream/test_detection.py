@@ -17,9 +17,9 @@ from footfix.detect.tracks import Tracks, tracks_of
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
 from footfix.stream.detection import Detector, logits
-from footfix.stream.evidence import weigh
+from footfix.stream.evidence import newest_evidence
 from footfix.stream.filters import Lowest, filtered
-from footfix.stream.over_ground import Complexes, OverGround
+from footfix.stream.ground_velocities import Complexes, OverGround
 from footfix.stream.stepping import overtaking, stepping
 from footfix.stream.time_grid import Grid
 
@@ -71,7 +71,7 @@ def test_evidence_of_the_newest_steps_is_that_of_the_whole_clip() -> None:
     sampled = resample(whole)
     over = OverGround(sampled.mates)
     over.follow(grid.steps, 0)
-    found = weigh(grid.steps.view(0), over.facing(), 60, sampled.mates, sampled.jitter)
+    found = newest_evidence(grid.steps.view(0), over.facing(), 60, sampled.mates, sampled.jitter)
     network = weights.network()
     for ours, theirs in zip(found, evidence(sampled), strict=True):
         assert np.allclose(ours, theirs[-60:], atol=1e-9)
@@ -141,9 +141,9 @@ def test_contacts_are_those_of_the_whole_clip_but_for_a_few_frames(name: str) ->
     told = np.zeros((len(whole), 4), dtype=np.bool_)
     for frame in range(len(whole)):
         detector.add(cut(whole, frame, frame + 1))
-        detector.look()
-        detector.weigh()
+        detector.compute_evidence()
+        detector.compute_probabilities()
         if frame >= ahead:
-            told[frame - ahead] = detector.see(frame - ahead).down[0]
-    told[-ahead:] = detector.see(len(whole) - ahead).down
+            told[frame - ahead] = detector.find_contacts(frame - ahead).down[0]
+    told[-ahead:] = detector.find_contacts(len(whole) - ahead).down
     assert np.mean(told == auto(whole, AutoParams()).mask) > 0.97

@@ -12,23 +12,23 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from footfix.enforce.correction import Correction
+from footfix.enforce.easing import Span, ease_frames, eased
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span, ease_frames, eased
-from footfix.enforce.papers.leg import (
+from footfix.enforce.papers.priorities import Chain, SolverParams, leg_chain, solve, turned
+from footfix.enforce.papers.rigid_foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
+from footfix.enforce.papers.targets import TargetParams, targets
+from footfix.enforce.two_bone_ik import (
     CapturedLeg,
-    can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
     flexion_for,
+    legs_to_hold,
     local_rotations,
     two_bones,
     where_moved,
     within_reach,
 )
-from footfix.enforce.papers.priorities import Chain, SolverParams, leg_chain, solve, turned
-from footfix.enforce.papers.rigid_foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
-from footfix.enforce.papers.targets import TargetParams, targets
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
@@ -62,7 +62,7 @@ def correct(
         clip: F frames, metres, y up.
         rig: its legs, soles and floor.
         plants: what is to stand; where they end up is read from the corrected clip.
-        params: measures.
+        params: of the method.
         ground: (F, 3) [m] displacement of the ground under planted feet, as of a belt; none by default.
 
     Returns:
@@ -74,10 +74,7 @@ def correct(
     places = targets(rig, rig.tracks(pose), tracks, plants, ground, params.targets)
     sigma = ease_frames(params.ease, clip.frame_time)
     new: dict[int, Floats] = {}
-    for number, joints in enumerate(rig.legs):
-        own = [k for k, plant in enumerate(plants) if plant.leg == number]
-        if not own or not can_turn(clip, joints):
-            continue
+    for number, own in legs_to_hold(clip, rig, plants):
         leg = captured_leg(rig, pose, number, tracks)
         heel, toe = (
             _eased(*held(leg, part, [plants[k] for k in own], [places[k] for k in own], ground), sigma)
@@ -121,7 +118,7 @@ def _solved(
 def _two_bones_start(
     clip: Clip, pose: Pose, leg: CapturedLeg, goal: FootGoal, chain: Chain, which: Ints
 ) -> Floats:  # fmt: skip
-    """Compute (N, axes) [rad] the closed-form solution of the leg as two bones, from which the solver starts.
+    """Compute the closed-form solution of the leg as two bones, (N, axes) [rad], from which the solver starts.
 
     From the captured pose it would not know which way a straight knee bends, nor a foot turns that points backwards.
     """

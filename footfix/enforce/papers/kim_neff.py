@@ -13,21 +13,21 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from footfix.enforce.correction import Correction
+from footfix.enforce.easing import Span, ease_frames, gamma, led_over
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span, ease_frames, gamma, led_over
-from footfix.enforce.papers.leg import (
+from footfix.enforce.papers.rigid_foot import PARTS, Displacement, foot_goal, held, planted
+from footfix.enforce.papers.targets import TargetParams, targets
+from footfix.enforce.two_bone_ik import (
     CapturedLeg,
-    can_turn,
     captured_leg,
     correction_of,
     effector_tracks,
+    legs_to_hold,
     local_rotations,
     two_bones,
     where_moved,
     within_reach,
 )
-from footfix.enforce.papers.rigid_foot import PARTS, Displacement, foot_goal, held, planted
-from footfix.enforce.papers.targets import TargetParams, targets
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.motion.contacts import Part, runs
@@ -42,7 +42,7 @@ class KimNeffParams:
     """How Kim and Neff's method holds plants.
 
     Args:
-        longest: time that the way between the free motion and a plant takes at most [s].
+        longest: longest curve that joins the free motion to a plant [s].
         targets: where plants stand.
     """
 
@@ -57,8 +57,8 @@ class Join:
     Args:
         edge: the plant's frame next to them, F_c.
         frames: (N_b,) these frames, from the plant to the free motion.
-        weight: (N_b,) w(i) of the free motion, from 0 at the plant to 1. So it is in K's eq. 1, w R_a + (1 - w) R_b;
-            and so a foot leaves its plant slowly and comes to the free motion, or the other way, at speed.
+        weight: (N_b,) w(i) of the free motion, from 0 at the plant to 1, as in K's eq. 1, w R_a + (1 - w) R_b: a foot
+            leaves its plant slowly and joins the free motion quickly.
         free: the frame F_u; -1 where the clip ends before it, and the displacement goes on to that end.
         beyond: the neighbour of F_u that is farther from the plant.
     """
@@ -79,7 +79,7 @@ def correct(
         clip: F frames, metres, y up.
         rig: its legs, soles and floor.
         plants: what is to stand; where they end up is read from the corrected clip.
-        params: measures.
+        params: of the method.
         ground: (F, 3) [m] displacement of the ground under planted feet, as of a belt; none by default.
 
     Returns:
@@ -90,10 +90,8 @@ def correct(
     tracks, soles = effector_tracks(rig, pose), rig.tracks(pose)
     most = ease_frames(params.longest, clip.frame_time)
     new: dict[int, Floats] = {}
-    for number, joints in enumerate(rig.legs):
-        own = [plant for plant in plants if plant.leg == number]
-        if not own or not can_turn(clip, joints):
-            continue
+    for number, which in legs_to_hold(clip, rig, plants):
+        own = [plants[k] for k in which]
         leg = captured_leg(rig, pose, number, tracks)
         stances = runs(planted([(plant.start, plant.end) for plant in own], len(clip)))
         swivel = mean_swivel(leg, stances, most)

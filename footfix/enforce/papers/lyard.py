@@ -13,9 +13,9 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.hand_over import hand_over, offset_at
-from footfix.enforce.papers.leg import effector_tracks
+from footfix.enforce.papers.static_point_switch import hand_over, offset_at
 from footfix.enforce.papers.targets import TargetParams, near_floor, usual_place
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import norm
@@ -61,7 +61,7 @@ def correct(
         clip: F frames, metres, y up.
         rig: its legs, soles and floor.
         plants: what is to stand; where they end up is read from the corrected clip.
-        params: measures.
+        params: of the method.
         ground: (F, 3) [m] displacement of the ground under planted feet, as of a belt; none by default.
 
     Returns:
@@ -98,7 +98,7 @@ def _vertices(rig: Rig, pose: Pose, moved: Floats) -> tuple[Floats, Ints]:
 
 
 def _levels(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[float]:
-    """Find [m] the height of the floor under each plant: the rig's, or its own on stairs."""
+    """Find the height of the floor under each plant [m]: the rig's, or its own on stairs."""
     on_floor = near_floor(rig, soles, plants, params)
     return [
         rig.floor if near else float(np.median(soles[plant.effector][plant.frames, 1]))
@@ -124,7 +124,7 @@ def _shift(
     root: Floats, points: Floats, heights: Sequence[Floats], owners: Ints, plants: Sequence[Footplant],
     levels: Sequence[float], frame_time: float, leg_length: float, params: LyardRootParams,
 ) -> Floats:  # fmt: skip
-    """Compute (F, 3) [m] the shift of the root (F, 3) [m], from points, their heights, and whose effectors they are."""
+    """Compute the shift (F, 3) [m] of the root (F, 3) [m] from points, their heights, and their effectors."""
     planted = np.zeros(points.shape[:2], dtype=np.bool_)
     above = np.stack(heights, axis=1)  # (F, E) [m] over each one's floor
     for plant, level in zip(plants, levels, strict=True):
@@ -142,7 +142,7 @@ def _shift(
 
 
 def _over_floor(root: Floats, points: Floats, static: Ints, frame_time: float, params: LyardRootParams) -> Floats:
-    """Compute (F, 2) [m] the root's shift over the floor, none in the first frame."""
+    """Compute the root's shift over the floor, (F, 2) [m], none in the first frame."""
     frames = len(root)
     steps = np.diff(root, axis=0)[:, [0, 2]]
     # one static point, or two in turn; in flight the root's own velocity stays
@@ -178,7 +178,7 @@ def root_steps(t: Ints, i: Ints, j: Ints, offsets: Floats, speeds: Floats) -> Fl
 
 
 def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
-    """Average (N, 2) [m] what the steps t (N,) gain over the planted steps within `half` frames of each.
+    """Average what the steps t (N,) gain, (N, 2) [m], over the planted steps within `half` frames of each.
 
     One point at a time is held, so that its noise would shake the whole figure.
     """
@@ -190,7 +190,7 @@ def _calmed(more: Floats, t: Ints, frames: int, half: int) -> Floats:
 
 
 def _speeds(points: Floats, frame_time: float, window: float) -> Floats:
-    """Compute (F, E) [m/s] the speeds of points (F, E, 3) [m], averaged over the window [s] (L §3.1.2)."""
+    """Compute the speeds (F, E) [m/s] of points (F, E, 3) [m], averaged over the window [s] (L §3.1.2)."""
     if len(points) < 2:
         return np.zeros(points.shape[:2])
     speed = norm(np.gradient(points, frame_time, axis=0))

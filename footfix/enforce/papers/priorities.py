@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.enforce.papers.leg import CapturedLeg
+from footfix.enforce.two_bone_ik import CapturedLeg
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, take_frames
 from footfix.motion.kinematics import Pose
@@ -166,7 +166,7 @@ def turned(chain: Chain, q: Floats) -> Floats:
 
 
 def _vector(chain: Chain, q: Floats, joint: int) -> Floats:
-    """Compute (F, 3) [rad] the rotation vector by which a joint is turned, in its own frame."""
+    """Compute the rotation vector by which a joint is turned, in its own frame, (F, 3) [rad]."""
     own = chain.owner == joint
     return np.asarray(np.einsum("fn,nfi->fi", q[:, own], chain.axes[own]))
 
@@ -196,7 +196,7 @@ def jacobians(chain: Chain, q: Floats, pose: ChainPose) -> list[Floats]:
 
 
 def _moving_axis(axis: Floats, vector: Floats) -> Floats:
-    """Find (F, 3) the axis, in the joint's new frame, about which more of `axis` in its rotation vector turns it.
+    """Find the axis (F, 3), in the joint's new frame, about which more of `axis` in its rotation vector turns it.
 
     The right Jacobian of the exponential map: a - (1 - cos v) / v^2 (v x a) + (v - sin v) / v^3 v x (v x a).
     """
@@ -210,7 +210,7 @@ def _moving_axis(axis: Floats, vector: Floats) -> Floats:
 
 
 def _step(chain: Chain, q: Floats, goals: Sequence[Floats], length: float, params: SolverParams) -> Floats:
-    """Compute (F, N) [rad] one iteration: the step that serves each goal in the freedom that those before it leave.
+    """Compute one iteration, (F, N) [rad]: the step that serves each goal in the freedom that those before it leave.
 
     dq_k = dq_k-1 + (J_k N_k-1)+ (e_k - J_k dq_k-1),  N_k = N_k-1 - (J_k N_k-1)+ (J_k N_k-1),  dq_0 = 0, N_0 = 1
     (Baerlocher and Boulic, section 3).

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.enforce.easing import Span, eased, gamma
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.ease import Span, eased, gamma
-from footfix.enforce.papers.leg import CapturedLeg
+from footfix.enforce.two_bone_ik import CapturedLeg
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Floats
 from footfix.motion.contacts import Part, runs
@@ -45,17 +45,18 @@ class FootGoal:
     moves: Bools
 
     def place(self, in_foot: Floats) -> Floats:
-        """Compute (F, 3) [m] where a point of the foot is, given in the ankle's frame (F, 3) [m]."""
+        """Compute the place (F, 3) [m] of a point of the foot, given in the ankle's frame (F, 3) [m]."""
         return self.ankle + rotation.rotate(self.turn, in_foot)
 
 
 def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement, sigma: int) -> FootGoal:
     """Move a foot by the displacements of its two effectors, rigid as it is.
 
-    A planted effector is at its place C_p. While both are, the foot lies along the line of both, and that turn is
-    eased in and out like a displacement. The foot is placed by the end that is planted, or is nearer to being so in
-    time. G drives the free end by the captured motion, too (§5.1); here that is the captured *orientation* of the
-    foot, since a free heel that kept its captured place, with the higher priority, would pull a planted toe away.
+    A planted effector is at its place C_p. While both are planted, the foot lies along the line between both places,
+    and that turn is eased in and out like a displacement. The foot is placed by the end that is planted, or is nearer
+    in time to a plant. G also drives the free end by the captured motion (§5.1); here it follows the captured
+    *orientation* of the foot: a free heel at its captured place, having the higher priority, would pull a planted toe
+    away.
 
     Args:
         leg: as captured.
@@ -77,7 +78,7 @@ def foot_goal(leg: CapturedLeg, heel: Displacement, toe: Displacement, sigma: in
 
 
 def _closeness(planted: Bools, sigma: int) -> Floats:
-    """Compute (F,) 1 in contacts, falling to 0 within sigma frames of the nearest."""
+    """Measure how near each frame is to a contact, (F,): 1 in contacts, falling to 0 within sigma frames."""
     frames = np.arange(len(planted))
     far = len(planted) + sigma
     before = np.maximum.accumulate(np.where(planted, frames, -far))

@@ -56,7 +56,7 @@ def targets(
         tracks: for each its effector's, from `effector_tracks`.
         plants: the plants.
         ground: (F, 3) [m] displacement of the ground under planted feet; zeros on a floor at rest.
-        params: measures.
+        params: which plants stand on the rig's floor.
 
     Returns:
         For each plant the place (3,) [m] of its effector where the ground is undisplaced.

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.formats.bvh.digits import fixed
+from footfix.formats.bvh.fixed_point import fixed
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 

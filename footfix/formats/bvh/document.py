@@ -57,38 +57,38 @@ class Document:
 
     @property
     def values(self) -> Floats:
-        """(F, C) the numbers of the rows, in the file's units and degrees."""
+        """Get the numbers of the rows (F, C), in the file's units and degrees."""
         return self.rows.values
 
     @property
     def moved(self) -> Bools:
-        """(J,) the joints that the file may move: all."""
+        """Mark the joints (J,) that the file may move: all."""
         return np.ones(len(self.skeleton), np.bool_)
 
     @property
     def frames(self) -> int:
-        """How many rows of motion there are."""
+        """Count the rows of motion."""
         return len(self.rows.values)
 
     @property
     def columns(self) -> int:
-        """How many numbers a row has."""
+        """Count the numbers of a row."""
         return int(self.rows.values.shape[1]) if self.rows.values.ndim == 2 else 0
 
     @property
     def unusable(self) -> tuple[Note, ...]:
-        """The notes that say why nothing can be done with this motion; empty for a sound file."""
+        """List the notes that say why nothing can be done with this motion; empty for a sound file."""
         return tuple(note for note in self.notes if note.severity == "error")
 
     @cached_property
     def file_clip(self) -> Clip:
-        """The motion in the file's units and axes."""
+        """Get the motion in the file's units and axes."""
         with np.errstate(invalid="ignore"):
             return to_clip(self.skeleton, self.channels, self.values, self.base, self.frame_time)
 
     @cached_property
     def clip(self) -> Clip:
-        """The motion in metres, y up."""
+        """Get the motion in metres, y up."""
         if self.unit_m == 1.0 and self.up == "y":
             return self.file_clip
         found = in_metres(self.file_clip, self.unit_m, self.up)

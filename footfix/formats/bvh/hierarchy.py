@@ -219,7 +219,8 @@ def _offset(cursor: Cursor, tree: Hierarchy, stack: list[_Open]) -> None:
         cursor.take()
         numbers.append(value)
     if not np.all(np.abs(numbers) < 1e9):
-        cursor.notes.add("offset-not-a-number", "an OFFSET is no place: " + " ".join(f"{x:g}" for x in numbers),
+        shown = " ".join(f"{x:g}" for x in numbers)
+        cursor.notes.add("offset-not-a-number", f"an OFFSET is not a number, or far too large: {shown}",
                          "error", at=at, joints=(tree.names[block.joint],))  # fmt: skip
     while number(cursor.peek()) is not None:
         if not cursor.notes.has("offset-long"):

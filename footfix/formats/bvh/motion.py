@@ -9,7 +9,7 @@ from io import BytesIO
 import numpy as np
 
 from footfix.formats.bvh.numbers import number
-from footfix.formats.bvh.plain import read_plain
+from footfix.formats.bvh.plain_rows import read_plain
 from footfix.formats.bvh.rows import Rows
 from footfix.formats.bvh.text import Cursor
 
@@ -80,7 +80,7 @@ def read_rows(cursor: Cursor, layouts: list[int], declared: int | None, max_fram
     if layouts[0] and text[start : start + 1_000_000].strip():
         rows = _read_regular(text, start, layouts)
     if rows is None:
-        from footfix.formats.bvh.ragged import read_ragged  # most files never need it
+        from footfix.formats.bvh.ragged_rows import read_ragged  # most files never need it
 
         rows = read_ragged(cursor, layouts, declared)
     if len(rows.values) > max_frames:

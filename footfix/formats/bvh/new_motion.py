@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from footfix.formats.bvh.channels import changes, joint_channels
-from footfix.formats.bvh.digits import fixed
 from footfix.formats.bvh.document import Document
+from footfix.formats.bvh.fixed_point import fixed
 from footfix.formats.bvh.numbers import decimals
-from footfix.formats.bvh.select import header_for
+from footfix.formats.bvh.select_frames import header_for
 from footfix.formats.bvh.splice import LEAST_DECIMALS, row_blocks
 from footfix.motion.clip import Clip, Floats, Ints
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footfix.formats.bvh.compose import hierarchy_lines, motion_lines
-from footfix.formats.bvh.digits import fixed
 from footfix.formats.bvh.document import Document
+from footfix.formats.bvh.fixed_point import fixed
 from footfix.formats.bvh.numbers import number
 from footfix.formats.bvh.oddities import HUGE
 from footfix.formats.bvh.splice import row_blocks

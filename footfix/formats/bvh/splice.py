@@ -10,7 +10,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from footfix.formats.bvh.channels import Change
-from footfix.formats.bvh.digits import Bytes, fixed, read_back
+from footfix.formats.bvh.fixed_point import Bytes, fixed, read_back
 from footfix.formats.bvh.numbers import decimals, token_chunks, tokens
 from footfix.formats.bvh.rows import Rows, consecutive
 from footfix.motion.clip import Bools, Floats, Ints

@@ -6,8 +6,8 @@ import numpy as np
 
 from footfix.formats.bvh.channels import changes
 from footfix.formats.bvh.document import Document
+from footfix.formats.bvh.motion_after_write import motion_after_write
 from footfix.formats.bvh.read import decode
-from footfix.formats.bvh.reread import reread_motion
 from footfix.formats.bvh.splice import Columns, splice
 from footfix.formats.bvh.text import Limits
 from footfix.motion.clip import Clip
@@ -46,7 +46,7 @@ def rewrite(document: Document, clip: Clip, *, limits: Limits = _LIMITS) -> tupl
     if text == document.text:
         return written, document.clip
     with np.errstate(invalid="ignore"):
-        again = reread_motion(document, numbers)
+        again = motion_after_write(document, numbers)
     if again is None:
         read = decode(written, name=document.name, limits=limits)
         again = read.placed(unit_m=document.unit_m, up=document.up).clip

@@ -41,7 +41,7 @@ def read_accessor(container: Container, number: int) -> Array:
     """
     rows, where = container.tables["accessors"], f"accessors[{number}]"
     if not 0 <= number < len(rows):
-        raise InputError(f"{where} is asked for, but there are {len(rows)} of them", file=container.name)
+        raise InputError(f"{where} is named, but there are only {len(rows)}", file=container.name)
     try:
         return _read(container, rows[number], where)
     except InputError as error:
@@ -52,7 +52,7 @@ def read_floats(container: Container, number: int, width: int) -> Floats:
     """Read an accessor of vectors (or scalars, `width` 1) as (N, width) floats; integers are taken as they are.
 
     Raises:
-        InputError: it can't be read, is of another width, or some of its numbers are none.
+        InputError: it can't be read, is of another width, or holds NaN or infinity.
     """
     found = np.asarray(read_accessor(container, number), dtype=np.float64)
     found = found.reshape(len(found), -1)
@@ -61,7 +61,7 @@ def read_floats(container: Container, number: int, width: int) -> Floats:
             f"accessors[{number}] has {found.shape[1]} numbers an element, not {width}", file=container.name
         )
     if not np.isfinite(found).all():
-        raise InputError(f"accessors[{number}] holds numbers that are none", file=container.name)
+        raise InputError(f"accessors[{number}] holds NaN or infinity", file=container.name)
     return found
 
 

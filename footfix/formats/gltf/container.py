@@ -62,7 +62,7 @@ class Container:
 
     @property
     def is_binary(self) -> bool:
-        """Whether it is a GLB, not a .gltf."""
+        """Tell whether it is a GLB, not a .gltf."""
         return self.text_at[0] > 0
 
 
@@ -163,7 +163,7 @@ def refuse_packed(tree: Mapping[str, Any]) -> None:
     """Refuse what is compressed by meshopt or Draco.
 
     Raises:
-        InputError: it is, with the command that undoes it.
+        InputError: it is compressed; the hint is a command that decompresses it.
     """
     needed = tree.get("extensionsRequired", [])
     used = set(filter(lambda each: isinstance(each, str), needed)) if isinstance(needed, list) else set()

@@ -12,15 +12,15 @@ from footfix.errors import InputError
 from footfix.formats.bvh.channels import check_unit_and_up
 from footfix.formats.bvh.channels import placed as in_metres
 from footfix.formats.gltf.container import Container
-from footfix.formats.gltf.grid import Grid
+from footfix.formats.gltf.frame_times import Grid
 from footfix.formats.gltf.mesh import skin_of
 from footfix.formats.gltf.nodes import Nodes
 from footfix.formats.gltf.tracks import WIDTHS, Track
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, constant_track
 from footfix.notes import Note
-from footfix.rig.figure import figures
+from footfix.rig.frame_sample import sample
+from footfix.rig.leg_assignment import figures
 from footfix.rig.params import RigParams
-from footfix.rig.sample import sample
 from footfix.rig.skin import Skin
 
 _UNEVEN = 1e-3  # of a scale, by which its axes or frames may differ
@@ -61,22 +61,22 @@ class Document:
 
     @property
     def frames(self) -> int:
-        """How many frames there are."""
+        """Count the frames."""
         return self.grid.frames
 
     @property
     def columns(self) -> int:
-        """How many numbers of joints are animated."""
+        """Count the animated numbers of joints."""
         return sum(track.values.shape[1] for (_, path), track in self.tracks.items() if path in WIDTHS)
 
     @property
     def frame_time(self) -> float:
-        """[s] of one frame."""
+        """Get the duration of a frame [s]."""
         return self.grid.step
 
     @cached_property
     def skin(self) -> Skin | None:
-        """The character whose meshes the file shows; None where it shows none, or none that can be read."""
+        """Get the character whose meshes the file shows; None where it shows none, or none that can be read."""
         try:
             return skin_of(self.container, self.nodes)
         except InputError:
@@ -84,13 +84,13 @@ class Document:
 
     @property
     def moved(self) -> Bools:
-        """(J,) the joints that the animation turns or displaces, if only by a little."""
+        """Mark the joints (J,) that the animation turns or displaces, if only by a little."""
         moving = {node for (node, path), track in self.tracks.items() if path in WIDTHS and not track.constant}
         return np.array([node in moving for node in self.joints], np.bool_)
 
     @cached_property
     def scales(self) -> tuple[Floats, ...]:
-        """For each joint (1,) or (F,) the scale of its frame in the world, uniform."""
+        """Compute the uniform scale of each joint's frame in the world, (1,) or (F,)."""
         found: list[Floats] = []
         for k, parent in zip(self.joints, self._parents.tolist(), strict=True):
             track = self.tracks.get((k, "scale"))
@@ -102,7 +102,7 @@ class Document:
 
     @cached_property
     def crooked(self) -> Mapping[int, str]:
-        """The joints whose frames no turn and place stand for: joint -> what is wrong with its scale."""
+        """Find joints whose frames can't be told as rotation and place: joint -> what is wrong with its scale."""
         found = {}
         for j, k in enumerate(self.joints):
             sizes, track = self._own_scale(k), self.tracks.get((k, "scale"))
@@ -116,28 +116,28 @@ class Document:
 
     @cached_property
     def unusable(self) -> tuple[Note, ...]:
-        """What keeps this animation from being cleaned: scale on a leg that changes, or differs along its axes."""
+        """Tell what keeps this animation from being cleaned: scale on a leg that changes, or differs along its axes."""
         broken = [self.crooked[j] for j in self.crooked]
         if not broken or not self.frames:
             return ()
         try:
             found = figures(sample(self.clip), RigParams(), y_up=False)
         except InputError:
-            return ()  # no legs, as whoever looks for them will say
+            return ()  # no legs, which is reported when they are searched
         for limb in (limb for figure in found for limb in figure.limbs):
             for joint in self.clip.skeleton.with_ancestors([*limb.chain, limb.ankle]):
                 if joint in self.crooked:
                     own = self.clip.skeleton.names[joint]
                     text = (
-                        f"{own}, which a leg hangs from or goes through, {self.crooked[joint]}; only even scale that "
-                        "stays the same is worked with: apply it in the program that the file comes from"
+                        f"{own}, a joint of a leg or above one, {self.crooked[joint]}; scale there must be the same "
+                        "along all axes and in all frames: apply it in the program that the file comes from"
                     )
                     return (Note("scaled-leg", text, "error", joints=(own,)),)
         return ()
 
     @cached_property
     def file_clip(self) -> Clip:
-        """The motion in the file's units and axes."""
+        """Get the motion in the file's units and axes."""
         places, turns, times = [], [], self.grid.times
         for j, k in enumerate(self.joints):
             turn = self.tracks.get((k, "rotation"))
@@ -147,21 +147,21 @@ class Document:
 
     @cached_property
     def clip(self) -> Clip:
-        """The motion in metres, y up."""
+        """Get the motion in metres, y up."""
         return self.file_clip if self.plain else in_metres(self.file_clip, self.unit_m, self.up)
 
     @property
     def start(self) -> float:
-        """[s] the time of the first frame, as players count it."""
+        """Get the time of the first frame, as players count it [s]."""
         return self.grid.start
 
     @property
     def plain(self) -> bool:
-        """Whether unit and up axis are those of glTF."""
+        """Tell whether unit and up axis are those of glTF."""
         return self.unit_m == 1.0 and self.up == "y"
 
     def placed(self, *, unit_m: float | None = None, up: str | None = None) -> Document:
-        """Give the same file another belief about its unit and its upward axis."""
+        """Return the same file read with another unit [m] and upward axis."""
         unit_m, up = self.unit_m if unit_m is None else unit_m, self.up if up is None else up
         check_unit_and_up(unit_m, up)
         document = replace(self, unit_m=unit_m, up=up)

@@ -90,7 +90,7 @@ def skin_of(container: Container, nodes: Nodes) -> Skin | None:
 
 
 def _world(nodes: Nodes) -> Floats:
-    """Work out (N, 4, 4) where each node stands at rest."""
+    """Compute where each node stands at rest, (N, 4, 4)."""
     local = np.zeros((len(nodes.names), 4, 4))
     local[:, :3, :3] = rotation.to_matrix(nodes.rotations) * nodes.scales[:, None, :]
     local[:, :3, 3], local[:, 3, 3] = nodes.translations, 1.0
@@ -102,7 +102,7 @@ def _world(nodes: Nodes) -> Floats:
 
 
 def _skin(container: Container, number: int) -> tuple[list[int], Floats]:
-    """Read the joints of a skin, as nodes, and (J, 4, 4) their inverse bind matrices."""
+    """Read the joints of a skin, as nodes, and their inverse bind matrices (J, 4, 4)."""
     row, where = container.tables["skins"][number], f"skins[{number}]"
     joints = indices(row, "joints", where, len(container.tables["nodes"]))
     if not joints:
@@ -117,9 +117,9 @@ def _skin(container: Container, number: int) -> tuple[list[int], Floats]:
 
 
 def _bound(nodes: Nodes, world: Floats, skins: Sequence[tuple[list[int], Floats]]) -> Floats:
-    """Find (N, 4, 4) where each node stood when the largest skin was bound, in the space of its mesh.
+    """Find where each node stood when the largest skin was bound, (N, 4, 4), in the space of its mesh.
 
-    Nodes that it does not bind stand to those above them (or, above all of them, below them) as they do at rest.
+    A node that it does not bind is relative to its parent, or above all bound nodes to its child, as at rest.
     """
     if not skins:
         return world
@@ -147,7 +147,7 @@ def _inverse(matrices: Floats) -> Floats:
 
 
 def _space(skin: tuple[list[int], Floats], frames: Floats, largest: set[int]) -> Floats:
-    """Find (4, 4) what brings the space of a skin into the common one, by a joint that the largest skin binds, too."""
+    """Find the matrix (4, 4) from the space of a skin to the common one, by a joint that the largest skin binds too."""
     joints, inverse = skin
     shared = next((k for k, node in enumerate(joints) if node in largest), 0)
     return np.asarray(frames[joints[shared]] @ inverse[shared])

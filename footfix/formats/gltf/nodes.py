@@ -27,7 +27,7 @@ class Nodes:
         parents: (N,) index of each node's parent, -1 for a root.
         order: (N,) the nodes, parents before their children.
         translations: (N, 3), rotations: (N, 4) xyzw, scales: (N, 3): where each stands in its parent's frame.
-        sheared: (N,) whether a node's matrix is none of translation, rotation and scale.
+        sheared: (N,) whether a node's matrix is more than translation, rotation and scale.
         matrices: (N,) whether it is given by a matrix.
     """
 
@@ -49,11 +49,11 @@ def read_nodes(container: Container, limits: Limits) -> Nodes:
         limits: how many nodes it may have, and how deep they may nest.
 
     Raises:
-        InputError: a node is below itself, has two parents, or numbers that are none.
+        InputError: a node is below itself, has two parents, or invalid numbers.
     """
     rows = container.tables["nodes"]
     if len(rows) > 20 * limits.joints:
-        raise InputError(f"{len(rows)} nodes are more than are meant", hint="limits.joints allows more")
+        raise InputError(f"{len(rows)} nodes, more than {20 * limits.joints}", hint="limits.joints allows more")
     parents, order = _tree(rows, limits)
     count = len(rows)
     places, turns, sizes = np.zeros((count, 3)), rotation.identity((count,)), np.ones((count, 3))
@@ -76,8 +76,8 @@ def read_nodes(container: Container, limits: Limits) -> Nodes:
 def joints_of(container: Container, nodes: Nodes, moved: Iterable[int]) -> tuple[int, ...]:
     """List the nodes that are joints, parents before their children.
 
-    They are those of skins and those that an animation moves, all that is above them, and what is below them but for
-    meshes, cameras and lights.
+    Joints are the nodes that a skin names or an animation moves, all nodes above these, and the nodes below these
+    except meshes, cameras and lights.
 
     Args:
         container: the file.
@@ -103,7 +103,7 @@ def joints_of(container: Container, nodes: Nodes, moved: Iterable[int]) -> tuple
 
 
 def decomposed(matrix: Floats) -> tuple[Floats, Floats, Floats, bool]:
-    """Take a matrix (4, 4) apart into translation, rotation and scale; say whether it has shear, or none of them."""
+    """Split a matrix (4, 4) into translation, rotation and scale; tell whether it has shear, or no rotation at all."""
     sizes = np.linalg.norm(matrix[:3, :3], axis=0)
     if sizes.min() <= 0.0:
         return matrix[:3, 3], np.array([0.0, 0.0, 0.0, 1.0]), sizes, True

@@ -99,7 +99,7 @@ def _as_glb(container: Container, text: bytes, start: int, data: bytes) -> bytes
 
 
 def _replaced(text: str, key: str, rows: Mapping[int, Mapping[str, Any]]) -> list[tuple[int, int, str]]:
-    """The edits that put other objects into a top-level list: (start, stop, text)."""
+    """Make the edits that replace objects of a top-level list: (start, stop, text)."""
     if not rows:
         return []
     places = list(_elements(text, _span(text, key)[0]))
@@ -107,7 +107,7 @@ def _replaced(text: str, key: str, rows: Mapping[int, Mapping[str, Any]]) -> lis
 
 
 def _added(text: str, tree: Mapping[str, Any], key: str, rows: Sequence[Mapping[str, Any]]) -> tuple[int, int, str]:
-    """The edit that puts more objects at the end of a top-level list."""
+    """Make the edit that appends objects to a top-level list."""
     new = ",".join(map(_json, rows))
     if key not in tree:
         start, _ = next(_members(text))[1]
@@ -128,12 +128,12 @@ def _spliced(text: str, edits: Sequence[tuple[int, int, str]]) -> str:
 
 
 def _span(text: str, key: str) -> tuple[int, int]:
-    """Where the value of a top-level member stands; of one that comes twice the last counts, as it does in reading."""
+    """Find the value of a top-level member; of two with one name the last counts, as in reading."""
     return dict(_members(text))[key]
 
 
 def _members(text: str) -> Iterator[tuple[str, tuple[int, int]]]:
-    """The members of a JSON object that is known to be sound, and where their values stand."""
+    """List the members of a valid JSON object, and where their values are."""
     at = _past(text, 0) + 1
     while text[at := _past(text, at)] != "}":
         key, at = _DECODER.raw_decode(text, at)
@@ -145,7 +145,7 @@ def _members(text: str) -> Iterator[tuple[str, tuple[int, int]]]:
 
 
 def _elements(text: str, start: int) -> Iterator[tuple[int, int]]:
-    """Where the elements of a JSON list stand."""
+    """Find the elements of a JSON list."""
     at = start + 1
     while text[at := _past(text, at)] != "]":
         _, stop = _DECODER.raw_decode(text, at)

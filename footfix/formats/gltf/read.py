@@ -8,7 +8,7 @@ from footfix.errors import InputError
 from footfix.formats.bvh.text import Limits
 from footfix.formats.gltf.container import Beside, Container, neighbours, open_container
 from footfix.formats.gltf.document import Document
-from footfix.formats.gltf.grid import grid_of
+from footfix.formats.gltf.frame_times import grid_of
 from footfix.formats.gltf.nodes import joints_of, read_nodes
 from footfix.formats.gltf.tracks import WIDTHS, animation_names, morphs_only, read_tracks
 from footfix.formats.suffixes import in_file
@@ -70,7 +70,7 @@ def glance(head: bytes, *, limits: Limits = _LIMITS) -> None:
 
 
 def repair(document: Document) -> tuple[bytes, tuple[Note, ...]]:
-    """Mend nothing: what is wrong with a glTF file is refused."""
+    """Return the file unchanged: a faulty glTF file is refused when it is read."""
     return document.container.data, ()
 
 
@@ -116,8 +116,8 @@ def _doubts(document: Document) -> tuple[Note, ...]:
         step = 1000.0 * document.grid.step
         notes.append(Note(
             "uneven-keys",
-            f"keys stand at uneven times; the motion is looked at every {step:.1f} ms, and channels that change "
-            "have keys there",
+            f"keys are at uneven times; the motion is sampled every {step:.1f} ms, and channels that change get keys "
+            "at these times",
         ))  # fmt: skip
     if document.crooked:
         names = tuple(document.nodes.names[document.joints[j]] for j in document.crooked)

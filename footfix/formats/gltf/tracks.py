@@ -45,12 +45,12 @@ class Track:
 
     @property
     def constant(self) -> bool:
-        """Whether it never changes."""
+        """Tell whether it never changes."""
         still = self.tangents is None or not np.any(self.tangents)
         return still and (len(self.values) == 1 or bool(np.all(self.values == self.values[0])))
 
     def at(self, times: Floats) -> Floats:
-        """Compute (F, w) what it is at some times [s]: before its first key what it is there, after its last one too.
+        """Compute its values (F, w) at some times [s]; before the first key and after the last, the value of that key.
 
         Args:
             times: (F,) [s], evenly spaced.
@@ -77,7 +77,7 @@ class Track:
         return a
 
     def _spline(self, a: Floats, b: Floats, left: Ints, right: Ints, gap: Floats, u: Floats) -> Floats:
-        """Hermite splines between keys (glTF 2.0, appendix C.4)."""
+        """Interpolate between keys by Hermite splines (glTF 2.0, appendix C.4)."""
         assert self.tangents is not None
         u, gap = u[:, None], gap[:, None]
         out, into = gap * self.tangents[1][left], gap * self.tangents[0][right]
@@ -108,7 +108,7 @@ def morphs_only(container: Container, animation: int) -> bool:
     try:
         targets = [child(each, "target", where) for each in rows_of(row, "channels", where)]
     except InputError:
-        return False  # it is damaged, as whoever reads it will say
+        return False  # it is damaged, which is reported when it is read
     return bool(targets) and all(target.get("path") == "weights" for target in targets)
 
 
@@ -167,7 +167,7 @@ def _keys(
     if values.size % elements or (values.shape[1] > 1 and len(values) != elements):
         raise InputError(f"{where} has {len(times)} keys, and {len(values)} values")
     if not np.isfinite(values).all():
-        raise InputError(f"{where} holds numbers that are none")
+        raise InputError(f"{where} holds NaN or infinity")
     values = values.reshape(elements, -1)
     if parts == 1:
         return times, values, mode, None
@@ -178,7 +178,7 @@ def _keys(
 def _times(container: Container, accessor: int, where: str) -> Floats:
     times = np.asarray(read_accessor(container, accessor), dtype=np.float64)
     if times.ndim != 1 or not np.isfinite(times).all():
-        raise InputError(f"{where} has times that are no numbers")
+        raise InputError(f"{where} has times that are NaN or infinite")
     if np.any(np.diff(times) < 0.0) or times[0] < -1.0:
         raise InputError(f"{where} has times that go back")
     return times

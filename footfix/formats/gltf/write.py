@@ -12,7 +12,7 @@ from footfix.formats.bvh.channels import displaced
 from footfix.formats.bvh.text import Limits
 from footfix.formats.gltf.container import Beside, open_container
 from footfix.formats.gltf.document import Document
-from footfix.formats.gltf.grid import Grid
+from footfix.formats.gltf.frame_times import Grid
 from footfix.formats.gltf.nodes import read_nodes
 from footfix.formats.gltf.patch import Patch, patched
 from footfix.formats.gltf.tracks import Track, read_tracks
@@ -113,7 +113,7 @@ def _patch(document: Document, changed: Mapping[tuple[int, str], Floats]) -> Pat
 
 
 def _fits(track: Track, grid: Grid) -> bool:
-    """Whether a channel has its keys at the frames, so that its times can stay."""
+    """Tell whether a channel has its keys at the frames, so that its times can stay."""
     if track.mode != "LINEAR" or len(track.times) != grid.frames:
         return False
     return bool(np.all(np.abs(track.times - grid.times) < _SAME * grid.step))

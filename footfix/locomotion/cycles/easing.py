@@ -11,26 +11,26 @@ import numpy as np
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.vectors import norm
 
-_LEAST = 1e-6  # [s] of a stretch
-_BEND = 0.1  # [s] within which a value that is let go, or taken up, changes its slope,
-_ASIDE = 0.01  # and less where the slope is steep: what it is led aside for it is a sixth of this [of its unit]
+_LEAST = 1e-6  # [s] shortest stretch
+_BEND = 0.1  # [s] longest time in which the slope at the end of a stretch fades out
+_ASIDE = 0.01  # [the value's unit] divided by a steep slope, the time for that slope, at least 0.02 s
 
 Span = tuple[float, float]  # [s]
-Row = tuple[float, int, int, int, int, int]  # start, the four values at its ends among some, and what holds it
+Row = tuple[float, int, int, int, int, int]  # start [s]; indices of two values and two slopes; what holds it, or -1
 
 
 @dataclass(frozen=True, eq=False)
 class Timelines:
-    """Values (3,) over time, Q of them, each of stretches of time that lie end to end.
+    """Q values (3,) over time, each in stretches of time that lie end to end.
 
-    In a stretch a value is eased from one to another, or is held by something else.
+    In a stretch, a value is eased from one to another, or is held by something else.
 
     Args:
-        begins: (Q,) where the stretches of each value begin, among all S.
-        starts: (S,) [s], ascending for each value; its first stretch reaches back for ever.
+        begins: (Q,) index of each value's first stretch, among all S.
+        starts: (S,) [s] start of each stretch, ascending for each value; its first stretch also holds before its start.
         lengths: (S,) [s].
-        values: (S, 2, 3) values at its ends.
-        slopes: (S, 2, 3) slopes there, beside that of the step, of [1/s]; the last one towards the stretch.
+        values: (S, 2, 3) values at its start and end.
+        slopes: (S, 2, 3) [1/s] slopes there; those of the step itself are zero.
         holder: (S,) what holds it, -1 where nothing does.
     """
 
@@ -43,7 +43,8 @@ class Timelines:
 
     @cached_property
     def _keys(self) -> tuple[Floats, Floats, float, float]:
-        """(S,) starts, ascending over all values, what is added for each (Q,), and the times that they cover."""
+        """Prepare the search of `at`: starts (S,) ascending over all values, each value's shift (Q,), and their range.
+        """
         low, high = float(self.starts.min()) - 1.0, float(self.starts.max()) + 1.0
         added = np.asarray((high - low + 1.0) * np.arange(len(self.begins)), dtype=np.float64)
         counts = np.diff(np.append(self.begins, len(self.starts)))
@@ -52,18 +53,18 @@ class Timelines:
 
     @cached_property
     def _spans(self) -> Floats:
-        """(S, 2) [s] over which the slopes at the ends come back to nothing."""
+        """Compute the times (S, 2) [s] in which the extra slopes at the ends of each stretch fade out."""
         steep = np.maximum(norm(self.slopes), 1e-9)
         span: Floats = np.minimum(np.maximum(_ASIDE / steep, 0.02), _BEND)
         return np.minimum(span, 0.5 * self.lengths[:, None])
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats, Floats]:
-        """What a stretch is made of.
+        """Prepare each stretch as polynomials.
 
         Returns:
-            (S, 3) and (S, 3) factors and summands that make shares of the time since its start: of the stretch, and of
-            the spans at its ends; and (S, 4, 3) what is added up: its last value, as much as it falls, and its bends.
+            (S, 3) and (S, 3) factors and summands that convert the time since its start to shares of the stretch, and
+            of the spans at its ends; and (S, 4, 3) the coefficients of the last value, the fall to it, and both slopes.
         """
         count = len(self.starts)
         factors, summands, parts = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((count, 4, 3))
@@ -76,7 +77,7 @@ class Timelines:
         return factors, summands, parts
 
     def at(self, times: Floats) -> tuple[Floats, Ints]:
-        """(T, Q, 3) values at times (T,) [s], and (T, Q) what holds them instead."""
+        """Evaluate the values (T, Q, 3) at times (T,) [s], and tell (T, Q) what holds them instead."""
         keys, added, low, high = self._keys
         within = np.minimum(np.maximum(times, low), high)[:, None] + added
         k = np.maximum(keys.searchsorted(within.ravel(), side="right").reshape(within.shape) - 1, self.begins)
@@ -86,7 +87,7 @@ class Timelines:
         fall, bends = u[..., 0], u[..., 1:]
         weights = np.ones((*k.shape, 1, 4))
         weights[..., 0, 1] += (2.0 * fall - 3.0) * fall * fall
-        weights[..., 0, 2:] = bends * (1.0 - bends) ** 2  # cubics that come back to nothing
+        weights[..., 0, 2:] = bends * (1.0 - bends) ** 2  # slope 1 at the end of the stretch, value and slope 0 inside
         return (weights @ parts[k])[..., 0, :], self.holder[k]
 
 
@@ -107,11 +108,11 @@ def held_rows(spans: Sequence[Span], values: Sequence[int], slopes: Sequence[int
     """Hold a value in spans, eased in before each and out after it, and interpolated between close ones.
 
     Args:
-        spans: [s] from when until when it is held, in order of time.
-        values: for each where among all values that at its start stands, followed by that at its end; 0 is zero.
-        slopes: likewise, how it changes there.
-        holders: what holds it then.
-        sigma: [s] of an ease.
+        spans: [s] start and end of each span, in order of time.
+        values: for each the index of the value at its start; that at its end comes next. Index 0 is the value zero.
+        slopes: likewise, indices of the slopes there.
+        holders: what holds it in each.
+        sigma: [s] duration of an ease.
     """
     before = (spans[0][0] if spans else 0.0) - sigma - 1.0
     rows: list[Row] = [(before, 0, 0, 0, 0, -1)]
@@ -127,6 +128,6 @@ def held_rows(spans: Sequence[Span], values: Sequence[int], slopes: Sequence[int
 
 
 def through_rows(times: Sequence[float], first: int) -> list[Row]:
-    """Lead a number through some values in order of time, of which the first stands at an index."""
+    """Interpolate a number at some times, in order; `first` is the index of its first value, the others follow."""
     last = first + len(times) - 1
     return [(at, first + k, min(first + k + 1, last), 0, 0, -1) for k, at in enumerate(times)]

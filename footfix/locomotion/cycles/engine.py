@@ -11,21 +11,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.ease import replanned
-from footfix.locomotion.cycles.feet import SIGMA, Feet, make_feet
+from footfix.enforce.easing import replanned
+from footfix.locomotion.cycles.foot_offsets import SIGMA, Feet, make_feet
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.model import CycleModel
 from footfix.locomotion.cycles.plan import Course, Line, Plan, Point, make_course
-from footfix.locomotion.cycles.postures import Led, Postures, free_postures, held, leg_poses
+from footfix.locomotion.cycles.postures import OffsetPostures, Postures, cycle_postures, held, leg_poses
 from footfix.locomotion.cycles.stance import Span, Stance, sample_times, settled
 from footfix.motion.clip import Floats
 
-_SOONEST = 0.25  # [s] shortest time in which parameters change,
-_TURNED = np.radians(150.0)  # [rad/s^2] fastest change of the turn rate,
-_HASTENED = 0.5  # [sqrt(g l)/s] of the speed,
-_RAN = 0.7  # [1/s] and of the share of running: planted feet can't follow faster changes
-_COMMITTED = 0.07  # [s] before a foot is set down, after which its place no longer changes,
-_SETTLING = 0.2  # [s] and after which it changes less and less
+_SOONEST = 0.25  # [s] shortest time in which parameters change
+# fastest changes that planted feet can follow
+_TURN_RATE = np.radians(150.0)  # [rad/s^2] of the turn
+_SPEED_RATE = 0.5  # [sqrt(g l)/s] of the speed
+_RUN_RATE = 0.7  # [1/s] of the share of running
+_COMMITTED = 0.07  # [s] this long before a foot is set down its place is final
+_SETTLING = 0.2  # [s] before that, over which it changes less and less
 _BRIEFEST = 0.03  # [s] shorter predicted contacts are ignored
 _PAST = 0.25  # [s] of the past included in a course
 _RESIDUAL = 0.3  # [s] longest fade-out of the offset left by a change of plan
@@ -52,7 +53,7 @@ class Residual:
 
 
 @dataclass(frozen=True, eq=False)
-class Foreseen:
+class Prediction:
     """The prediction for an unchanged request.
 
     Args:
@@ -65,13 +66,13 @@ class Foreseen:
     feet: Feet
     residual: Residual | None = None
 
-    def led_off(self, times: Floats, pose: LegPoses) -> Floats:
+    def offsets_at(self, times: Floats, pose: LegPoses) -> Floats:
         """Compute the offsets of feet from the cycle's leg poses at times (T,) [s], (T, L, Q, 3)."""
-        off = self.feet.led_off(times, pose)
+        off = self.feet.offsets_at(times, pose)
         return off if self.residual is None else self.residual.faded(off, times)
 
 
-def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Foreseen:
+def predict(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float) -> Prediction:
     """Predict the course of a plan, and where the feet will be planted.
 
     Args:
@@ -85,7 +86,7 @@ def foresee(model: CycleModel, plan: Plan, line: Line | None, start: Point, unti
     course = _course(model, plan, line, start, until, slow)
     stances = [each for own in timetable(model, course, until) for each in own]
     poses = leg_poses(model, course, sample_times(stances).ravel())
-    return Foreseen(course, _feet(model, settled(stances, [0.0] * len(stances), poses, model)))
+    return Prediction(course, _feet(model, settled(stances, [0.0] * len(stances), poses, model)))
 
 
 def _course(model: CycleModel, plan: Plan, line: Line | None, start: Point, until: float, past: float) -> Course:
@@ -111,14 +112,14 @@ def changed_plan(model: CycleModel, plan: Plan, now: float, ends: Floats, target
     """
     here = plan.at(np.array([now]))
     needed = np.zeros(len(ends))
-    needed[0] = (target.speed[0] - here.speed[0]) / (_HASTENED * model.froude)
-    needed[1] = (target.run[0] - here.run[0]) / _RAN
-    needed[2] = (target.turn[0] - here.turn[0]) / _TURNED
+    needed[0] = (target.speed[0] - here.speed[0]) / (_SPEED_RATE * model.froude)
+    needed[1] = (target.run[0] - here.run[0]) / _RUN_RATE
+    needed[2] = (target.turn[0] - here.turn[0]) / _TURN_RATE
     return plan.changed(now, np.maximum(ends, now + np.maximum(np.abs(needed), _SOONEST)), target)
 
 
 @dataclass(frozen=True, eq=False)
-class Begun:
+class Replanning:
     """The first step of replanning: the course, and the times of stances on it.
 
     Args:
@@ -136,7 +137,7 @@ class Begun:
     stays: Sequence[float]
 
 
-def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float) -> Begun:
+def begin_replanning(model: CycleModel, old: Prediction, plan: Plan, now: float, until: float) -> Replanning:
     """Step 1 of replanning: compute the course and the times of stances from a time on.
 
     Planted feet stay, and a foot about to be set down keeps its planned place. Others get new places.
@@ -149,51 +150,53 @@ def begin(model: CycleModel, old: Foreseen, plan: Plan, now: float, until: float
     """
     course = _course(model, plan, old.course.line, old.course.point(now), until, _PAST)
     over, stances, stays = _coming(old.feet, timetable(model, course, until), now)
-    return Begun(now, course, over, stances, stays)
+    return Replanning(now, course, over, stances, stays)
 
 
-def posed(model: CycleModel, begun: Begun) -> LegPoses:
+def posed(model: CycleModel, replanning: Replanning) -> LegPoses:
     """Step 2 of replanning: pose the legs at the stances' sample times."""
-    return leg_poses(model, begun.course, sample_times(begun.stances).ravel())
+    return leg_poses(model, replanning.course, sample_times(replanning.stances).ravel())
 
 
-def placed(model: CycleModel, begun: Begun, poses: LegPoses) -> Feet:
+def placed(model: CycleModel, replanning: Replanning, poses: LegPoses) -> Feet:
     """Step 3 of replanning: choose the places of the feet."""
-    return _feet(model, [*begun.over, *settled(begun.stances, begun.stays, poses, model)])
+    return _feet(model, [*replanning.over, *settled(replanning.stances, replanning.stays, poses, model)])
 
 
-def led(model: CycleModel, begun: Begun, feet: Feet, times: Floats) -> Led:
+def with_offsets(model: CycleModel, replanning: Replanning, feet: Feet, times: Floats) -> OffsetPostures:
     """Step 4 of replanning: compute frames at the time of the change, and at later times (T,) [s]."""
-    soon = np.concatenate([[begun.now], times])
-    free = free_postures(model, begun.course, soon)
-    return Led(soon, free, feet.led_off(soon, free.legs))
+    soon = np.concatenate([[replanning.now], times])
+    cycle = cycle_postures(model, replanning.course, soon)
+    return OffsetPostures(soon, cycle, feet.offsets_at(soon, cycle.legs))
 
 
-def finish(old: Foreseen, begun: Begun, feet: Feet, soon: Led) -> tuple[Foreseen, Led]:
+def finish(
+    old: Prediction, replanning: Replanning, feet: Feet, soon: OffsetPostures
+) -> tuple[Prediction, OffsetPostures]:
     """Step 5 of replanning: complete the prediction.
 
     Offsets of feet by the earlier plan fade out (G eq. 11, corrected: as printed it jumps).
 
     Args:
-        old: what was going to happen.
-        begun: what is to.
-        feet: `placed`.
-        soon: `led`.
+        old: the earlier prediction.
+        replanning: from `begin_replanning`.
+        feet: from `placed`.
+        soon: from `with_offsets`.
 
     Returns:
         The prediction, and the frames without that of the change.
     """
-    was = old.led_off(soon.times[:1], soon.free.legs.some(slice(0, 1)))[0]
-    residual = _residual(was - soon.off[0], feet, begun.now)
+    was = old.offsets_at(soon.times[:1], soon.cycle.legs.some(slice(0, 1)))[0]
+    residual = _residual(was - soon.off[0], feet, replanning.now)
     times = soon.times[1:]
     off = residual.faded(soon.off[1:], times)
-    return Foreseen(begun.course, feet, residual), Led(times, soon.free.some(slice(1, None)), off)
+    return Prediction(replanning.course, feet, residual), OffsetPostures(times, soon.cycle.some(slice(1, None)), off)
 
 
 def _coming(
     feet: Feet, expected: Sequence[Sequence[Stance]], now: float
 ) -> tuple[list[Stance], list[Stance], list[float]]:
-    """Tell stances that are over but still lead a foot, those that are or come, and how far these keep their places."""
+    """List ended stances that still affect a foot, present and coming ones, and the share of its place each keeps."""
     over, stances, stays = list[Stance](), list[Stance](), list[float]()
     for known, coming in zip(feet.stances, expected, strict=True):
         over += [each for each in known if now - 2.0 * SIGMA < each.end <= now]
@@ -212,7 +215,7 @@ def _coming(
 
 
 def _kept(old: Stance, new: Stance, now: float) -> Stance:
-    """A stance with its new times, and of the old ones what has begun, or ended."""
+    """Give a planted stance its new times, except for what has begun or ended already."""
 
     def span(was: Span | None, becomes: Span | None) -> Span | None:
         if was is None or was[0] > now:
@@ -227,7 +230,7 @@ def _kept(old: Stance, new: Stance, now: float) -> Stance:
 def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stance]]:
     """Compute the times of each foot's stances from the contact phases of the cycles; without places.
 
-    Of those that begin after `until` [s] each foot has one, to be led to.
+    Each foot has one stance that begins after `until` [s], since its swing leads there.
     """
     spans = model.contact_phases(course.asked)
     set_down = course.known[:, :1] - spans[:, :, 0]
@@ -249,7 +252,7 @@ def timetable(model: CycleModel, course: Course, until: float) -> list[list[Stan
 
 
 def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
-    """Keep what is left over (L, Q, 3) of what led the feet off the cycle; it is gone when the next contact begins."""
+    """Make the residual of offsets (L, Q, 3), which fades out until the next contact begins."""
     until = np.empty(gap.shape[:2])
     for leg, own in enumerate(feet.stances):
         begins = [[span[0] for each in own if (span := each.spans[k]) is not None] for k in range(4)]
@@ -261,7 +264,7 @@ def _residual(gap: Floats, feet: Feet, now: float) -> Residual:
     return Residual(now, until, gap)
 
 
-def postures(model: CycleModel, foreseen: Foreseen, times: Floats) -> Postures:
+def postures(model: CycleModel, prediction: Prediction, times: Floats) -> Postures:
     """Make the postures at some times (T,) [s], with planted feet held."""
-    free = free_postures(model, foreseen.course, times)
-    return held(model, foreseen.feet, Led(times, free, foreseen.led_off(times, free.legs)))
+    cycle = cycle_postures(model, prediction.course, times)
+    return held(model, prediction.feet, OffsetPostures(times, cycle, prediction.offsets_at(times, cycle.legs)))

@@ -62,14 +62,14 @@ def make_model(
 
 
 def _without_what_is_above(skeleton: Skeleton, root: int) -> Skeleton:
-    """The skeleton whose root is carried by joints that rest at the origin."""
+    """Make the skeleton whose joints above the root rest at the origin."""
     offsets = np.array(skeleton.offsets)
     offsets[list(skeleton.ancestors(root))] = 0.0
     return replace(skeleton, offsets=offsets)
 
 
 def reaches(skeleton: Skeleton, leg_length: float) -> Floats:
-    """(J,) [leg lengths] from each joint to the farthest of what hangs from it."""
+    """Compute the distance from each joint to the farthest point below it, (J,) [leg lengths]."""
     far = np.zeros(len(skeleton))
     np.maximum.at(far, skeleton.end_parents, np.linalg.norm(skeleton.end_offsets, axis=1))
     for joint in range(len(skeleton) - 1, -1, -1):
@@ -80,7 +80,7 @@ def reaches(skeleton: Skeleton, leg_length: float) -> Floats:
 
 
 def _asked(model: CycleModel, speed: float, run: float, count: int) -> Plan:
-    """One speed v / sqrt(g l), (count,) times."""
+    """Make a plan of one speed v / sqrt(g l), (count,) times."""
     v, r, w = (np.full(count, each) for each in (speed * model.froude, run, 0.0))
     return Plan(np.arange(count, dtype=np.float64), v, r, w, np.zeros((count, len(model.styles))))
 
@@ -90,7 +90,7 @@ def _share(space: GaitSpace) -> float:
 
 
 def _cycle_legs(model: CycleModel, speed: float, run: float, phases: Floats) -> LegPoses:
-    """The legs of a cycle that travels along z at an even speed, at phases (T,)."""
+    """Pose the legs of a cycle that travels along z at an even speed, at phases (T,)."""
     plan = _asked(model, speed, run, len(phases))
     rows = model.leg_rows(phases, plan)
     frames = model.leg_frames(rows)
@@ -100,7 +100,7 @@ def _cycle_legs(model: CycleModel, speed: float, run: float, phases: Floats) -> 
 
 
 def _levels(model: CycleModel) -> Floats:
-    """(E,) [leg lengths] the height of each effector in the middle of its contact, mean of the gaits."""
+    """Compute the height of each effector in the middle of its contact, (E,) [leg lengths], mean of the gaits."""
     found = np.full((len(model.spaces), len(model.rig.soles)), np.nan)
     for g, space in enumerate(model.spaces):
         speed = 0.5 * (space.ramp.low + space.ramp.high)
@@ -116,7 +116,7 @@ def _levels(model: CycleModel) -> Floats:
 
 
 def _knees(model: CycleModel) -> Floats:
-    """(L, 3) the axis about which each knee flexes in its cycles, in the frame of the thigh."""
+    """Find the axis about which each knee flexes in its cycles, in the frame of the thigh, (L, 3)."""
     axes = np.zeros((len(model.rig.legs), 3))
     phases = np.linspace(0.0, 1.0, 32, endpoint=False)
     for space in model.spaces:
@@ -127,7 +127,7 @@ def _knees(model: CycleModel) -> Floats:
 
 
 def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
-    """Contacts detected on the cycles themselves (G sec. 4.2), within the time in which captured ones were.
+    """Detect contacts on the cycles themselves (G sec. 4.2), within the time in which captured ones were.
 
     An effector is planted where it is lower than eps_p, between the least height and that at the ends of the window
     (eq. 8), searching inwards from both ends; and slow, and near its resting place, since in a mean of many cycles feet
@@ -138,7 +138,7 @@ def _detected(model: CycleModel, space: GaitSpace) -> GaitSpace:
 
 
 def _between(model: CycleModel) -> Floats:
-    """(M, E, 2) what `CycleModel.between` is."""
+    """Compute `CycleModel.between`, (M, E, 2)."""
     if len(model.spaces) == 1:
         return np.array(model.between)
     speeds = np.maximum(model.between_speeds(), 0.02)
@@ -148,7 +148,7 @@ def _between(model: CycleModel) -> Floats:
 
 
 def _on_cycle(model: CycleModel, speed: float, run: float, spans: Floats) -> Floats:
-    """(E, 2) when each effector is set down in a cycle, and for how long it stays, within such spans (E, 2)."""
+    """Find when each effector is set down in a cycle and for how long it stays, (E, 2), within spans (E, 2)."""
     out = np.array(spans)
     fine = np.linspace(0.0, 1.0, _FINE)
     seconds = 1.0 / float(model.frequency(_asked(model, speed, run, 1))[0])
@@ -167,7 +167,8 @@ def _on_cycle(model: CycleModel, speed: float, run: float, spans: Floats) -> Flo
 
 
 def _contact_of(track: Floats, quick: Floats, usual: Bools) -> Ints:
-    """The samples of a track (T, 3) [leg lengths] in which an effector is planted, by its speed (T,) too."""
+    """Find the samples of a track (T, 3) [leg lengths] in which an effector is planted: low, slow and near its place.
+    """
     middle = np.flatnonzero(usual)
     middle = middle[len(middle) // 4 : -(len(middle) // 4) or None]
     rest = np.median(track[middle], axis=0)

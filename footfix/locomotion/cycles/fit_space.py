@@ -15,12 +15,12 @@ from footfix.locomotion.cycles.eigencycles import CONTACT_RANGE, CONTACT_SPEEDS,
 from footfix.locomotion.cycles.samples import PHASES, Sample, mean_turns, shifted
 from footfix.motion.clip import Floats
 
-_ALIGNED = 0.08  # of a cycle, by which one may be shifted to have its motion when the others have it
-_ROUNDS = 3
-_STYLE = 0.3  # files' worth of no style at all, to which the style of few files is drawn,
-_CADENCE = 0.1  # and less for their frequency: it differs four times as much between people as between files of one
-_ENOUGH = 0.98  # of the variance, that the components hold
-_USUAL = 0.42  # slope of log frequency over log speed, that walkers of all sizes have
+_ALIGNED = 0.08  # [of a cycle] greatest shift that aligns a cycle with the others
+_ROUNDS = 3  # of alignment
+_STYLE = 0.3  # [files] weight of the prior that a style changes nothing, which matters for styles of few files,
+_CADENCE = 0.1  # and for their frequency: it differs four times as much between people as between files of one
+_ENOUGH = 0.98  # share of the variance that the components hold
+_USUAL = 0.42  # slope of log frequency over log speed, alike in walkers of all sizes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,18 +97,18 @@ def fit_space(
 
 
 def style_weights(samples: Sequence[Sample], styles: Sequence[str]) -> Floats:
-    """(n, S) 1 where a sample is of a style."""
+    """Mark with 1 the style of each sample, (n, S)."""
     return np.array([[float(each.style == name) for name in styles] for each in samples]).reshape(len(samples), -1)
 
 
 def _file_shares(samples: Sequence[Sample]) -> Floats:
-    """(n,) what each cycle counts: the root of its share of a file, so that long files do not drown the others."""
+    """Weigh each cycle (n,) by the root of its share of a file, so that long files do not outweigh the others."""
     names = [each.source for each in samples]
     return np.array([1.0 / np.sqrt(names.count(name)) for name in names])
 
 
 def _principal(rows: Floats, most: int) -> tuple[Floats, Floats]:
-    """(K, n) orthonormal rows, and the share of variance that each of them holds."""
+    """Find orthonormal rows (K, n), and the share of variance that each of them holds."""
     values, vectors = np.linalg.eigh(rows @ rows.T)
     order = np.argsort(values)[::-1]
     values, vectors = np.maximum(values[order], 0.0), vectors[:, order]
@@ -120,7 +120,7 @@ def _principal(rows: Floats, most: int) -> tuple[Floats, Floats]:
 
 
 def _ridge(features: Floats, values: Floats, share: Floats, styles: int) -> Floats:
-    """(P, K) weighted least squares; styles are drawn to none."""
+    """Fit (P, K) by ridge regression: weighted least squares in which the styles are drawn to zero."""
     draw = np.zeros(features.shape[1])
     draw[len(draw) - styles :] = _STYLE if styles else 0.0
     draw[1 : len(draw) - styles] = 1e-3
@@ -130,10 +130,11 @@ def _ridge(features: Floats, values: Floats, share: Floats, styles: int) -> Floa
 
 
 def _frequency(samples: Sequence[Sample], style: Floats, share: Floats) -> Floats:
-    """(2 + S,) the straight line of log frequency over log speed, and what styles add."""
+    """Fit a straight line to log frequency over log speed, with an offset for each style, (2 + S,)."""
     speed = np.log([each.speed for each in samples])
     features = np.concatenate([np.ones((len(speed), 1)), speed[:, None], style], axis=1)
-    draw = np.concatenate([[0.0, 0.05], np.full(style.shape[1], _CADENCE)])  # the slope of like speeds is the usual one
+    # where all speeds are alike, the slope stays near the usual one
+    draw = np.concatenate([[0.0, 0.05], np.full(style.shape[1], _CADENCE)])
     middle = np.average(speed, weights=share)
     features[:, 1] -= middle
     weighted = features * share[:, None]
@@ -146,7 +147,7 @@ def _frequency(samples: Sequence[Sample], style: Floats, share: Floats) -> Float
 
 
 def _contacts(samples: Sequence[Sample], ramp: Ramp, share: Floats) -> Floats:
-    """(M, E, 2) start and duration of each effector's contact in the samples, as straight lines over the speed."""
+    """Fit start and duration of each effector's contact as straight lines over the speed, (M, E, 2)."""
     u = ramp.within(np.array([each.speed for each in samples]))
     spans = np.stack([each.contacts for each in samples])  # (n, E, 2)
     at = np.clip(np.linspace(-CONTACT_RANGE, CONTACT_RANGE, CONTACT_SPEEDS), -1.2, 1.2)

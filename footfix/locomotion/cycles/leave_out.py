@@ -34,7 +34,7 @@ class LeftOut:
 
 
 def joint_places(rows: Floats, code: Code, skeleton: Skeleton, root: int, leg_length: float) -> Floats:
-    """(n, N, J, 3) [m] the joints of cycles (n, N, D) on the spot, those above the root left out."""
+    """Compute the joints (n, N, J, 3) [m] of cycles (n, N, D) on the spot, without the joints above the root."""
     count, phases, _ = rows.shape
     flat = rows.reshape(count * phases, -1)
     turns = code.turns(flat)
@@ -91,10 +91,10 @@ def leave_out(
 
     Args:
         gaits: the samples of each gait.
-        spaces: of each gait, made of all of them.
+        spaces: of each gait, fitted to all of its samples.
         code: what makes numbers of cycles.
         params: of the spaces.
-        skeleton, root, leg_length: the figure that they are seen on.
+        skeleton, root, leg_length: the figure on which errors are measured [m].
     """
     errors, off = [], []
     for samples, space in zip(gaits, spaces, strict=True):

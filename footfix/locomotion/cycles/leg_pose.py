@@ -45,22 +45,22 @@ class LegPoses:
 
     @property
     def heel(self) -> Floats:
-        """(T, L, 3) [m] the sole point of the heel."""
+        """Get the sole point of the heel, (T, L, 3) [m]."""
         return self.soles[:, :, 0]
 
     @property
     def toe(self) -> Floats:
-        """(T, L, 3) [m] the toe joint, or the ball of the sole."""
+        """Get the toe joint, or the ball of the sole, (T, L, 3) [m]."""
         return self.soles[:, :, 1]
 
     @property
     def foot(self) -> Floats:
-        """(T, L, 3, 3) frames of the ankles."""
+        """Get the frames of the ankles, (T, L, 3, 3)."""
         return self.ends[:, :, 0]
 
     @property
     def toes(self) -> Floats:
-        """(T, L, 3, 3) frames of the toe joints."""
+        """Get the frames of the toe joints, (T, L, 3, 3)."""
         return self.ends[:, :, 1]
 
     @cached_property
@@ -93,18 +93,18 @@ class Legs:
 
     @cached_property
     def turned(self) -> tuple[int, ...]:
-        """The joints that `bent` turns: hips, knees, ankles, toe joints."""
+        """List the joints that `bent` turns: hips, knees, ankles, toe joints."""
         legs = self.rig.legs
         toes = [leg.toe for leg in legs if leg.toe is not None]
         return tuple([leg.hip for leg in legs] + [leg.knee for leg in legs] + [leg.ankle for leg in legs] + toes)
 
     @cached_property
     def has_toes(self) -> bool:
-        """Whether all legs have toe joints."""
+        """Tell whether all legs have toe joints."""
         return all(leg.toe is not None for leg in self.rig.legs)
 
     def _sole(self, part: str) -> Floats:
-        """(L, 3) [m] a sole point of each leg in the frame of its ankle."""
+        """Get a sole point of each leg in the frame of its ankle, (L, 3) [m]."""
         found = []
         for number in range(len(self.rig.legs)):
             found.append(next(s.offset for s in self.rig.soles if (s.leg, s.part) == (number, part)))
@@ -112,13 +112,14 @@ class Legs:
 
     @cached_property
     def _chains(self) -> tuple[Ints, Floats, Bools, tuple[int, ...]]:
-        """The joints of all legs side by side, from below the root to the toe joints.
+        """List the joints of all legs side by side, from below the root to the toe joints.
 
-        Where one leg has fewer joints between two of the four than another, joints that do not turn stand in.
+        Where one leg has fewer joints between hip, knee, ankle and toe joint than another, it is padded with joints
+        that do not turn.
 
         Returns:
-            (D, L) the joints, (D, L, 3) [m] their offsets, (D, L) whether they stand in, and where among the D hip,
-            knee, ankle and toe joint are.
+            (D, L) the joints, (D, L, 3) [m] their offsets, (D, L) whether they are padding, and the indices of hip,
+            knee, ankle and toe joint among the D.
         """
         joints, offsets, still = list[list[int]](), list[Floats](), list[list[bool]]()
         places, legs = [], self.rig.legs
@@ -136,7 +137,7 @@ class Legs:
         return np.array(joints), np.array(offsets), np.array(still), tuple(places)
 
     def _way(self, above: int, joint: int) -> list[int]:
-        """The joints below one on the way down to another."""
+        """List the joints from below one joint down to another."""
         way = [joint]
         while way[0] != above:
             way.insert(0, int(self.skeleton.parents[way[0]]))
@@ -148,24 +149,25 @@ class Legs:
 
     @cached_property
     def joints(self) -> tuple[int, ...]:
-        """The joints of all legs, down from below the root."""
+        """List the joints of all legs, down from below the root."""
         joints, _, still, _ = self._chains
         return tuple(dict.fromkeys(joints[~still].tolist()))
 
     @cached_property
     def _among(self) -> Ints:
-        """(D, L) where those of the chains are among `joints`."""
+        """Find the index in `joints` of each joint of the chains, (D, L)."""
         found = {joint: k for k, joint in enumerate(self.joints)}
         return np.array([[found.get(joint, 0) for joint in row] for row in self._chains[0].tolist()])
 
     @cached_property
     def _steps(self) -> tuple[Floats, Bools | None, tuple[int, ...]]:
-        """Of the chains their offsets (D, 3, 1, L), those that stand in if any do, and where the four joints are."""
+        """Prepare the chains for `poses`: offsets (D, 3, 1, L), which are padding (None without any), the four indices.
+        """
         _, offsets, still, places = self._chains
         return offsets.swapaxes(1, 2)[:, :, None], still if still.any() else None, places
 
     def poses(self, place: Floats, turn: Floats, turns: Floats) -> LegPoses:
-        """Forward kinematics.
+        """Pose the legs by forward kinematics.
 
         Args:
             place: (T, 3) [m] the root.
@@ -175,7 +177,7 @@ class Legs:
         rest, still, (hip, knee, ankle, toe) = self._steps
         count, (depth, legs) = len(place), self._among.shape
         # components first, so that a product of two matrices is two operations on rows of numbers
-        step = np.empty((depth, 3, 4, count, legs))  # each joint's turn, and beside it where it is from what it hangs
+        step = np.empty((depth, 3, 4, count, legs))  # each joint's turn, and in the last column its offset
         step[:, :, :3] = turns[:, self._among].transpose(1, 3, 4, 0, 2)
         if still is not None:
             step[:, :, :3].transpose(0, 4, 1, 2, 3)[still] = np.eye(3)[:, :, None]

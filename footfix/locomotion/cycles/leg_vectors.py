@@ -15,7 +15,7 @@ _STILL = frozen(np.eye(3))
 
 
 def _squares_to_matrix() -> Floats:
-    """(16, 9) what makes a matrix, row by row, of the products of the components of a quaternion xyzw."""
+    """Make the map (16, 9) from the products of a quaternion's components, xyzw, to its matrix, row by row."""
     table = np.zeros((4, 4, 3, 3))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -27,7 +27,7 @@ def _squares_to_matrix() -> Floats:
 
 
 def _matrix_to_squares() -> Floats:
-    """(9, 16) what makes four times the products of the components of a quaternion of a matrix, but for a constant."""
+    """Make the map (9, 16) from a matrix to four times the products of its quaternion's components, less a constant."""
     table = np.zeros((3, 3, 4, 4))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -40,7 +40,7 @@ def _matrix_to_squares() -> Floats:
 
 
 def _vector_to_cross() -> Floats:
-    """(3, 9) what makes the matrix of a cross product, row by row, of its first factor."""
+    """Make the map (3, 9) from a vector to the matrix of its cross product, row by row."""
     table = np.zeros((3, 3, 3))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -53,12 +53,12 @@ _ONES = frozen(np.eye(4).ravel())
 
 
 def dot(a: Floats, b: Floats) -> Floats:
-    """(...) the scalar products of (..., 3)."""
+    """Compute the scalar products (...) of vectors (..., 3)."""
     return np.asarray(np.add.reduce(a * b, axis=-1))
 
 
 def norm(a: Floats) -> Floats:
-    """(...) the lengths of (..., 3)."""
+    """Compute the lengths (...) of vectors (..., 3)."""
     return np.asarray(np.sqrt(np.add.reduce(a * a, axis=-1)))
 
 
@@ -68,32 +68,32 @@ def unit(a: Floats) -> Floats:
 
 
 def crosswise(v: Floats) -> Floats:
-    """(..., 3, 3) the matrices whose products with w are the cross products v x w."""
+    """Make the matrices (..., 3, 3) whose products with w are the cross products v x w."""
     return (v @ _TO_CROSS).reshape(*v.shape, 3)
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """(..., 3) cross products of (..., 3)."""
+    """Compute the cross products (..., 3) of vectors (..., 3)."""
     return applied(crosswise(a), b)
 
 
 def applied(m: Floats, v: Floats) -> Floats:
-    """(..., 3) matrices (..., 3, 3) times vectors (..., 3)."""
+    """Multiply matrices (..., 3, 3) by vectors (..., 3)."""
     return np.asarray((m @ v[..., None])[..., 0])
 
 
 def back(m: Floats) -> Floats:
-    """(..., 3, 3) the inverse turns."""
+    """Invert rotation matrices (..., 3, 3)."""
     return m.swapaxes(-1, -2)
 
 
 def matrices(q: Floats) -> Floats:
-    """(..., 3, 3) of unit quaternions xyzw (..., 4)."""
+    """Convert unit quaternions xyzw (..., 4) to matrices (..., 3, 3)."""
     return (squares(q) @ _TO_MATRIX).reshape(*q.shape[:-1], 3, 3)
 
 
 def quaternions(m: Floats) -> Floats:
-    """(..., 4) xyzw of turns (..., 3, 3), each by the largest of its components.
+    """Convert rotation matrices (..., 3, 3) to quaternions xyzw (..., 4), each by its largest component.
 
     Source: S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1 (1978).
     """
@@ -105,13 +105,13 @@ def quaternions(m: Floats) -> Floats:
 
 
 def about_up(angle: Floats) -> Floats:
-    """(T, 3, 3) turns about the vertical by angles (T,) [rad]."""
+    """Make the matrices (T, 3, 3) of turns about the vertical by angles (T,) [rad]."""
     angle = angle[:, None, None]
     return np.asarray(_UPRIGHT + np.cos(angle) * _ALONG + np.sin(angle) * _ASIDE)
 
 
 def turned_about_up(angle: Floats, q: Floats) -> Floats:
-    """(T, 4) xyzw turns (T, 4), turned about the vertical by angles (T,) [rad]."""
+    """Turn rotations xyzw (T, 4) about the vertical by angles (T,) [rad]."""
     half = 0.5 * angle[:, None]
     return np.asarray(np.cos(half) * q + np.sin(half) * (q @ _UP))
 
@@ -122,7 +122,7 @@ _UP = frozen([[0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0], [1.0, 0.0, 0.0, 0.0]
 
 
 def exponentials(vector: Floats) -> Floats:
-    """(..., 4) quaternions xyzw of rotation vectors (..., 3) [rad]."""
+    """Convert rotation vectors (..., 3) [rad] to quaternions xyzw (..., 4)."""
     half = np.maximum(0.5 * np.sqrt(np.add.reduce(vector * vector, axis=-1, keepdims=True)), 1e-9)
     q = np.empty((*vector.shape[:-1], 4))
     np.multiply(vector, 0.5 * np.sin(half) / half, out=q[..., :3])
@@ -131,23 +131,23 @@ def exponentials(vector: Floats) -> Floats:
 
 
 def products(left: Floats) -> Floats:
-    """(J, 4, 4) matrices by which quaternions are to be multiplied, to be turned by `left` (J, 4) thereafter."""
+    """Make the matrices (J, 4, 4) that multiply quaternions (as rows) by `left` (J, 4) from the left."""
     return np.ascontiguousarray(multiply(left[:, None], np.eye(4)))
 
 
 def matrix_products(left: Floats) -> Floats:
-    """(J, 16, 9) what makes matrices of the squares of quaternions that are turned by `left` (J, 4) thereafter."""
+    """Make the maps (J, 16, 9) from `squares` of quaternions q to the matrices of `left` (J, 4) times q."""
     own = _TO_MATRIX.reshape(16, 3, 3)
     return np.ascontiguousarray((to_matrix(left)[:, None] @ own).reshape(len(left), 16, 9))
 
 
 def squares(q: Floats) -> Floats:
-    """(..., 16) the products of the components of quaternions (..., 4)."""
+    """Compute the products (..., 16) of the components of quaternions (..., 4)."""
     return (q[..., :, None] * q[..., None, :]).reshape(*q.shape[:-1], 16)
 
 
 def turned_by(vector: Floats) -> Floats:
-    """(..., 3, 3) turns by rotation vectors (..., 3) [rad] (Rodrigues)."""
+    """Convert rotation vectors (..., 3) [rad] to matrices (..., 3, 3) (Rodrigues)."""
     half = np.maximum(0.5 * norm(vector), 1e-9)[..., None, None]
     sine = np.sin(half) / half
     k = crosswise(vector)
@@ -155,7 +155,7 @@ def turned_by(vector: Floats) -> Floats:
 
 
 def between(a: Floats, b: Floats) -> Floats:
-    """(..., 3, 3) the smallest turns that take directions (..., 3) to others."""
+    """Find the smallest rotations (..., 3, 3) that take directions (..., 3) to others."""
     a, b = unit(a), unit(b)
     product = b[..., :, None] * a[..., None, :]
     k = product - product.swapaxes(-1, -2)  # of the cross product of both
@@ -163,7 +163,7 @@ def between(a: Floats, b: Floats) -> Floats:
 
 
 def turns_between(a: Floats, b: Floats) -> Floats:
-    """(..., 3) [rad] rotation vectors of the turns from frames (..., 3, 3) to others, small ones above all."""
+    """Compute the rotation vectors (..., 3) [rad] from frames (..., 3, 3) to others, accurate for small ones."""
     m = b @ back(a)
     flat = m.reshape(*m.shape[:-2], 9)
     axis = flat @ _TO_CROSS.T

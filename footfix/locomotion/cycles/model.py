@@ -14,7 +14,7 @@ from footfix.locomotion.cycles.samples import GRAVITY
 from footfix.motion.clip import Floats, Ints, Skeleton, frozen
 from footfix.rig.rig import Rig
 
-FASTEST = 1.2
+FASTEST = 1.2  # [fastest captured run] greatest speed of the table `between`
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class CycleModel:
 
     @cached_property
     def _frequency_lines(self) -> tuple[Floats, Floats, Floats]:
-        """Of each gait (G,) the log frequency [Hz] at 1 m/s, (G,) its slope over that of the speed, (S, G) styles."""
+        """Compute for each gait log frequency [Hz] at 1 m/s (G,), slope over log speed (G,), and styles (S, G)."""
         lines = np.array([space.frequency for space in self.spaces])
         rate = 0.5 * np.log(GRAVITY / self.rig.leg_length)
         return lines[:, 0] - np.log(self.froude) * lines[:, 1] + rate, lines[:, 1], lines[:, 2:].T
@@ -153,7 +153,7 @@ class CycleModel:
         return np.linspace(0.0, FASTEST * self.spaces[-1].ramp.high, len(self.between))
 
     def _contacts_of_gaits(self, asked: Plan) -> Floats:
-        """(T, G, E, 2) of each gait when effectors are set down, and for how long they stay; 0 where they never are."""
+        """Find when effectors are set down in each gait, and for how long, (T, G, E, 2); 0 where they never are."""
         table, slope, at_rest = self._contact_table
         most = table.shape[1] - 1.0
         at = np.minimum(np.maximum(at_rest + asked.speed[:, None] * slope, 0.0), most)
@@ -163,13 +163,13 @@ class CycleModel:
 
     @cached_property
     def _contact_table(self) -> tuple[Floats, Floats, Floats]:
-        """(G, M, E, 2) contacts, and which of the M belongs to a speed: (G,) by how much it grows, and at rest."""
+        """Join contacts of all gaits (G, M, E, 2), and the line from speed to row: slopes (G,), rows at rest (G,)."""
         table = np.array([space.contacts for space in self.spaces])
         at = np.array([space.contact_rows(np.array([0.0, 1.0])) for space in self.spaces])
         return table, (at[:, 1] - at[:, 0]) / self.froude, at[:, 0]
 
     def rows(self, phases: Floats, asked: Plan) -> Floats:
-        """(T, D) poses at phases (T,), as rows of the code.
+        """Compute the poses at phases (T,) as rows (T, D) of the code.
 
         Walk and run are blended at equal phase; each leg's phase is first converted to that at which its foot is at the
         same point of its stance or swing in that gait.
@@ -177,11 +177,11 @@ class CycleModel:
         return self._rows(phases, asked, 0)
 
     def leg_rows(self, phases: Floats, asked: Plan) -> Floats:
-        """(T, 6 + 3 N) of the rows the root's place and turn, and those of `legs.joints`."""
+        """Compute the part of `rows` that moves the legs, (T, 6 + 3 N): the root, and `legs.joints`."""
         return self._rows(phases, asked, 1)
 
     def _rows(self, phases: Floats, asked: Plan, part: int) -> Floats:
-        """All columns of the rows, or those of the legs."""
+        """Compute `rows` (part 0) or `leg_rows` (part 1)."""
         speed = asked.speed / self.froude
         if len(self.spaces) == 1:
             return self._of_gait(0, phases, speed, asked.style, None, part)
@@ -200,7 +200,7 @@ class CycleModel:
     def _of_gait(
         self, gait: int, phases: Floats, speed: Floats, style: Floats, led: Floats | None, part: int
     ) -> Floats:
-        """Poses of one gait; of its legs at phases (T, L) of their own, if these are given."""
+        """Compute the rows of one gait; its legs at phases (T, L) of their own, if these are given."""
         space = self.spaces[gait]
         features, samples = space.features(speed, style), space.mean.shape[0]
         directions = self._directions[part][gait]
@@ -213,7 +213,7 @@ class CycleModel:
 
     @cached_property
     def _columns(self) -> tuple[tuple[Ints, tuple[Ints, ...]], ...]:
-        """For all joints, and for the legs alone: the columns of a row, and where among them those of each leg are."""
+        """List for all joints, and for the legs alone, the columns of a row, and among them those of each leg."""
         every = np.arange(3 + 3 * len(self.skeleton))
         joints = np.array(self.leg_joints)
         some = np.concatenate([np.arange(3), (3 + 3 * joints[:, None] + np.arange(3)).ravel()])
@@ -223,7 +223,7 @@ class CycleModel:
 
     @cached_property
     def _directions(self) -> tuple[list[list[Floats]], ...]:
-        """For all joints, and for the legs alone, of each gait: the directions of each leg, and of all."""
+        """Get for all joints, and for the legs alone, of each gait the directions of each leg, and of all."""
         found = []
         for columns, legs in self._columns:
             every = [np.ascontiguousarray(space.directions[:, :, columns]) for space in self.spaces]
@@ -231,7 +231,7 @@ class CycleModel:
         return tuple(found)
 
     def _stances(self, spans: Floats) -> Floats:
-        """(..., L, 2) when feet are set down and for how long they stand, of contacts (..., E, 2) of heels and toes."""
+        """Find when feet are set down and for how long they stand, (..., L, 2), from contacts (..., E, 2)."""
         pairs = spans.reshape(*spans.shape[:-2], -1, 2, 2)
         start, lasts = pairs[..., 0], pairs[..., 1]
         there = lasts > 1e-3
@@ -240,16 +240,16 @@ class CycleModel:
         return np.stack([first, np.clip(last - first, 0.05, 0.95)], axis=-1)
 
     def turns(self, rows: Floats) -> Floats:
-        """(T, J, 4) rotations of rows (T, D)."""
+        """Convert rows (T, D) to rotations (T, J, 4)."""
         return self.code.turns(rows)
 
     def leg_frames(self, rows: Floats) -> Floats:
-        """(T, 1 + N, 3, 3) rotations of `leg_joints`, of rows (T, 6 + 3 N) of these."""
+        """Convert rows (T, 6 + 3 N) of `leg_rows` to rotation matrices (T, 1 + N, 3, 3) of `leg_joints`."""
         return self._leg_code.frames(rows)
 
     @cached_property
     def leg_joints(self) -> list[int]:
-        """The root, and `legs.joints`."""
+        """List the root, and `legs.joints`."""
         return [self.rig.root, *self.legs.joints]
 
     @cached_property
@@ -258,7 +258,7 @@ class CycleModel:
 
 
 def _at(directions: Floats, weights: Floats, features: Floats) -> Floats:
-    """(T, D) the sum of directions (P, N, D) at phases of weights (T, N), times features (T, P)."""
+    """Sum up directions (P, N, D), interpolated by weights (T, N) of the phases, times features (T, P): rows (T, D)."""
     row = features[:, :1] * (weights @ directions[0])
     for p in range(1, len(directions)):
         row += features[:, p : p + 1] * (weights @ directions[p])

@@ -24,10 +24,10 @@ class Line(Protocol):
     """A path over the floor by its arc length, as `Path` is."""
 
     def position(self, s: Floats) -> Floats:
-        """(..., 2) [m] x and z."""
+        """Compute the places (..., 2) [m], x and z."""
 
     def heading(self, s: Floats) -> Floats:
-        """(...) [rad] about the vertical, 0 along z, growing to the left."""
+        """Compute the heading (...) [rad] about the vertical, 0 along z, growing to the left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,30 +51,30 @@ class Plan:
     def __post_init__(self) -> None:
         for name in _ROWS:
             value = getattr(self, name)
-            if value.flags.writeable:  # of a part of what is read-only nothing need be done
+            if value.flags.writeable:  # a view of a read-only array is read-only already
                 object.__setattr__(self, name, frozen(value))
 
     @classmethod
     def of_table(cls, times: Floats, table: Floats) -> Plan:
-        """The plan of times (K,) and a `table` (K, 3 + S), which is not to be written to any more."""
+        """Make the plan of times (K,) and a `table` (K, 3 + S), which becomes read-only."""
         table.flags.writeable = False
         plan = cls(times, table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
-        plan.__dict__["table"] = table  # it need not be put together again
+        plan.__dict__["table"] = table  # fills the cached property
         return plan
 
     @cached_property
     def table(self) -> Floats:
-        """(K, 3 + S) speed, run, turn and styles."""
+        """Join speed, run, turn and styles, (K, 3 + S)."""
         table = np.empty((len(self.times), 3 + self.style.shape[1]))
         table[:, 0], table[:, 1], table[:, 2], table[:, 3:] = self.speed, self.run, self.turn, self.style
         return table
 
     def at(self, times: Floats) -> Plan:
-        """The parameters at other times (T,)."""
+        """Compute the parameters at other times (T,)."""
         return Plan.of_table(times, self.rows(times))
 
     def rows(self, times: Floats) -> Floats:
-        """(T, 3 + S) what `table` is at other times (T,)."""
+        """Interpolate `table` at other times (T,), (T, 3 + S)."""
         known, table = self.times, self.table
         if len(known) == 1:
             rows = np.empty((len(times), table.shape[1]))
@@ -86,11 +86,11 @@ class Plan:
         return np.asarray((1.0 - share) * first + share * table[k + 1])
 
     def of_speeds(self, speed: Floats) -> Plan:
-        """The same with other speeds (K,) [m/s]."""
+        """Replace the speeds (K,) [m/s]."""
         return replace(self, speed=speed)
 
     def some(self, which: slice) -> Plan:
-        """The parameters at some of the times."""
+        """Take the parameters at some of the times."""
         return Plan.of_table(self.times[which], self.table[which])
 
     def since(self, time: float) -> Plan:
@@ -99,18 +99,18 @@ class Plan:
         return self if first == 0 else self.some(slice(first, None))
 
     def ends(self) -> Floats:
-        """(3 + S,) [s] the times at which speed, run, turn and styles are what they stay; -inf where always."""
+        """Find when speed, run, turn and styles get to their final values, (3 + S,) [s]; -inf where always."""
         moving = self.table != self.table[-1]
         last = len(moving) - 1 - np.argmax(moving[::-1], axis=0)
         return np.where(moving.any(axis=0), self.times[np.minimum(last + 1, len(moving) - 1)], -np.inf)
 
     def changed(self, now: float, ends: Floats, target: Plan) -> Plan:
-        """The plan as it was up to a time, from which on some parameters go to others.
+        """Lead some parameters from their values at a time to others; the plan before that time stays.
 
         Args:
             now: [s] the time of the change.
-            ends: (3 + S,) [s] when speed, run, turn and styles have got there; nan for those that go on as planned.
-            target: one row, what they are to become.
+            ends: (3 + S,) [s] when speed, run, turn and styles reach the target; nan for those that go on as planned.
+            target: one row of target values.
         """
         named = ends == ends  # nan is not
         later = () if named.all() else self.times[int(self.times.searchsorted(now, side="right")) :].tolist()
@@ -127,27 +127,27 @@ class Plan:
         return Plan.of_table(np.concatenate([self.times[:past], times]), np.concatenate([self.table[:past], rows]))
 
     def joined(self, now: float, over: float, other: Plan, behind: Floats) -> Plan:
-        """The plan that it was up to a time, and `over` [s] later is another one, having made up for what is `behind`.
+        """Change over to another plan within `over` [s], catching up with what is `behind`.
 
         Args:
             now: [s].
-            over: [s] in which it gets there.
-            other: what it is to become.
-            behind: (3 + S,) by how much the integrals of its rows are less than they ought to be; those of speed and
-                turn are made up for, so that it goes on where it would be.
+            over: [s] duration of the change.
+            other: the plan after it.
+            behind: (3 + S,) by how much the integrals of this plan's rows are behind those of the other's; speed and
+                turn catch up, so that the figure arrives where the other plan has it.
         """
         past, later = int(self.times.searchsorted(now - 1e-9)), int(other.times.searchsorted(now + over, side="right"))
         ends = np.array([now, now + over])
         here, there = self.rows(ends[:1]), other.rows(ends[1:])
         behind = behind + other.sums(now, now + over) - 0.5 * over * (here[0] + there[0])
         between = 0.5 * (here + there)
-        between[:, :3:2] += behind[:3:2] * (2.0 / over)  # a triangle over what is in line
+        between[:, :3:2] += behind[:3:2] * (2.0 / over)  # the area of this triangle is what is behind
         between[:, 0] = np.maximum(between[:, 0], 0.0)
         times = np.concatenate([self.times[:past], [now, now + 0.5 * over, now + over], other.times[later:]])
         return Plan.of_table(times, np.concatenate([self.table[:past], here, between, there, other.table[later:]]))
 
     def sums(self, since: float, until: float) -> Floats:
-        """(3 + S,) the integrals of its rows from one time to another [s]."""
+        """Integrate the rows from one time to another [s], (3 + S,)."""
         low, high = int(self.times.searchsorted(since, side="right")), int(self.times.searchsorted(until))
         times = np.array([since, *self.times[low:high].tolist(), until])
         rows = self.rows(times)
@@ -174,8 +174,8 @@ class Course:
     """Phase, place and heading over time, from a plan.
 
     Eq. 5 to 7 of G, summed up: the phase is the integral of the frequency, the heading that of the angular speed, the
-    place that of the speed in the direction of the heading. As printed, eq. 7 takes the direction at the end of a step
-    for all of it; here the arc is integrated, by Gauss's rule, which leaves nothing to be seen.
+    place that of the speed in the direction of the heading. As printed, eq. 7 uses the direction at the end of a step
+    for the whole step; here the arc is integrated by Gaussian quadrature, with an error too small to be seen.
 
     Args:
         plan: what is asked for.
@@ -194,7 +194,7 @@ class Course:
     frequency: Callable[[Plan], Floats]
 
     def at(self, times: Floats) -> tuple[Floats, Plan]:
-        """Tell (T, 5) what `known` has, and what is asked for, at times (T,) [s]; on a path the place is the path's."""
+        """Compute (T, 5), as `known` has it, and the requests at times (T,) [s]; on a path the place is the path's."""
         k = np.minimum(np.maximum(self.grid.searchsorted(times, side="right") - 1, 0), len(self.grid) - 1)
         known, asked = self.known[k], self.plan.rows(times)
         steps = _steps(self.frequency, self.asked.table[k], asked, times - self.grid[k])
@@ -204,20 +204,20 @@ class Course:
         return out, Plan.of_table(times, asked)
 
     def phases(self, times: Floats) -> Floats:
-        """(T,) [cycles] since the course began, at times (T,) [s]."""
+        """Compute the phases (T,) [cycles] since the course began, at times (T,) [s]."""
         return self.at(times)[0][:, 0]
 
     def lengths(self, times: Floats) -> Floats:
-        """(T,) [m] gone."""
+        """Compute the arc lengths (T,) [m] at times (T,) [s]."""
         return self.at(times)[0][:, 1]
 
     def where(self, times: Floats) -> tuple[Floats, Floats]:
-        """(T, 2) [m] x and z, and (T,) [rad] the heading."""
+        """Compute the places (T, 2) [m], x and z, and the headings (T,) [rad]."""
         found, _ = self.at(times)
         return found[:, 3:], found[:, 2]
 
     def point(self, time: float) -> Point:
-        """All of it at one time."""
+        """Compute the point of the course at one time."""
         return Point(time, *self.at(np.array([time]))[0][0].tolist())
 
 
@@ -230,8 +230,8 @@ def make_course(
         plan: what is asked for.
         line: the path it goes along, if any.
         start: where it is known.
-        until, since: [s] the times that it is wanted for.
-        frequency: [Hz] of parameters.
+        until, since: [s] end and start of the course.
+        frequency: computes the frequency [Hz] for parameters.
     """
     count = max(1, int(np.ceil((until - since) / _STEP)))
     step = (until - since) / count
@@ -250,7 +250,7 @@ def make_course(
 
 
 def _steps(frequency: Callable[[Plan], Floats], first: Floats, last: Floats, lasts: Floats) -> Floats:
-    """Integrate (T, 5) by how much phase, length, heading and place grow in steps, headed along z.
+    """Compute how much phase, length, heading and place grow in steps that start along z, (T, 5).
 
     Args:
         frequency: [Hz] of parameters.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footfix.locomotion.cycles.feet import Feet, goals, lowered
+from footfix.locomotion.cycles.foot_offsets import Feet, goals, lowered
 from footfix.locomotion.cycles.leg_pose import LegPoses
 from footfix.locomotion.cycles.leg_vectors import about_up, applied, matrices, turned_about_up
 from footfix.locomotion.cycles.model import CycleModel
@@ -48,7 +48,7 @@ class Postures:
 
 
 @dataclass(frozen=True, eq=False)
-class Free:
+class CyclePostures:
     """Postures of the cycles, with no foot held.
 
     Args:
@@ -61,34 +61,34 @@ class Free:
     turns: Floats
     legs: LegPoses
 
-    def some(self, which: slice) -> Free:
-        """The postures at some of the times."""
-        return Free(self.place[which], self.turns[which], self.legs.some(which))
+    def some(self, which: slice) -> CyclePostures:
+        """Take the postures at some of the times."""
+        return CyclePostures(self.place[which], self.turns[which], self.legs.some(which))
 
 
 @dataclass(frozen=True, eq=False)
-class Led:
+class OffsetPostures:
     """Postures of the cycles, and the offsets of feet from them.
 
     Args:
         times: (T,) [s].
-        free: T postures.
+        cycle: T postures.
         off: (T, L, Q, 3).
     """
 
     times: Floats
-    free: Free
+    cycle: CyclePostures
     off: Floats
 
 
-def free_postures(model: CycleModel, course: Course, times: Floats) -> Free:
+def cycle_postures(model: CycleModel, course: Course, times: Floats) -> CyclePostures:
     """Compute the postures of the cycles at times (T,) [s] (G eq. 5, 6)."""
     at, asked = course.at(times)
     rows = model.rows(at[:, 0], asked)
     turns, root = model.turns(rows), model.rig.root
     turns[:, root] = turned_about_up(at[:, 2], turns[:, root])
     frames, place = matrices(turns[:, model.leg_joints]), _place(model, at, rows, about_up(at[:, 2]))
-    return Free(place, turns, model.legs.poses(place, frames[:, 0], frames[:, 1:]))
+    return CyclePostures(place, turns, model.legs.poses(place, frames[:, 0], frames[:, 1:]))
 
 
 def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
@@ -100,16 +100,16 @@ def leg_poses(model: CycleModel, course: Course, times: Floats) -> LegPoses:
 
 
 def _place(model: CycleModel, at: Floats, rows: Floats, front: Floats) -> Floats:
-    """(T, 3) [m] the root, on a course (T, 5) that heads so (T, 3, 3), of rows of the code."""
+    """Place the root (T, 3) [m] on a course (T, 5) with headings (T, 3, 3), by rows of the code."""
     place = applied(front, model.rig.leg_length * rows[:, :3])
     place[:, ::2] += at[:, 3:]
     return place
 
 
-def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
+def held(model: CycleModel, feet: Feet, base: OffsetPostures) -> Postures:
     """Make the postures in which feet are at their goals."""
-    pose, off = led.free.legs, led.off
-    place, turns = np.array(led.free.place), np.array(led.free.turns)
+    pose, off = base.cycle.legs, base.off
+    place, turns = np.array(base.cycle.place), np.array(base.cycle.turns)
     hip, ankle, foot, toes = goals(pose, off)
     more = lowered(pose, ankle - hip, off[:, :, 5, 0], model.rig.leg_length)
     down = pose.hip[:, 0, 1] - hip[:, 0, 1] + more
@@ -117,4 +117,4 @@ def held(model: CycleModel, feet: Feet, led: Led) -> Postures:
     ankle[..., 1] += down[:, None]  # the legs are posed on the figure where it was
     turns[:, model.legs.turned] = model.legs.bent(pose, model.knees, ankle, foot, toes)
     legs, parts, names = model.effectors
-    return Postures(led.times, place, turns, feet.planted(led.times)[:, legs, parts], names)
+    return Postures(base.times, place, turns, feet.planted(base.times)[:, legs, parts], names)

@@ -82,7 +82,7 @@ class Sample:
 
     @property
     def gait(self) -> Gait:
-        """A run has a flight: each foot stands for less than half of the cycle."""
+        """Tell walk from run: a run has a flight, so each foot stands for less than half of the cycle."""
         return "run" if self.duty < 0.5 else "walk"
 
 
@@ -170,7 +170,7 @@ def _taken(clip: Clip, rig: Rig, contacts: Contacts, stride: Stride, params: Sam
 def _contact_phases(
     contacts: Contacts, rig: Rig, first: int, start: int, length: int
 ) -> tuple[Floats, float, float] | None:
-    """(E, 2) phases of each effector's contact, the duty factor, and when the other foot strikes.
+    """Find the phases of each effector's contact (E, 2), the duty factor, and when the other foot strikes.
 
     The foot that strikes first stands from the start of the cycle on, the other one from within it. None where the
     clip ends in one of these stances.
@@ -207,14 +207,14 @@ def shifted(sample: Sample, phase: float) -> Sample:
 
 
 def _within(spans: Floats) -> Floats:
-    """(E, 2) phases of contacts, those of a foot from a quarter before the cycle's start on."""
+    """Shift the phases (E, 2) of each foot's contacts by whole cycles, so that it lands from phase -0.25 to 0.75."""
     pairs = spans.reshape(-1, 2, 2)  # heel and toe of each leg
     first = np.nanmin(np.where(np.isfinite(pairs[..., 0]), pairs[..., 0], np.inf), axis=1)
     return np.asarray((pairs - np.floor(first + 0.25)[:, None, None]).reshape(-1, 2))
 
 
 def shift_phases(values: Floats, phase: float) -> Floats:
-    """(N, ...) periodic samples, begun at another phase."""
+    """Begin periodic samples (N, ...) at another phase."""
     spectrum = np.fft.rfft(values, axis=0)
     turn = np.exp(2j * np.pi * phase * np.arange(len(spectrum)))
     return np.fft.irfft(spectrum * turn.reshape(-1, *[1] * (values.ndim - 1)), n=len(values), axis=0)
@@ -254,14 +254,14 @@ def _facing(cycle: Clip, rig: Rig, back: Floats) -> float:
 
 
 def _resampled(turns: Floats) -> Floats:
-    """(N, J, 4) rotations (L, J, 4) of one round at even phases, by their harmonics."""
+    """Resample rotations (L, J, 4) of one round at even phases, (N, J, 4), by their harmonics."""
     middle = mean_turns(turns)
     vectors = rotation.to_rotation_vector(rotation.multiply(rotation.inverse(middle), turns))
     return rotation.multiply(middle, rotation.from_rotation_vector(_at_even_phases(vectors)))
 
 
 def _at_even_phases(values: Floats) -> Floats:
-    """(N, ...) values (L, ...) of one round at even phases: the sum of their harmonics that N samples can hold.
+    """Resample values (L, ...) of one round at even phases, (N, ...), by the harmonics that N samples can hold.
 
     The highest one that the shorter of both can hold is a cosine alone. (scipy.signal does the same, but loading it
     takes longer than all the rest of this package.)
@@ -274,6 +274,6 @@ def _at_even_phases(values: Floats) -> Floats:
 
 
 def mean_turns(turns: Floats) -> Floats:
-    """(J, 4) the mean of rotations (L, J, 4): the eigenvector of sum q q^T with the largest eigenvalue."""
+    """Average rotations (L, J, 4) to (J, 4): the eigenvector of sum q q^T with the largest eigenvalue."""
     _, vectors = np.linalg.eigh(np.einsum("lja,ljb->jab", turns, turns))
     return np.ascontiguousarray(vectors[..., -1])

@@ -18,13 +18,13 @@ from footfix.locomotion.cycles.model import CycleModel
 from footfix.motion.clip import Floats, Ints, frozen
 
 HELD = ("heel", "toe", "foot", "toes")  # what a stance holds: two places, a turn, a heading
-_INSIDE = 7  # samples of a contact, of which it is told where the foot is to stand
-_REACHED = 5  # samples of a heel's contact, at which the leg has to be long enough
+_INSIDE = 7  # samples of a contact, whose mean is where the foot is to stand
+_REACHED = 5  # samples of a heel's contact, at which the leg has to reach it
 _ENDS = 2 * len(HELD)
 _SAMPLES = _INSIDE + 2 * _ENDS + _REACHED
-_STRETCHED = 0.9985  # of a leg's reach, at which a heel is placed at the farthest
-_FARTHEST = 0.025  # of a leg's reach, by which a place is drawn nearer at most
-_DELTA = 0.004  # [s] over which slopes are told
+_STRETCHED = 0.9985  # [of a leg's reach] farthest place of a heel
+_FARTHEST = 0.025  # [of a leg's reach] by which a place is moved nearer at most
+_DELTA = 0.004  # [s] step of the differences that give slopes
 _FLAT = np.array([1.0, 0.0, 1.0])
 UP = np.array([0.0, 1.0, 0.0])
 _EVENLY, _ON_HEEL = np.linspace(0.0, 1.0, _INSIDE), np.linspace(0.0, 1.0, _REACHED)
@@ -45,13 +45,13 @@ class Stance:
 
     Args:
         leg: index among the rig's legs.
-        count: of the cycles since the engine began.
+        count: number of its cycle since the engine began.
         heel, toe: [s] when they are planted; None where they never are.
         points: (2, 3) [m] where heel and toe stand.
         frames: (2, 3, 3) those of ankle and toe joint while both are planted.
-        ends, slopes: (4, 2, 3) how far off the cycle each of `HELD` is when it begins to be held and when it ends, [m]
-            or [rad], and how that changes then [1/s].
-        down: [m] by how much the figure has to come down for the leg to reach the floor when the heel is set down.
+        ends, slopes: (4, 2, 3) offset of each of `HELD` from the cycle at the start and at the end of being held, [m]
+            or [rad], and its derivative there [1/s].
+        down: [m] by how much the figure is lowered so that the leg reaches the floor when the heel is set down.
     """
 
     leg: int
@@ -66,7 +66,7 @@ class Stance:
 
     @cached_property
     def flat(self) -> Span | None:
-        """[s] while heel and toe are planted."""
+        """Find when heel and toe are both planted [s]; None where they never are."""
         if self.heel is None or self.toe is None:
             return None
         low, high = max(self.heel[0], self.toe[0]), min(self.heel[1], self.toe[1])
@@ -74,26 +74,26 @@ class Stance:
 
     @property
     def start(self) -> float:
-        """[s] when the foot is set down."""
+        """Find when the foot is set down [s]."""
         if self.heel is None or self.toe is None:
             return (self.heel or self.toe or (np.inf, np.inf))[0]
         return min(self.heel[0], self.toe[0])
 
     @property
     def end(self) -> float:
-        """[s] when it is lifted."""
+        """Find when the foot is lifted [s]."""
         if self.heel is None or self.toe is None:
             return (self.heel or self.toe or (-np.inf, -np.inf))[1]
         return max(self.heel[1], self.toe[1])
 
     @cached_property
     def spans(self) -> tuple[Span | None, ...]:
-        """[s] while each of `HELD` is held."""
+        """List when each of `HELD` is held [s]."""
         return self.heel, self.toe, self.flat, self.toe
 
 
 def sample_times(stances: Sequence[Stance]) -> Floats:
-    """(n, M) [s] the times at which the cycle is looked at for each stance."""
+    """List the times (n, M) [s] at which the cycle is sampled for each stance."""
     if not stances:
         return np.zeros((0, _SAMPLES))
     rows = []
@@ -109,16 +109,15 @@ def sample_times(stances: Sequence[Stance]) -> Floats:
 
 
 def _spread(spans: Floats, shares: Floats) -> Floats:
-    """(n, M) times of spans (n, 2)."""
+    """Place times (n, M) in spans (n, 2) by shares (M,)."""
     return np.asarray(spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * shares)
 
 
 def settled(stances: Sequence[Stance], stays: Sequence[float], poses: LegPoses, model: CycleModel) -> list[Stance]:
     """Compute the places of stances and their offsets from the cycle; stances that stay keep their places.
 
-    A foot stands as the cycle has it in the mean of the time in which heel and toe are planted (G 5.1), where the heel
-    was in the beginning of its contact, at the height at which it stands in the cycles, and so near that the leg
-    reaches it.
+    A foot has its mean pose of the time in which heel and toe are planted (G 5.1). It is moved to where the heel was
+    early in its contact, to the height at which it stands in the cycles, and nearer if the leg would not reach it.
 
     Args:
         stances: n of them.
@@ -156,7 +155,7 @@ def settled(stances: Sequence[Stance], stays: Sequence[float], poses: LegPoses, 
 def _places(
     stances: Sequence[Stance], legs: Ints, soles: Floats, frames: Floats, model: CycleModel
 ) -> tuple[Floats, Floats]:
-    """Heels' and toes' places (n, 2, 3) [m], and frames (n, 2, 3, 3) of feet and toes, where the cycle has them."""
+    """Find where the cycle has heels and toes (n, 2, 3) [m], and their frames (n, 2, 3, 3)."""
     middle = _INSIDE // 2
     level = model.sole_levels[legs]  # (n, 2)
     points = soles[:, :_INSIDE].mean(axis=1)
@@ -175,8 +174,8 @@ def _places(
 def _where_set_down(stances: Sequence[Stance], points: Floats, heel: Floats) -> Floats:
     """Move places (n, 2, 3) over the floor, by (n, 3) [m], towards where the cycle has the heels (n, M, 3) early on.
 
-    While the speed changes, the cycle's foot does not stay where it was set down. The leg is straight then, and what it
-    lacks is missed at once; later the knee gives way, or the heel is lifted.
+    While the speed changes, the cycle's foot does not stay where it was set down. Early in a contact the leg is
+    straight and can't make up for that; later the knee bends, or the heel is lifted.
     """
     early = np.where([[each.heel is not None] for each in stances], _EARLY, 0.0)
     return np.asarray(np.einsum("nm,nmi->ni", early, heel - points[:, None, 0]) * _FLAT)

@@ -45,7 +45,7 @@ class Segment:
 
 
 def neck_of(skeleton: Skeleton, rig: Rig) -> int | None:
-    """The joint below which the head hangs: the first neck joint, or the head where there is none."""
+    """Find the joint below which the head hangs: the first neck joint, or the head where there is none."""
     mine = [j for j in range(len(skeleton)) if rig.root in skeleton.ancestors(j)]
     for pattern in (_NECK, _CRANE):
         for joint in mine:
@@ -56,7 +56,7 @@ def neck_of(skeleton: Skeleton, rig: Rig) -> int | None:
 
 
 def head_of(skeleton: Skeleton, rig: Rig) -> int | None:
-    """The head's joint, or the neck where none is called a head."""
+    """Find the head's joint, or the neck where none is called a head."""
     mine = [j for j in range(len(skeleton)) if rig.root in skeleton.ancestors(j)]
     heads = [j for j in mine if _CRANE.search(bare(skeleton.names[j])) and not read(skeleton.names[j]).side]
     return heads[0] if heads else neck_of(skeleton, rig)
@@ -144,7 +144,7 @@ def acceleration(track: Floats, frame_time: float) -> Floats:
 
 
 def zero_moment_point(clip: Clip, rig: Rig, body: tuple[Segment, ...]) -> tuple[Floats, Floats]:
-    """Find (F, 2) [m] x and z of the zero-moment point on the floor, and (F,) [m/s^2] how hard the body presses on it.
+    """Find the zero-moment point on the floor, x and z (F, 2) [m], and how hard the body presses on it, (F,) [m/s^2].
 
     x = sum m ((y'' + g) x - y x'') / sum m (y'' + g), with heights y over the floor; z alike.
     """

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from footfix.locomotion.follow.steps import Ground
+from footfix.locomotion.follow.footsteps import Ground
 from footfix.locomotion.follow.walk_poses import WalkingFoot, WalkPoses
 from footfix.locomotion.loop.root_motion import root_in_world, with_root
 from footfix.motion import rotation

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import Pose, forward
@@ -64,7 +64,7 @@ def _ahead(walk: Walk, pose: Pose) -> Floats:
 
 
 def _local(walk: Walk, turns: dict[int, Floats]) -> dict[int, Floats]:
-    """Joint -> (F, 4) rotations with which frames are turned, and all below them are where they were."""
+    """Compute the joints' rotations (F, 4) after some frames are turned by `turns`, with all below where it was."""
     skeleton = walk.clip.skeleton
     still = rotation.identity()
     moved = set(turns) | {child for joint in turns for child in skeleton.children[joint]}
@@ -80,7 +80,7 @@ def _local(walk: Walk, turns: dict[int, Floats]) -> dict[int, Floats]:
 
 
 def _bones(walk: Walk, joint: int) -> Floats:
-    """(N, 3) [m] what hangs from a joint: places of its children, and end sites."""
+    """List what hangs from a joint, (N, 3) [m]: places of its children, and End Sites."""
     skeleton = walk.clip.skeleton
     below = [walk.clip.position(child)[0] for child in skeleton.children[joint]]
     ends = skeleton.end_offsets[skeleton.end_parents == joint]
@@ -89,7 +89,7 @@ def _bones(walk: Walk, joint: int) -> Floats:
 
 
 def _free(turn: Floats, bones: Floats) -> Floats:
-    """(4,) as much of a turn as leaves bones (N, 3) where they are."""
+    """Take the part (4,) of a turn that leaves bones (N, 3) where they are."""
     if not len(bones):
         return turn
     line = unit(bones)
@@ -100,5 +100,5 @@ def _free(turn: Floats, bones: Floats) -> Floats:
 
 
 def _mean(turns: Floats) -> Floats:
-    """(4,) the mean of rotations (F, 4): the one nearest to all."""
+    """Average rotations (F, 4) to (4,)."""
     return np.asarray(np.linalg.eigh(turns.T @ turns)[1][:, -1])

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion.clip import Floats, Ints
 from footfix.motion.spline import Cubic, monotone
 
@@ -37,12 +37,12 @@ class Keys:
     stances: tuple[tuple[float, float] | None, ...] = ()
 
     def frame(self, time: Floats) -> Floats:
-        """Frames (F,) at generic times (F,)."""
+        """Compute the frames (F,) at generic times (F,)."""
         rounds = np.floor(time / self.strides)
         return np.asarray(self._curve(time - rounds * self.strides)[..., 0] + rounds * self.length)
 
     def time(self, frame: Floats) -> Floats:
-        """Generic times (F,) at frames (F,)."""
+        """Compute the generic times (F,) at frames (F,)."""
         first = self.frames[0]
         rounds = np.floor((frame - first) / self.length)
         within = frame - rounds * self.length
@@ -57,20 +57,20 @@ class Keys:
 
     @cached_property
     def _fine(self) -> tuple[Floats, Floats]:
-        """Frames, close together, and their generic times."""
+        """List frames close together, and their generic times."""
         fine = np.linspace(0.0, self.strides, 64 * len(self.times) + 1)
         return self._curve(fine)[:, 0], fine
 
     @cached_property
     def _curve(self) -> Cubic:
-        """Frames by times, with a round more on either side."""
+        """Fit the curve of frames over generic times, with a round more on either side."""
         more = [(k * self.strides, k * self.length) for k in (-1, 0, 1, 2)]
         times = np.concatenate([self.times + t for t, _ in more])
         return monotone(times, np.concatenate([self.frames + f for _, f in more])[:, None])
 
 
 def stance_of(walk: Walk, keys: Keys, leg: int) -> tuple[float, float] | None:
-    """When a leg comes down and for how long it stands, generic times [strides] in the mean; None where unclear."""
+    """Find when a leg comes down and for how long it stands, mean generic times [strides]; None where unclear."""
     down, up = walk.strikes(leg)
     if not len(down) or len(down) != walk.strides:
         return None
@@ -120,7 +120,7 @@ def align(walks: Sequence[Walk]) -> tuple[Keys, ...]:
 
 
 def _strikes(walk: Walk) -> dict[int, Ints]:
-    """Frames (strides,) at which legs come down that do so once in each stride, counted from the first leg's."""
+    """Find the frames (strides,) at which legs that strike once in each stride do so, from the first leg's on."""
     found: dict[int, Ints] = {}
     start = 0
     for leg in range(len(walk.rig.legs)):
@@ -136,7 +136,7 @@ def _strikes(walk: Walk) -> dict[int, Ints]:
 
 
 def _aligned(walks: Sequence[Walk], strikes: Sequence[dict[int, Ints]], legs: Sequence[int]) -> tuple[Keys, ...] | None:
-    """Key-times by strikes of some legs; None where walks have them in different orders."""
+    """Make key-times from strikes of some legs; None where walks have them in different orders."""
     if not legs:
         return None
     phases = []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from footfix.enforce.correction import apply
-from footfix.enforce.papers.leg import (
+from footfix.enforce.two_bone_ik import (
     CapturedLeg,
     can_turn,
     captured_leg,
@@ -16,7 +16,7 @@ from footfix.enforce.papers.leg import (
     local_rotations,
     where_moved,
 )
-from footfix.locomotion.follow.blend import ease
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.body_placement import Goal
 from footfix.locomotion.follow.stride import smoothed
 from footfix.locomotion.follow.swinging import swung
@@ -66,7 +66,7 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         clip: the body, as `lay_body` has put it.
         rig: its legs.
         goals: one a leg.
-        farthest: for each leg [m] from hip to ankle, what it may be stretched to.
+        farthest: for each leg [m] the greatest allowed distance from hip to ankle.
         way: (F, 4) the frame in which the figure walks along z.
     """
     seen = rig.pose(clip)

@@ -141,7 +141,7 @@ def make_path(points: Floats, *, sharpest: float = np.inf, kink: float = 0.25 * 
 
 
 def _sharpest(points: Floats) -> float:
-    """[rad/m] the sharpest turn from one of points (N, 2) to the next, cusps too."""
+    """Find the sharpest turn from one of points (N, 2) to the next [rad/m], cusps too."""
     ways = np.diff(points, axis=0)
     turn = np.diff(np.arctan2(*ways.T))
     turn = np.abs(turn - 2.0 * np.pi * np.round(turn / (2.0 * np.pi)))
@@ -149,7 +149,7 @@ def _sharpest(points: Floats) -> float:
 
 
 def _is_straight(points: Floats) -> bool:
-    """Whether points (N, 2) lie on a line, one after the other."""
+    """Tell whether points (N, 2) lie on a line, one after the other."""
     whole = points[-1] - points[0]
     size = float(np.linalg.norm(whole))
     if size == 0.0:
@@ -161,13 +161,13 @@ def _is_straight(points: Floats) -> bool:
 
 
 def _bent(curve: Cubic, at: Floats) -> Floats:
-    """(...) [rad/m] curvature to the left of a spline of x and z."""
+    """Compute the curvature to the left of a spline of x and z, (...) [rad/m]."""
     (dx, dz), (ddx, ddz) = (np.moveaxis(curve(at, k), -1, 0) for k in (1, 2))
     return np.asarray((ddx * dz - dx * ddz) / np.maximum(np.hypot(dx, dz), 1e-12) ** 3)
 
 
 def _curve(points: Floats, closed: bool, kink: float) -> Floats:
-    """Points (M, 2) close together: on splines through those of a curve, on lines to and from corners."""
+    """Lay points (M, 2) close together: on splines through those of a curve, on lines to and from corners."""
     ways = np.diff(points, axis=0)
     heading = np.arctan2(*ways.T)
     turn = np.diff(heading)
@@ -180,7 +180,7 @@ def _curve(points: Floats, closed: bool, kink: float) -> Floats:
 
 
 def _dense(points: Floats, closed: bool) -> Floats:
-    """Points (M, 2) on a spline through points (N, 2), a tenth of the spacing apart, or on the line between two."""
+    """Lay points (M, 2) a tenth of the spacing apart on a spline through points (N, 2), or on the line between two."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     at = np.append(0.0, np.cumsum(steps))
     many = max(int(np.ceil(10.0 * at[-1] / _SPACING)), 10) + 1
@@ -191,7 +191,7 @@ def _dense(points: Floats, closed: bool) -> Floats:
 
 
 def _even(points: Floats, closed: bool) -> tuple[Floats, float]:
-    """Points (M, 2) evenly spaced by arc length on a spline through points (N, 2), and its length [m]."""
+    """Lay points (M, 2) evenly by arc length on a spline through points (N, 2), and measure its length [m]."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     points, steps = points[np.append(True, steps > 0.0)], steps[steps > 0.0]
     knots = np.append(0.0, np.cumsum(steps))
@@ -210,7 +210,7 @@ def _even(points: Floats, closed: bool) -> tuple[Floats, float]:
 
 
 def _kernel(width: float, reach: int) -> Floats:
-    """(2 reach + 1,) a Gaussian of a width in points."""
+    """Compute a Gaussian of a width in points, (2 reach + 1,)."""
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
     return np.asarray(weights / weights.sum())
 
@@ -247,7 +247,7 @@ def _rounded(points: Floats, length: float, closed: bool, sharpest: float) -> Fl
 
 
 def _spread(mask: Bools, around: int, closed: bool) -> Floats:
-    """(N,) 1 near True, falling smoothly to 0 so many points away."""
+    """Compute weights (N,) that are 1 at True and fall smoothly to 0 within `around` points."""
     around = max(1, min(around, (len(mask) - 1) // 2))
     window = np.hanning(2 * around + 3)[1:-1]
     where = np.flatnonzero(mask)
@@ -263,7 +263,7 @@ def _spread(mask: Bools, around: int, closed: bool) -> Floats:
 
 
 def _told(before: Floats, after: Floats, sharpest: float) -> tuple[Note, ...]:
-    """A note on what rounding has moved."""
+    """Make a note on what rounding has moved."""
     if len(after) != len(before):
         text = f"the path turns back on itself; turns of {1.0 / sharpest:.2f} m of radius lead round there"
         return (Note("kinks-rounded", text),)

@@ -16,15 +16,15 @@ from footfix.locomotion.follow.balance import (
     segments,
     zero_moment_point,
 )
+from footfix.locomotion.follow.blend_schedule import Timeline
 from footfix.locomotion.follow.body_placement import Goal, Lean, goal_of, lay_body
+from footfix.locomotion.follow.footsteps import Ground, envelope, ground_at, lower_swing, reach_lack
 from footfix.locomotion.follow.legs import bend_legs, hips_of, reaches
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
-from footfix.locomotion.follow.stance import firmness, rolled, unslid, unturned
-from footfix.locomotion.follow.steps import Ground, envelope, ground_at, lower_swing, reach_lack
+from footfix.locomotion.follow.planted_feet import firmness, rolled, unslid, unturned
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.stride import Way, averaged, smoothed
-from footfix.locomotion.follow.timeline import Timeline
-from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.follow.walk_poses import WalkPoses, pose
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -73,8 +73,8 @@ class Course:
         speed: (F,) [m/s] along it.
         scale: (F,) length of strides, relative to captured ones.
         angle: (F,) [rad] of the lean, to the left.
-        height: (F,) [m] of the pelvis; feet step outwards by this times the lean's sine,
-        outwards: if this is set.
+        height: (F,) [m] of the pelvis, by which feet step outwards times the sine of the lean,
+        outwards: where this is set.
         firm: (F,) share of a planted foot's slide and turn that is removed.
         neck: the joint that compensates the lean, None for none,
         head: and the share of the lean that it compensates.
@@ -98,12 +98,12 @@ class Course:
 
     @property
     def lean(self) -> Lean:
-        """Of the body."""
+        """Make the lean of the body."""
         return Lean(self.angle, self.neck, self.head)
 
     @property
     def ground(self) -> Ground:
-        """The path under the body."""
+        """Get the path under the body."""
         return ground_at(self.path, self.arc, self.aside)
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.run import Enforcement, enforce
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
@@ -73,7 +73,7 @@ def as_straight(
 
 
 def _strays(track: Floats) -> float:
-    """[m] the farthest that a track (n, 3) is over the floor from where it is in the mean."""
+    """Measure how far a track (n, 3) gets from its mean place over the floor [m]."""
     own = track[:, [0, 2]]
     return float(np.hypot(*(own - np.median(own, axis=0)).T).max()) if len(own) > 2 else 0.0
 

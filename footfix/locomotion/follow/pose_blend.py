@@ -101,7 +101,7 @@ def _mixed_all(
 
 
 def _still(one: Floats, two: Floats) -> bool:
-    """Whether two tracks are one value throughout."""
+    """Tell whether two tracks are one value throughout."""
     held = len(one) and len(two) and one.strides[0] == 0 and two.strides[0] == 0
     return bool(held and np.array_equal(one[0], two[0]))
 

@@ -10,17 +10,17 @@ import numpy as np
 from footfix.enforce.correction import Correction, apply
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.params import EnforceParams
-from footfix.locomotion.follow.blend import Transition
+from footfix.locomotion.follow.blend_schedule import Pace, Timeline
+from footfix.locomotion.follow.blend_weight import Transition
 from footfix.locomotion.follow.bone_frames import in_frames_of_first
 from footfix.locomotion.follow.key_times import Keys, align
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path, make_path
 from footfix.locomotion.follow.path_layout import Laid, lay_walks
 from footfix.locomotion.follow.plant_cleanup import as_straight, held_on
+from footfix.locomotion.follow.prepared_walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.locomotion.follow.stride import averaged, pace_of, paced, way_on
-from footfix.locomotion.follow.timeline import Pace, Timeline
 from footfix.locomotion.follow.transitions import At, timeline_of, transitions_of
-from footfix.locomotion.follow.walk import Walk, check_alike, on_one_floor, pelvis_of
 from footfix.locomotion.follow.walk_poses import contacts_of
 from footfix.locomotion.loop.root_motion import root_in_world
 from footfix.motion.clip import Bools, Clip, Floats, Ints
@@ -221,7 +221,7 @@ def _correction(laid: Clip, clip: Clip, rig: Rig) -> Correction:
 
 
 def _changes(made: Laid, timeline: Timeline) -> Bools:
-    """(F,) where anything is otherwise than in a straight walk."""
+    """Mark frames (F,) in which anything differs from a straight walk."""
     return np.asarray(timeline.blended() | (made.scale != 1.0) | (made.lean.angle != 0.0) | _any_turn(made))
 
 
@@ -247,7 +247,7 @@ def _walked(made: Laid, path: Path, clip: Clip, some: slice) -> Walked:
 
 
 def _like(walk: Walk, timeline: Timeline, some: slice) -> Ints:
-    """(F,) frames of the first captured clip that show the pose nearest to each."""
+    """Find the frames (F,) of the first captured clip whose poses are nearest to each frame's."""
     first = timeline.zones[0].at[0][some]
     frames = walk.loop.frames
     return np.asarray(frames[np.rint(first).astype(np.intp) % min(walk.frames, len(frames))])

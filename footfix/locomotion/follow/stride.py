@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footfix.locomotion.follow.blend_schedule import Pace
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
-from footfix.locomotion.follow.timeline import Pace
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion.clip import Floats
 from footfix.motion.spline import spline
 
@@ -93,11 +93,11 @@ class Way:
     u: Floats | None
 
     def arc(self, gone: Floats) -> Floats:
-        """(F,) [m] arc lengths where walks have gone (F,) [m]."""
+        """Compute the arc lengths (F,) [m] after distances walked (F,) [m]."""
         return gone if self.u is None else spline(self.u, self.s[:, None])(gone)[..., 0]
 
     def gone(self, s: float) -> float:
-        """[m] what walks have gone at an arc length [m]."""
+        """Compute the distance walked at an arc length [m]."""
         return s if self.u is None else float(spline(self.s, self.u[:, None])(np.array(s))[0])
 
 

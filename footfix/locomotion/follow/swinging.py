@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.leg import CapturedLeg, LegTurns, flexion_for, two_bones
-from footfix.locomotion.follow.blend import ease
+from footfix.enforce.two_bone_ik import CapturedLeg, LegTurns, flexion_for, two_bones
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.body_placement import Goal
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
@@ -127,13 +127,13 @@ def _jolts(leg: CapturedLeg, led: _Swing, astray: Floats, usual: Floats) -> Floa
 
 
 def _far(leg: CapturedLeg, bent: Floats) -> Floats:
-    """(..., n) [m] from hip to ankle, a knee being bent so far (..., n) [rad]."""
+    """Compute the distance from hip to ankle (..., n) [m] for a flexion of the knee (..., n) [rad]."""
     bend = rotation.from_axis_angle(leg.knee_axis, bent - leg.flexion)
     return norm(leg.knee - leg.hip + rotation.rotate(bend, leg.ankle - leg.knee))
 
 
 def _low(leg: CapturedLeg, ankle: Floats, foot: Floats) -> Floats:
-    """(..., n) [m] how high the lower end of a foot is."""
+    """Compute the height of the lower end of a foot, (..., n) [m]."""
     heel, toe = (rotation.rotate(foot, leg.in_foot(end))[..., 1] for end in (leg.heel, leg.toe))
     return np.asarray(ankle[..., 1] + np.minimum(heel, toe))
 

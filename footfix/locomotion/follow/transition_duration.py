@@ -9,16 +9,16 @@ import numpy as np
 
 from footfix.enforce.correction import apply
 from footfix.enforce.params import EnforceParams
-from footfix.locomotion.follow.blend import Transition
+from footfix.locomotion.follow.blend_schedule import Pace, Piece, make_timeline
+from footfix.locomotion.follow.blend_weight import Transition
 from footfix.locomotion.follow.body_placement import lay_body
 from footfix.locomotion.follow.key_times import Keys
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
 from footfix.locomotion.follow.path_layout import course_on, lay_figure
 from footfix.locomotion.follow.plant_cleanup import held_on, stands
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.stride import Way, paced
-from footfix.locomotion.follow.timeline import Pace, Piece, make_timeline
-from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.follow.walk_poses import contacts_of, pose
 from footfix.locomotion.loop.seam import accelerations_of
 from footfix.motion.clip import Clip, Floats

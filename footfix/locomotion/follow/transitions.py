@@ -10,14 +10,14 @@ import numpy as np
 from footfix.enforce.params import EnforceParams
 from footfix.errors import UsageError
 from footfix.locomotion.follow.balance import end_effectors
-from footfix.locomotion.follow.blend import Transition, blend_length, check_order
+from footfix.locomotion.follow.blend_schedule import Pace, Timeline, frame_at, make_timeline, time_at
+from footfix.locomotion.follow.blend_weight import Transition, blend_length, check_order
 from footfix.locomotion.follow.key_times import Keys
 from footfix.locomotion.follow.params import FollowParams
 from footfix.locomotion.follow.path import Path
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.stride import Way
-from footfix.locomotion.follow.timeline import Pace, Timeline, frame_at, make_timeline, time_at
 from footfix.locomotion.follow.transition_duration import Handover, Length, choose_length
-from footfix.locomotion.follow.walk import Walk
 from footfix.notes import Note
 
 _MOST = 300_000  # greatest number of frames

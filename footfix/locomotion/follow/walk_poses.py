@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.papers.leg import effector_tracks
-from footfix.locomotion.follow.blend import ease
+from footfix.enforce.two_bone_ik import effector_tracks
+from footfix.locomotion.follow.blend_schedule import Timeline, Zone
+from footfix.locomotion.follow.blend_weight import ease
+from footfix.locomotion.follow.footsteps import Steps, find_steps
 from footfix.locomotion.follow.key_times import Keys, in_step
 from footfix.locomotion.follow.pose_blend import joined, mixed, mixed_clip
-from footfix.locomotion.follow.steps import Steps, find_steps
-from footfix.locomotion.follow.timeline import Timeline, Zone
-from footfix.locomotion.follow.walk import Walk
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Skeleton
 from footfix.motion.contacts import Contacts, runs
@@ -103,7 +103,7 @@ def pose(walks: Sequence[Walk], timeline: Timeline) -> WalkPoses:
 
 
 def _stride(walks: Sequence[Walk], timeline: Timeline) -> int:
-    """[frames] that the longest stride takes: before each blend the one walk goes by itself, after it the other."""
+    """Find the duration of the longest stride [frames], from the walks shown alone before and after each blend."""
     found = list[float]()
     for zone in timeline.zones:
         alone = zone.at[0][1] - zone.at[0][0], zone.at[1][-1] - zone.at[1][-2]
@@ -112,7 +112,7 @@ def _stride(walks: Sequence[Walk], timeline: Timeline) -> int:
 
 
 def _closed(planted: Bools, mixed: Bools, timeline: Timeline) -> Bools:
-    """(F, E) contacts without brief gaps where one walk has ended its contact and the other leads before its end."""
+    """Fill brief gaps in contacts (F, E) of a blend, between the end of one walk's contact and the other's lead."""
     brief, out = round(_BRIEF / timeline.frame_time), planted.copy()
     for own in out.T:
         for start, end in runs(~own):
@@ -122,7 +122,7 @@ def _closed(planted: Bools, mixed: Bools, timeline: Timeline) -> Bools:
 
 
 def _steps(walks: Sequence[Walk], timeline: Timeline) -> list[Steps]:
-    """The stances of each leg; in a blend their lengths follow from their weights, and these from their middles."""
+    """Find the stances of each leg; in a blend their lengths depend on weights, and these on the stances' middles."""
     found = []
     for leg in range(len(walks[0].rig.legs)):
         own = [e for e, sole in enumerate(walks[0].rig.soles) if sole.leg == leg]
@@ -139,14 +139,14 @@ def _steps(walks: Sequence[Walk], timeline: Timeline) -> list[Steps]:
 def _in_zone(
     walks: Sequence[Walk], keys: Sequence[Keys], zone: Zone, leg: int, weight: Floats
 ) -> tuple[tuple[Floats, Floats], Bools]:  # fmt: skip
-    """Which moments (F,) of either walk a leg shows, and (n, E) what is planted then."""
+    """Find the moments (F,) of either walk that a leg shows, and which sole points are planted then, (n, E)."""
     pair, own = [walks[k] for k in zone.walks], [keys[k] for k in zone.walks]
     at = zone.at if zone.at[0] is zone.at[1] else _in_step(own, leg, zone, weight)
     return at, _planted(pair, at, zone.frames, weight)
 
 
 def _planted(pair: Sequence[Walk], at: Sequence[Floats], some: slice, weight: Floats) -> Bools:
-    """(n, E) what is planted in a zone: as in the walk that weighs more."""
+    """Take the planted sole points (n, E) in a zone from the walk with the greater weight."""
     one, two = (walk.planted(each[some]) for walk, each in zip(pair, at, strict=True))
     return np.where(weight[some][:, None] >= 0.5, two, one)
 
@@ -157,7 +157,7 @@ def _sure(walks: Sequence[Walk], zone: Zone) -> Floats:
 
 
 def _weight(zone: Zone, moment: Floats, frame_time: float) -> Floats:
-    """(F,) the weight of a little after the moment that carries a leg, when it lifts.
+    """Take the weight (F,) for a foot from shortly after the moment that places it, near its lift.
 
     A leg that lags behind the body would still be down when the body moves on, and its knee would jerk.
     """
@@ -181,7 +181,7 @@ def _joined_foot(steps: Steps, parts: Sequence[_Part], k: int) -> WalkingFoot:
 
 
 def _zone(walks: Sequence[Walk], timeline: Timeline, zone: Zone, moments: Sequence[Floats]) -> _Part:
-    """The poses, the feet and what is planted in a zone."""
+    """Make the poses, the feet and the contacts of a zone."""
     some, own = zone.frames, [_weight(zone, moment, timeline.frame_time) for moment in moments]
     every = np.stack([zone.weight, *own])[:, some]
     pair = tuple(walks[k] for k in zone.walks)
@@ -233,7 +233,7 @@ def _in_step(keys: Sequence[Keys], leg: int, zone: Zone, weight: Floats) -> tupl
 
 
 def _of_leg(rig: Rig, skeleton: Skeleton, number: int) -> tuple[int, ...]:
-    """The joints by which a foot is told, with all below it."""
+    """List the joints that determine a foot, and all below it."""
     leg = rig.legs[number]
     soles = [sole.joint for sole in rig.soles if sole.leg == number]
     below = [joint for joint in range(len(skeleton)) if leg.ankle in skeleton.ancestors(joint)]
@@ -243,7 +243,7 @@ def _of_leg(rig: Rig, skeleton: Skeleton, number: int) -> tuple[int, ...]:
 def _foot(
     walk: Walk, seen: Pose, leg: int, at: Floats, usual: Floats, moment: Floats, some: slice, use: Bools
 ) -> tuple[Floats, ...]:  # fmt: skip
-    """A foot of a walk in the frames that use it, as `WalkingFoot` has it."""
+    """Get a foot of a walk in the frames that use it, as `WalkingFoot` has it."""
     ankle, turn = (each(walk.rig.legs[leg].ankle) for each in (seen.position, seen.rotation))
     mine = replace(walk.rig, soles=tuple(sole for sole in walk.rig.soles if sole.leg == leg))
     tracks = effector_tracks(mine, seen)
@@ -265,6 +265,6 @@ def _blended_foot(
 
 
 def contacts_of(posed: WalkPoses, some: slice) -> Contacts:
-    """The contacts of some frames of walks one after the other."""
+    """Make the contacts of some frames of walks one after the other."""
     clip = posed.clip.frames(some)
     return posed.rig.no_contacts(clip).with_mask(posed.planted[some], posed.sure[some])

@@ -195,13 +195,12 @@ def _exactly(clip: Clip, root: int, travel: Travel) -> Clip:
 def _blended(clip: Clip, rig: Rig, root: int, cut: Cut, travel: Travel) -> Closed:
     """Blend the frames after the end into those after the start (K 5.2).
 
-    The window is what is left of the shorter of both plants, N_b = min(F_fs - F_s, F_fe - F_e) frames, of which the
-    first half is put behind the end and the second in the start's place. So the cycle starts in mid-blend, its
-    length stays.
+    The blend takes the frames left of the shorter of both plants, N_b = min(F_fs - F_s, F_fe - F_e). Its first half
+    is appended to the end, its second half replaces the start: the cycle starts in mid-blend and keeps its length.
 
-    Source: K 5.2. Put right: w rises from 0 to 1 (as printed it runs from 1 to 2, and eq. 1 and 2 want opposite
-    ones), `R = (1 - w) R_a + w R_b`, `q = slerp(q_a, q_b, w)` with a after the end and b after the start; and the
-    root's height is blended like its place (left as it is, it leaps at the seam).
+    Source: K 5.2, corrected: w rises from 0 to 1 (as printed it runs from 1 to 2, and eq. 1 and 2 need opposite
+    weights), `R = (1 - w) R_a + w R_b`, `q = slerp(q_a, q_b, w)` with a after the end and b after the start; and the
+    root's height is blended like its place (otherwise it would jump at the seam).
     """
     left = [end - frame - 1 for (_, end), frame in zip(cut.stands, (cut.start, cut.end), strict=True)]
     window = min(*left, len(clip) - cut.end) // 2 * 2

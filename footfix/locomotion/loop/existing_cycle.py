@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.task import pose_of
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import PUT_TO_REST, Contacts
-from footfix.rig.cycle import find_cycle
+from footfix.rig.cyclic_clip import find_cycle
 from footfix.rig.rig import Rig
 
 _TURNED = 1e-4  # [rad] rounding error of angles with three decimals of a degree
@@ -122,7 +122,7 @@ def _leads_on(clip: Clip, rig: Rig, bends_most: float) -> bool:
 
 
 def _size(turns: Floats) -> float:
-    """[rad] root mean square of rotation vectors (..., 3)."""
+    """Compute the root mean square of rotation vectors (..., 3) [rad]."""
     return float(np.sqrt(np.mean(np.sum(turns**2, axis=-1))))
 
 

@@ -114,7 +114,7 @@ def single_stride(clip: Clip, rig: Rig, contacts: Contacts, params: LoopParams) 
 
 
 def _planted(contacts: Contacts, rig: Rig) -> Bools:
-    """Mark (legs, F) when heel or toe of a leg is planted."""
+    """Mark when heel or toe of a leg is planted, (legs, F)."""
     down = np.zeros((len(rig.legs), contacts.frames), dtype=np.bool_)
     for leg in range(len(rig.legs)):
         for start, end in stances(contacts, rig, leg):

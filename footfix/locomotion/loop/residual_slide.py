@@ -8,7 +8,7 @@ import numpy as np
 
 from footfix.enforce.correction import apply
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.leg import (
+from footfix.enforce.two_bone_ik import (
     CapturedLeg,
     LegTurns,
     can_turn,

@@ -29,12 +29,12 @@ class Travel:
 
     @property
     def shift(self) -> Floats:
-        """(3,) [m]."""
+        """Get the shift (3,) [m]."""
         return np.array([self.x, 0.0, self.z])
 
     @property
     def turn(self) -> Floats:
-        """(4,) the turn as a quaternion."""
+        """Convert the turn to a quaternion (4,)."""
         return rotation.about_vertical(self.yaw)
 
     def places(self, points: Floats) -> Floats:
@@ -108,7 +108,7 @@ def with_root(clip: Clip, root: int, place: Floats, turn: Floats) -> Clip:
 
 
 def _even(clip: Clip, until: float = 1.0) -> Floats:
-    """(F,) 0 to 1 over the frames of a closed cycle."""
+    """Number the frames of a closed cycle from 0 to 1, (F,)."""
     return np.linspace(0.0, until, len(clip))
 
 

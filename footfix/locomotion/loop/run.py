@@ -13,8 +13,8 @@ from footfix.enforce.params import EnforceParams
 from footfix.locomotion.loop.closing import Closed, close
 from footfix.locomotion.loop.cut_search import Cut, calmer
 from footfix.locomotion.loop.cyclic_contacts import wrapped
+from footfix.locomotion.loop.cyclic_enforcement import ground_under, hold
 from footfix.locomotion.loop.existing_cycle import closed_travel, completed, put_to_rest
-from footfix.locomotion.loop.holding import ground_under, hold
 from footfix.locomotion.loop.one_stride import cuts_of
 from footfix.locomotion.loop.params import LoopParams
 from footfix.locomotion.loop.residual_slide import settled
@@ -93,7 +93,7 @@ class Loop:
 
     @property
     def seconds(self) -> float:
-        """[s] of one round."""
+        """Get the duration of one round [s]."""
         return (len(self.round) - 1) * self.round.frame_time
 
     @property
@@ -116,7 +116,7 @@ class Loop:
 
     @property
     def speed(self) -> float:
-        """[m/s] over the floor."""
+        """Compute the speed over the floor [m/s]."""
         return self.distance / self.seconds
 
 

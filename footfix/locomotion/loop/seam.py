@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.leg import effector_tracks
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.locomotion.loop.residual_slide import stretches
 from footfix.locomotion.loop.root_motion import Travel
 from footfix.motion import rotation
@@ -91,7 +91,7 @@ def accelerations(clip: Clip, rig: Rig) -> Floats:
 
 
 def accelerations_of(tracks: Floats, frame_time: float) -> Floats:
-    """Compute (F - 2, J) [m/s^2] of tracks (F, J, 3) [m], frame by frame."""
+    """Compute the accelerations (F - 2, J) [m/s^2] of tracks (F, J, 3) [m], frame by frame."""
     return np.asarray(np.linalg.norm(np.diff(tracks, n=2, axis=0), axis=2) / frame_time**2)
 
 

@@ -85,7 +85,8 @@ def _place_gap(first: _End, last: _End) -> tuple[Floats, Floats]:
 
 
 def _turn_gap(first: _End, last: _End) -> tuple[Floats, Floats]:
-    """(J, 3) [rad] and (J, 3) [rad/s], as rotation vectors on the left, from the start of tracks to their end.
+    """Compute the gaps (J, 3) [rad] and (J, 3) [rad/s], as left rotation vectors, from the start of tracks to their
+    end.
 
     The velocities are those that both ends have when they are turned to where they meet.
     """

@@ -45,7 +45,7 @@ def _x(frame: Any, frames: int) -> Any:
 
 
 def _bars(effector: Mapping[str, Any], frames: int, y: float) -> str:
-    """The contacts of an effector as strokes; those closer than half a unit run together."""
+    """Draw the contacts of an effector as strokes; those closer than half a unit run together."""
     spans: list[list[float]] = []
     for contact in effector.get("contacts") or ():
         a, b = _x(contact["start"], frames), _x(contact["end"], frames)

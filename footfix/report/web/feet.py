@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from footfix.measure.visible_points import tip_of
+from footfix.measure.skinned_joints import tip_of
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Part
 from footfix.motion.kinematics import Pose, forward
-from footfix.rig.mesh import FootMesh
+from footfix.rig.foot_mesh import FootMesh
 from footfix.rig.rig import Rig
 
 _FRAMES = 25  # frames of a clip that the place of an outline in its part is measured on

@@ -17,7 +17,7 @@ from footfix.report.thumbnail import LAYERS, SIZE, Thumbnail
 from footfix.report.verdict import Report, Verdict, judge, largest_change, measure_rows, number, section
 from footfix.report.web import sections
 from footfix.report.web.markup import name, path_name, text
-from footfix.report.web.page import asset, fingerprint, script
+from footfix.report.web.page import asset, head, script
 from footfix.version import __version__
 
 MOST_OFFENDERS, MOST_FIGURES = 24, 200
@@ -47,14 +47,12 @@ class IndexRow:
 def render_index(rows: Sequence[IndexRow]) -> str:
     """Render the index of a batch as one HTML document."""
     judged = sorted(((row, judge(row.report)) for row in rows), key=_badness, reverse=True)
-    style, code = asset("report.css"), script("table.js", "index.js")
+    clips, code = f"{len(rows)} {'clip' if len(rows) == 1 else 'clips'}", script("table.js", "index.js")
     verdicts = [verdict for _, verdict in judged]
     return Template(asset("index.html")).substitute(
-        style=style,
-        style_hash=fingerprint(style),
+        head=head(clips, code),
         script=code,
-        script_hash=fingerprint(code),
-        clips=f"{len(rows)} {'clip' if len(rows) == 1 else 'clips'}",
+        clips=clips,
         verdict=text(_verdict(verdicts)),
         badges=" ".join(_badges(verdicts)),
         tiles=_tiles(judged),
@@ -101,7 +99,7 @@ def _tiles(judged: Sequence[tuple[IndexRow, Verdict]]) -> str:
         + sections.tile("Footplants", "", str(sums[0]), meaning=words.PLANT)
         + sections.tile(f"Slide over {NOTICED_MM:g} mm", "", str(sums[1]), str(sums[2]))
         + sections.tile("Longest slide", "mm", f"{worst[0]:.0f}", f"{worst[1]:.0f}")
-        + sections.tile("Clips that came worse", "", str(came_worse), meaning=words.CLIP_WORSE)
+        + sections.tile("Clips that got worse", "", str(came_worse), meaning=words.CLIP_WORSE)
         + (
             sections.placed_tile(
                 "Largest joint change", "°", f"{change.degrees:.0f}",

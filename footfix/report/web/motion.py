@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footfix.measure.visible_points import FEWEST, counted
+from footfix.measure.skinned_joints import FEWEST, counted
 from footfix.motion.clip import Bools, Clip, Floats, Ints, frozen
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
@@ -157,7 +157,8 @@ def _seen_joint(rig: Rig, sole: int) -> int:
 def _looked_at(
     rig: Rig, seen: tuple[int, ...], frames: int, contacts: Contacts | None
 ) -> tuple[Bools, Bools]:
-    """Find (F, E) where the sole point itself is measured, not a joint, and (F, E) the frames of plants that count."""
+    """Mark where the sole point itself is measured, not a joint, (F, E), and the frames of plants that count, (F, E).
+    """
     by_sole, counts = (np.zeros((frames, len(seen)), dtype=np.bool_) for _ in range(2))
     by_sole[:, [joint < 0 for joint in seen]] = True
     spans = [[c for c in each.contacts if c.wish != "forbid"] for each in contacts.effectors] if contacts else []
@@ -203,7 +204,7 @@ def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
 def _speeds(
     clip: Clip, rig: Rig, shown: Ints, seen: tuple[int, ...], by_sole: Bools, ground: Floats
 ) -> Floats:
-    """Compute (D, E) [m/s] horizontal speed over the ground of what is measured, by central differences."""
+    """Compute the horizontal speed over the ground of what is measured, (D, E) [m/s], by central differences."""
     if len(clip) < 2 or not rig.soles:
         return np.zeros((len(shown), len(rig.soles)))
     behind, ahead = np.maximum(shown - 1, 0), np.minimum(shown + 1, len(clip) - 1)

@@ -26,9 +26,10 @@ from footfix.report.web.motion import Lines, Motion, packed
 from footfix.version import __version__
 
 _SCRIPTS = (
-    "codec.js", "canvas.js", "words.js", "player.js", "rounds.js", "camera.js", "figure.js", "seen.js", "mesh.js",
-    "floor.js", "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js", "knees.js", "timeline.js", "pointer.js",
-    "editor.js", "table.js", "plants.js", "paths.js", "address.js", "keys.js", "viewer.js",
+    "codec.js", "canvas.js", "words.js", "player.js", "loop_playback.js", "camera.js", "figure.js",
+    "measured_points.js", "mesh.js", "floor.js", "stage.js", "orbit.js", "contacts.js", "bars.js", "curves.js",
+    "knees.js", "timeline.js", "pointer.js", "editor.js", "table.js", "plants.js", "paths.js", "address.js", "keys.js",
+    "viewer.js",
 )  # fmt: skip
 
 
@@ -72,16 +73,21 @@ def fingerprint(source: str) -> str:
     return "sha256-" + base64.b64encode(hashlib.sha256(source.encode()).digest()).decode("ascii")
 
 
+def head(title: str, code: str) -> str:
+    """Write the beginning of a page: its title, its style, and the one script that its security policy allows."""
+    style = asset("report.css")
+    return Template(asset("head.html")).substitute(
+        title=text(title), style=style, style_hash=fingerprint(style), script_hash=fingerprint(code)
+    )
+
+
 def render(data: PageData) -> str:
     """Render the page as one HTML document."""
-    report, style = data.report, asset("report.css")
+    report = data.report
     verdict = judge(report)
     plants = entries(report, "plants")
     return Template(asset("page.html")).substitute(
-        style=style,
-        style_hash=fingerprint(style),
-        script_hash=fingerprint(script(*_SCRIPTS)),
-        title=text(source_name(report)),
+        head=head(source_name(report), script(*_SCRIPTS)),
         name=name(source_name(report)),
         badge=sections.badge(verdict.tone, verdict.word),
         verdict=text(verdict.text),
@@ -92,7 +98,7 @@ def render(data: PageData) -> str:
         released=sections.loop_list(report) + sections.released_list(report),
         notes=sections.notes_list(entries(report, "notes")),
         viewer=_viewer(data),
-        above=asset("above.html") if data.motion else "",
+        above=asset("top_view.html") if data.motion else "",
         plants=sections.plants_table(plants),
         slide_meaning=text(words.MEASURES["slide_mm"]),
         target_meaning=text(words.OFF_TARGET),

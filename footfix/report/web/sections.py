@@ -58,7 +58,7 @@ def tiles(report: Report, verdict: Verdict) -> str:
         parts.append(placed_tile("Largest joint change", "°", f"{change.degrees:.0f}",
                                  f"{name(change.joint)}, {_at(change.frame)}", words.CHANGE))  # fmt: skip
     if verdict.worse:
-        parts.append(tile("Plants that came worse", "", str(verdict.worse), meaning=words.WORSE))
+        parts.append(tile("Plants that got worse", "", str(verdict.worse), meaning=words.WORSE))
     parts += [
         tile(row.headline, row.unit, row.before, row.after, row.worse, words.MEASURES.get(row.key, ""))
         for row in measure_rows(report)

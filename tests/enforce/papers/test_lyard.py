@@ -14,8 +14,6 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
-from footfix.enforce.papers.hand_over import catmull_rom, cubic_roots, hand_over, offset_at, share_gone
-from footfix.enforce.papers.leg import effector_tracks
 from footfix.enforce.papers.lyard import (
     LyardRootParams,
     _calmed,
@@ -26,6 +24,8 @@ from footfix.enforce.papers.lyard import (
     root_steps,
     static_points,
 )
+from footfix.enforce.papers.static_point_switch import catmull_rom, cubic_roots, hand_over, offset_at, share_gone
+from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.rig.find import find_rig

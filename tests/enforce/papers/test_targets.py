@@ -10,9 +10,9 @@ from walks import rig_of
 from walks import short_walk as walk
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.papers.leg import captured_leg, effector_tracks
 from footfix.enforce.papers.rigid_foot import Displacement, _closeness, foot_goal
 from footfix.enforce.papers.targets import TargetParams, near_floor, targets, usual_place
+from footfix.enforce.two_bone_ik import captured_leg, effector_tracks
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 

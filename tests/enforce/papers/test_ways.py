@@ -17,6 +17,7 @@ from footfix.enforce.correction import Correction, apply
 from footfix.enforce.papers import glardon, kim_neff
 from footfix.enforce.papers.glardon import GlardonParams
 from footfix.enforce.papers.kim_neff import KimNeffParams
+from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.rig.rig import Rig
 
@@ -43,6 +44,18 @@ def test_on_a_belt_plants_go_with_the_belt(way: Way) -> None:
     after = apply(clip, way(clip, rig, plants, ground))
     assert strays(clip, rig, plants, ground).max() > 0.005
     assert strays(after, rig, plants, ground).max() < 1e-6
+
+
+@WAYS
+def test_a_clip_whose_feet_stand_is_left_as_it_is(way: Way) -> None:
+    made = walk()
+    rig = rig_of(made)
+    found = way(made.clip, rig, plants_of(rig, made.contacts))
+    for k, joint in enumerate(found.joints):
+        turn = rotation.multiply(rotation.inverse(made.clip.rotation(joint)), found.rotations[:, k])
+        assert rotation.angle(turn).max() < (1e-7 if way is by_glardon else 1e-6)
+    none = way(made.clip, rig, [])
+    assert none.joints == () and not none.root_shift.any()
 
 
 @WAYS

@@ -100,7 +100,7 @@ def test_bvhio_hangs_on_a_cut_file_and_reads_the_mended_one(tmp_path: Path) -> N
         raise TimeoutError
 
     before = signal.signal(signal.SIGALRM, too_long)
-    signal.setitimer(signal.ITIMER_REAL, 0.5)
+    signal.setitimer(signal.ITIMER_REAL, 0.2)
     try:
         with pytest.raises(TimeoutError):
             bvhio.readAsBvh(str(path))

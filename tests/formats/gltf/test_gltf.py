@@ -11,7 +11,7 @@ from glbmaker import Writer, binary_of, character, tree_of, with_tree, world
 from walks import walk
 
 from footfix.errors import InputError
-from footfix.formats.document import clips_of, joined, open_document, rewrite, select
+from footfix.formats.document import clips_of, joined, open_document, rewrite, select_frames
 from footfix.formats.gltf.accessors import read_accessor
 from footfix.formats.gltf.container import open_container
 from footfix.formats.suffixes import in_file
@@ -145,7 +145,7 @@ def test_a_gltf_file_with_its_bytes_within_or_beside_it() -> None:
 
 def test_frames_cut_out_start_at_time_zero_and_all_channels_end_with_them() -> None:
     document = open_document(made(first=1.0), name="x.glb#Walk")
-    some = select(document, np.arange(6, 21))
+    some = select_frames(document, np.arange(6, 21))
     written, again = rewrite(some, some.clip)
     np.testing.assert_allclose(again.rotations, document.clip.rotations[6:21], atol=1e-6)
     read = open_document(written, name="x.glb#Walk")

@@ -9,8 +9,8 @@ import pytest
 from cycle_walkers import SPEEDS, files, fitted
 
 from footfix.errors import InputError
-from footfix.formats.models import decode_model, encode_model
-from footfix.jobs.fit import fit_entry, fit_files
+from footfix.formats.cycle_models import decode_model, encode_model
+from footfix.jobs.fit_cycles import fit_entry, fit_files
 from footfix.locomotion.cycles.eigencycles import Ramp, kernel
 from footfix.locomotion.cycles.model import warped
 from footfix.locomotion.cycles.samples import Sample, shift_phases
@@ -88,7 +88,7 @@ def test_what_is_no_model_is_refused_in_words(data: bytes) -> None:
 def test_a_damaged_model_is_refused_in_words() -> None:
     model = fitted().model
     broken = replace(model, levels=np.full_like(model.levels, np.nan))
-    with pytest.raises(InputError, match="levels holds numbers that are none"):
+    with pytest.raises(InputError, match="levels holds NaN or infinity"):
         decode_model(encode_model(broken), name="m.npz")
 
 

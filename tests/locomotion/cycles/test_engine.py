@@ -10,11 +10,11 @@ from cycle_walkers import fitted
 
 import footfix
 from footfix.errors import ArgumentError
-from footfix.formats.plans import PlanRow
-from footfix.jobs.make import make, plan_of
-from footfix.locomotion.cycles.engine import changed_plan, foresee, postures
+from footfix.formats.locomotion_plans import PlanRow
+from footfix.jobs.make_cycles import make, plan_of
+from footfix.locomotion.cycles.engine import changed_plan, postures, predict
 from footfix.locomotion.cycles.plan import Plan, Point, make_course
-from footfix.locomotion.cycles.postures import free_postures, leg_poses
+from footfix.locomotion.cycles.postures import cycle_postures, leg_poses
 from footfix.locomotion.follow.path import make_path
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -144,8 +144,8 @@ def test_steered_hard_no_joint_turns_much_faster_than_in_the_cycles() -> None:
         if k % 12 == 0:
             engine.set(turn=90.0 * (-1.0) ** (k // 36), speed=1.2 + 0.3 * np.sin(k), over=0.1)
         frames.append(engine.step(1 / 120))
-        course = engine._live.foreseen.course
-        cycles.append(free_postures(engine.model, course, np.array([engine.time])).turns[0])
+        course = engine._live.prediction.course
+        cycles.append(cycle_postures(engine.model, course, np.array([engine.time])).turns[0])
     own = engine.clip([replace(f, rotations=q) for f, q in zip(frames, cycles, strict=True)], 1 / 120)
     clip = engine.clip(frames, 1 / 120)
     assert (steps(clip) - steps(own)).max() <= 2.0
@@ -175,7 +175,7 @@ def test_the_course_is_the_one_asked_for_though_it_is_taken_up_some_frames_later
     turns = np.radians([0.0, 15.0, -30.0])
     asked = Plan(times, np.array([0.8, mid, 1.2]), np.zeros(3), turns, np.zeros((3, 0)))
     place, heading = course_of(asked).where(np.array([engine.time]))  # type: ignore[attr-defined]
-    own, headed = engine._live.foreseen.course.where(np.array([engine.time]))
+    own, headed = engine._live.prediction.course.where(np.array([engine.time]))
     assert np.linalg.norm(own - place) < 0.005
     assert headed == pytest.approx(heading, abs=2e-3)
 
@@ -255,15 +255,15 @@ def test_who_looks_ahead_in_every_frame_is_still_steered() -> None:
 
 def test_many_times_at_once_are_the_same_as_one_by_one() -> None:
     model = fitted().model
-    foreseen = foresee(model, steady(1.4, 0.3), None, Point(), 3.0)
+    prediction = predict(model, steady(1.4, 0.3), None, Point(), 3.0)
     times = np.linspace(0.0, 3.0, 13)
-    every = postures(model, foreseen, times)
+    every = postures(model, prediction, times)
     for k, time in enumerate(times):
-        one = postures(model, foreseen, np.array([time]))
+        one = postures(model, prediction, np.array([time]))
         assert np.allclose(one.place[0], every.place[k], atol=1e-12)
         assert np.allclose(one.turns[0], every.turns[k], atol=1e-9)
-    legs = leg_poses(model, foreseen.course, times)
-    free = free_postures(model, foreseen.course, times)
+    legs = leg_poses(model, prediction.course, times)
+    free = cycle_postures(model, prediction.course, times)
     for name in ("hip", "knee", "ankle", "soles", "ends"):
         assert np.allclose(getattr(legs, name), getattr(free.legs, name), atol=1e-12)
     clip = replace(every, place=free.place, turns=free.turns).clip(model, 0.25)

@@ -8,12 +8,12 @@ import numpy as np
 from strides import stride
 
 from footfix.enforce.params import EnforceParams
-from footfix.formats.paths import shape
+from footfix.formats.floor_paths import shape
 from footfix.locomotion.follow.bone_frames import in_frames_of, in_frames_of_first
 from footfix.locomotion.follow.params import FollowParams
+from footfix.locomotion.follow.prepared_walk import Walk
 from footfix.locomotion.follow.run import follow_path
 from footfix.locomotion.follow.transitions import At
-from footfix.locomotion.follow.walk import Walk
 from footfix.locomotion.loop.root_motion import with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats

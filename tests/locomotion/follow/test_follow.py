@@ -12,13 +12,13 @@ from strides import stances, stride
 
 from footfix.enforce.params import EnforceParams
 from footfix.errors import InputError, UsageError
-from footfix.formats.paths import shape
-from footfix.locomotion.follow.blend import ease
+from footfix.formats.floor_paths import shape
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.key_times import align
 from footfix.locomotion.follow.params import FollowParams
+from footfix.locomotion.follow.prepared_walk import Walk, check_alike, make_walk
 from footfix.locomotion.follow.run import Follow, follow_path
 from footfix.locomotion.follow.transitions import At
-from footfix.locomotion.follow.walk import Walk, check_alike, make_walk
 from footfix.locomotion.loop.root_motion import root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton

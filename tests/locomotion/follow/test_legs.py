@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from footfix.enforce.papers.leg import CapturedLeg, flexion_for
-from footfix.locomotion.follow.blend import ease
+from footfix.enforce.two_bone_ik import CapturedLeg, flexion_for
+from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.body_placement import Goal
 from footfix.locomotion.follow.legs import astray
 from footfix.locomotion.follow.swinging import _led_over, steadying, swung

@@ -9,7 +9,7 @@ from walks import rig_of, walk
 from footfix.errors import InputError
 from footfix.locomotion.loop.closing import Closed, close, decay
 from footfix.locomotion.loop.cut_search import Cut
-from footfix.locomotion.loop.holding import lay
+from footfix.locomotion.loop.cyclic_enforcement import lay
 from footfix.locomotion.loop.params import LoopParams
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Skeleton

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from footfix.enforce.papers.leg import CapturedLeg
+from footfix.enforce.two_bone_ik import CapturedLeg
 from footfix.locomotion.loop.residual_slide import _solved
 from footfix.motion import rotation
 from footfix.rig.rig import Leg
