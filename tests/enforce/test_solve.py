@@ -257,8 +257,8 @@ def test_before_static_friction_comes_what_slides_in_most_frames_is_let_go() -> 
     toe = replace(toe, slip=slip)
     of = replace(of, pins=((of.pins[0][HEEL], toe, *of.pins[0][2:]), of.pins[1]))
     found = solver.settled(of, x).pins[0][TOE]
-    assert found.spans == ((60, 100),)
-    assert not found.hold[10:39].any() and found.hold[60:99].all() and found.hold[:10].all()
+    assert found.spans == ((60, 100),) and found.sliding == ((10, 40),)
+    assert found.hold.all() and not found.sticking()[10:39].any() and found.sticking()[60:99].all()
 
 
 # ---- fewer frames -----------------------------------------------------------------------------------
