@@ -46,7 +46,7 @@ class PinParams:
     keep_height: float = 0.0055
     keep_rested: bool = True
     edge: float = 0.015
-    edge_weight: float = 0.05
+    edge_weight: float = 0.1
     ankle: float = 0.4
     bare_ankle: float = 1.6
     tip: float = 0.3
@@ -68,6 +68,7 @@ class Pins:
         draw: (F,) weight of that height, 0 or more.
         lowest: (F,) [m] least allowed height.
         spans: the frames `[start, end)` of each plant that is to be held.
+        sliding: those of each plant let go, which no static friction holds.
         place, placed: (3, F) [m] target place from labels or a style, and (F,) its weight.
     """
 
@@ -80,13 +81,25 @@ class Pins:
     place: Floats
     placed: Floats
     spans: tuple[tuple[int, int], ...] = ()
+    sliding: tuple[tuple[int, int], ...] = ()
 
     def let_slide(self, spans: Sequence[tuple[int, int]]) -> Pins:
-        """Release some plants: set their weights to zero."""
-        hold, draw = self.hold.copy(), self.draw.copy()
+        """Let some plants go: nothing draws them to their floor, and only kinetic friction is left.
+
+        Without that they would take up what their neighbours' correction has to lose, and slide farther than captured.
+        """
+        draw = self.draw.copy()
         for start, end in spans:
-            hold[start : end - 1] = draw[start:end] = 0.0
-        return replace(self, hold=hold, draw=draw, spans=tuple(s for s in self.spans if s not in spans))
+            draw[start:end] = 0.0
+        left = tuple(span for span in self.spans if span not in spans)
+        return replace(self, draw=draw, spans=left, sliding=(*self.sliding, *spans))
+
+    def sticking(self) -> Floats:
+        """Compute the weight of static friction from each frame to the next, (F - 1,)."""
+        hold = self.hold.copy()
+        for start, end in self.sliding:
+            hold[start : end - 1] = 0.0
+        return hold
 
 
 def pins(

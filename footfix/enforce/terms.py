@@ -107,8 +107,9 @@ def _slip(problem: Problem, pin: Pins, place: Floats, eps: float, static: float)
     if static > 1.0:  # over the floor only
         flat, still = np.hypot(slip[0], slip[2]), STATIC * size * problem.frame_time
         more, total = friction(smooth(flat, eps) / still)
-        cost += float(np.sum(c * (static - 1.0) * still * total))
-        step[::2] += c * (static - 1.0) * more / (flat + eps)
+        further = (static - 1.0) * problem.costs.slide / size * pin.sticking()
+        cost += float(np.sum(further * still * total))
+        step[::2] += further * more / (flat + eps)
     return cost, slip, step
 
 

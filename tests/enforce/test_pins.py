@@ -374,14 +374,16 @@ def test_contacts_of_a_few_frames_are_left_as_they_are_unless_forced() -> None:
     assert kept_of(made, contacts_of(made, left_toe=spans)) == [True, False, False]
 
 
-def test_what_is_let_slide_is_neither_held_nor_drawn() -> None:
+def test_what_is_let_slide_is_not_drawn_and_has_kinetic_friction_only() -> None:
     made = swayed(still(), 0.02)
     spans = [Contact(10, 40, 0.9), Contact(60, 90, 0.9), Contact(95, 110, 0.9, wish="force")]
     toe = laid_out(made, contacts_of(made, left_toe=spans))[0][TOE]
     assert toe.spans == ((10, 40), (60, 90))  # not what is forced
     less = toe.let_slide([(10, 40)])
-    assert not less.hold[:59].any() and not less.draw[:60].any() and less.spans == ((60, 90),)
-    assert np.array_equal(less.hold[59:], toe.hold[59:]) and np.array_equal(less.draw[60:], toe.draw[60:])
+    assert np.array_equal(less.hold, toe.hold) and less.spans == ((60, 90),) and less.sliding == ((10, 40),)
+    assert not less.draw[:60].any() and np.array_equal(less.draw[60:], toe.draw[60:])
+    assert not less.sticking()[:59].any() and np.array_equal(less.sticking()[59:], toe.hold[59:])
+    assert np.array_equal(toe.sticking(), toe.hold) and less.let_slide([(60, 90)]).sliding == ((10, 40), (60, 90))
     assert toe.hold[20] > 0.0 and np.array_equal(less.stands, toe.stands)
     assert not laid_out(made, contacts_of(made, left_toe=spans), keep=True)[0][TOE].spans
     by_hand = contacts_of(made, "labels", left_toe=[Contact(10, 40)])

@@ -257,8 +257,9 @@ def test_before_static_friction_comes_what_slides_in_most_frames_is_let_go() -> 
     toe = replace(toe, slip=slip)
     of = replace(of, pins=((of.pins[0][HEEL], toe, *of.pins[0][2:]), of.pins[1]))
     found = solver.settled(of, x).pins[0][TOE]
-    assert found.spans == ((50, 61), (70, 100))  # three steps of ten at rest are just enough
-    assert not found.hold[10:39].any() and found.hold[50:60].all() and found.hold[70:99].all() and found.hold[:10].all()
+    assert found.spans == ((50, 61), (70, 100)) and found.sliding == ((10, 40),)  # three steps of ten are just enough
+    sticks = found.sticking()
+    assert found.hold.all() and not sticks[10:39].any() and sticks[:10].all() and sticks[39:].all()
 
 
 def test_what_is_to_come_costs_as_much_as_if_its_frames_were_solved() -> None:

@@ -270,6 +270,16 @@ def test_static_friction_is_more_than_kinetic() -> None:
         assert more == pytest.approx(times * still.costs.slide / still.leg_length * slip, rel=1e-4)
 
 
+def test_what_was_let_go_has_kinetic_friction_only() -> None:
+    of = problem({(0, TOE): replace(idle(7), hold=np.ones(6), spans=((2, 6),)).let_slide([(2, 6)])})
+    still = replace(of, legs=tuple(leg.frames(np.zeros(7, dtype=int)) for leg in of.legs))
+    x = np.zeros((of.unknowns, 7))
+    kinetic, static = (system(still, x, 1e-12, friction).main[:, 0, 0] for friction in (1.0, 8.0))
+    assert static[3:5] == pytest.approx(kinetic[3:5]) and static[0] > 7.0 * kinetic[0]
+    x[0, 4:] = 0.02
+    assert objective(still, x, 1e-12, static=8.0) == pytest.approx(objective(still, x, 1e-12))
+
+
 def test_level_by_hand() -> None:
     """A point 9 mm off its level in three frames of seven."""
     base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][TOE]
