@@ -71,8 +71,8 @@ def stepping(
     The two feet move apart with probability a, and the stepping foot is this one with probability r: the faster one,
     and the one less likely to be planted. With p the probability that this foot is planted before, and q that of the
     other, it is planted with probability p (1 - q a r); or with p (1 - b), if that is less, where it moves from rest to
-    rest so fast that it steps with probability b whatever the other one does. Motion that it has in common with the
-    pelvis or the other foot does not count there.
+    rest so fast, and so far, that it steps with probability b whatever the other one does. Motion that it has in common
+    with the pelvis or the other foot does not count there, and where a spike in the data throws it, it is soon back.
 
     Args:
         answers: for each foot (n, 4) log probabilities.
@@ -102,7 +102,8 @@ def stepping(
         by_itself = np.minimum(speeds[k], np.maximum(apart, parting(each[k], figure)))
         fast = likely(by_itself, params.fast + params.noise * rest, params.sharp)
         for a, b in planted_throughout(speeds[k] - least, planted[k]):
-            steps[a:b] = np.maximum(steps[a:b], fast[a:b].max())
+            far = likely(slowest(each[k][a:b].sum(axis=0, keepdims=True) * STEP), params.length, params.sharp)
+            steps[a:b] = np.maximum(steps[a:b], fast[a:b].max() * far)
         leaves = np.where(speeds[k] > speeds[mate], apart - least, 0.0)
         for a, b in from_rest_to_rest(leaves, even - params.parting, planted[k]):
             whole = whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)

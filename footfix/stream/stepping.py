@@ -54,7 +54,9 @@ def stepping(
     least = np.maximum(params.still, params.calm * rest)
     for k in np.flatnonzero((speeds > least).any(axis=1)).tolist():
         for a, b in planted_throughout(speeds[k] - least[k], planted[k]):
-            steps[k, a:b] = np.maximum(steps[k, a:b], fast[k, a:b].max())
+            far = slowest(*np.add.reduce(own[:, k, a:b], axis=-1) * STEP)
+            whole = float(probability(params.sharp * np.log(np.maximum(far, _LEAST) / params.length))[0])
+            steps[k, a:b] = np.maximum(steps[k, a:b], fast[k, a:b].max() * whole)
     leaves = np.where(speeds > speeds[mate], apart - least, 0.0)
     for k in np.flatnonzero((leaves > 0.0).any(axis=1)).tolist():
         for a, b in from_rest_to_rest(leaves[k], even[k] - params.parting, planted[k]):

@@ -171,6 +171,13 @@ def test_what_a_foot_has_in_common_with_the_pelvis_and_the_other_foot_is_no_step
     assert one_slides(partly, partly, 0.0 * glides)[150:180].max() < 0.1
 
 
+def test_a_foot_that_is_thrown_and_is_soon_back_has_not_stepped() -> None:
+    still = np.zeros((400, 2))
+    thrown = still.copy()
+    thrown[163:167, 0] = -7.5  # in all as far as the other way in the 30 frames
+    assert one_slides(still + [3.0, 0.0], still, thrown)[150:180].min() > 0.9
+
+
 def _found(tracks: Tracks, params: AutoParams | None = None) -> Bools:
     return find(tracks, DetectParams(auto=params or AutoParams())).mask
 
