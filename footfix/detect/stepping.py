@@ -72,7 +72,7 @@ def stepping(
     and the one less likely to be planted. With p the probability that this foot is planted before, and q that of the
     other, it is planted with probability p (1 - q a r); or with p (1 - b), if that is less, where it moves from rest to
     rest so fast, and so far, that it steps with probability b whatever the other one does. Motion that it has in common
-    with the pelvis or the other foot does not count there, and where a spike in the data throws it, it is soon back.
+    with both the pelvis and the other foot does not count there; what a spike in the data throws off is soon back.
 
     Args:
         answers: for each foot (n, 4) log probabilities.

@@ -40,7 +40,8 @@ def stepping(
     own = velocity.T[1:].reshape(2, feet, n)
     other, speeds = own[:, mate], speeds[-n:].T
     apart, travel = _parting(own, other, velocity[:, 0])
-    from_figure, _ = _parting(own, np.stack([np.zeros(n), velocity[:, 0]]), velocity[:, 0])
+    figure = np.stack([np.zeros(n), velocity[:, 0]])[:, None]  # (2, 1, n) at rest, or going with the pelvis
+    from_figure, _ = _parting(own, figure, velocity[:, 0])
     by_itself = np.minimum(speeds, np.maximum(apart, from_figure))
     swing = answers[..., SWING]
     planted = -np.expm1(swing)
