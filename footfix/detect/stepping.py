@@ -7,6 +7,9 @@ planted move apart, one of them is stepping: the one that moves faster over the 
 Slow steps differ from the small motion of resting feet by their length: a foot that seems planted all the time has
 stepped if it comes to rest farther from its last rest than creeping explains. A step lasts from rest to rest, even
 if only its middle is fast, or high. Under a travelling pelvis, and in noisy clips, a resting foot may creep.
+
+Where the other foot swings, or steps as well, there is no planted foot to compare with. A foot that is at rest before
+and after, and fast in between, stepped all the same: a foot that skates does so for as long as it stands.
 """
 
 from __future__ import annotations
@@ -36,6 +39,8 @@ class SteppingParams:
         travel: [factor] increase of that speed for each leg length/s of the pelvis' speed over the planted foot.
         noise: [factor] increase of that speed for each leg length/s at which the foot moves in the rests before and
             after, the faster of the two: on a belt and in noisy clips feet are never still.
+        fast: [leg lengths/s] speed between two rests at which a foot steps with probability 0.5 whatever the other foot
+            does; `noise` increases it, too.
         rest: [s] least duration of such a rest.
         within: [s] how far before and after a rest is searched.
         length: [leg lengths] distance from rest to rest that is a step with probability 0.5, foot still at rest.
@@ -48,6 +53,7 @@ class SteppingParams:
     parting: float = 0.15
     travel: float = 0.8
     noise: float = 10.0
+    fast: float = 0.5
     rest: float = 0.12
     within: float = 2.0
     length: float = 0.035
@@ -64,7 +70,9 @@ def stepping(
 
     The two feet move apart with probability a, and the stepping foot is this one with probability r: the faster one,
     and the one less likely to be planted. With p the probability that this foot is planted before, and q that of the
-    other, it is planted with probability p (1 - q a r).
+    other, it is planted with probability p (1 - q a r); or with p (1 - b), if that is less, where it moves from rest to
+    rest so fast, and so far, that it steps with probability b whatever the other one does. Motion that it has in common
+    with the pelvis or the other foot does not count there, and where a spike in the data throws it, it is soon back.
 
     Args:
         answers: for each foot (n, 4) log probabilities.
@@ -77,6 +85,7 @@ def stepping(
     rests = [resting_speed(speed, params) for speed in speeds]
     planted = [-np.expm1(answer[:, SWING]) for answer in answers]
     unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
+    figure = np.stack([np.zeros_like(pelvis), pelvis], axis=1)  # (n, 2, 2) at rest, or going with the pelvis
     out = []
     for k, mate in enumerate(mates):
         if mate == k:
@@ -90,6 +99,11 @@ def stepping(
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * probability(faster + unlikely[k] - unlikely[mate])
         least = np.maximum(params.still, params.calm * rest)
+        by_itself = np.minimum(speeds[k], np.maximum(apart, parting(each[k], figure)))
+        fast = likely(by_itself, params.fast + params.noise * rest, params.sharp)
+        for a, b in planted_throughout(speeds[k] - least, planted[k]):
+            far = likely(slowest(each[k][a:b].sum(axis=0, keepdims=True) * STEP), params.length, params.sharp)
+            steps[a:b] = np.maximum(steps[a:b], fast[a:b].max() * far)
         leaves = np.where(speeds[k] > speeds[mate], apart - least, 0.0)
         for a, b in from_rest_to_rest(leaves, even - params.parting, planted[k]):
             whole = whole_step(each[k][a:b], each[mate][a:b], float(rest[a:b].max()), params)
@@ -110,8 +124,19 @@ def from_rest_to_rest(leaves: Floats, creeps: Floats, planted: Floats) -> list[t
     Returns:
         Stretches in which it looks planted all the time, then others; some may lie within others.
     """
-    stretches = [(a, b) for a, b in runs(leaves > 0.0) if planted[a:b].min() > 0.5] + runs(leaves > creeps)
-    return [(a, b) for a, b in stretches if a > 0 and b < len(leaves) and min(planted[a - 1], planted[b]) > 0.5]
+    between = [(a, b) for a, b in runs(leaves > creeps) if a > 0 and b < len(leaves)]
+    return planted_throughout(leaves, planted) + [(a, b) for a, b in between if min(planted[a - 1], planted[b]) > 0.5]
+
+
+def planted_throughout(leaves: Floats, planted: Floats) -> list[tuple[int, int]]:
+    """Find the stretches [start, end) between two rests in which a foot moves and looks planted all the time.
+
+    Args:
+        leaves: (n,) [leg lengths/s] its speed, less that of a foot at rest.
+        planted: (n,) probability that it is planted.
+    """
+    between = [(a, b) for a, b in runs(leaves > 0.0) if a > 0 and b < len(leaves)]
+    return [(a, b) for a, b in between if planted[a - 1 : b + 1].min() > 0.5]
 
 
 def whole_step(one: Floats, other: Floats, rest: float, params: SteppingParams) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from footfix.detect.evidence import STEP
 from footfix.detect.network import SWING
 from footfix.detect.overtaking import OvertakingParams
-from footfix.detect.stepping import SteppingParams, from_rest_to_rest, probability
+from footfix.detect.stepping import SteppingParams, from_rest_to_rest, planted_throughout, probability
 from footfix.motion.clip import Floats
 from footfix.stream.filters import Lowest, slopes
 from footfix.stream.ground_velocities import Complexes, slowest, to_segment
@@ -40,16 +40,24 @@ def stepping(
     own = velocity.T[1:].reshape(2, feet, n)
     other, speeds = own[:, mate], speeds[-n:].T
     apart, travel = _parting(own, other, velocity[:, 0])
+    from_figure, _ = _parting(own, np.stack([np.zeros(n), velocity[:, 0]]), velocity[:, 0])
+    by_itself = np.minimum(speeds, np.maximum(apart, from_figure))
     swing = answers[..., SWING]
     planted = -np.expm1(swing)
     unlikely = swing - np.log(np.maximum(planted, 1e-12))
     even = params.parting + params.travel * travel + params.noise * rest
-    logs = np.log(np.maximum(np.stack([apart, even, speeds]), _LEAST))
+    logs = np.log(np.maximum(np.stack([apart, even, speeds, by_itself, params.fast + params.noise * rest]), _LEAST))
     faster = params.sharp * logs[2] + unlikely
-    odds = np.stack([params.sharp * (logs[0] - logs[1]), faster - faster[mate]])
-    parts, quicker = probability(odds)
+    odds = np.stack([params.sharp * (logs[0] - logs[1]), faster - faster[mate], params.sharp * (logs[3] - logs[4])])
+    parts, quicker, fast = probability(odds)
     steps = planted[mate] * parts * quicker
-    leaves = np.where(speeds > speeds[mate], apart - np.maximum(params.still, params.calm * rest), 0.0)
+    least = np.maximum(params.still, params.calm * rest)
+    for k in np.flatnonzero((speeds > least).any(axis=1)).tolist():
+        for a, b in planted_throughout(speeds[k] - least[k], planted[k]):
+            far = slowest(*np.add.reduce(own[:, k, a:b], axis=-1) * STEP)
+            whole = float(probability(params.sharp * np.log(np.maximum(far, _LEAST) / params.length))[0])
+            steps[k, a:b] = np.maximum(steps[k, a:b], fast[k, a:b].max() * whole)
+    leaves = np.where(speeds > speeds[mate], apart - least, 0.0)
     for k in np.flatnonzero((leaves > 0.0).any(axis=1)).tolist():
         for a, b in from_rest_to_rest(leaves[k], even[k] - params.parting, planted[k]):
             far = np.add.reduce(np.stack([own[:, k, a:b], other[:, k, a:b]]), axis=-1) * STEP  # (2, 2) [leg lengths]

@@ -20,6 +20,7 @@ from footfix.detect.stepping import (
     SteppingParams,
     from_rest_to_rest,
     parting,
+    planted_throughout,
     resting_speed,
     slowest,
     stepping,
@@ -34,7 +35,7 @@ from footfix.rig.find import find_rig
 
 FPS = 60.0
 SECONDS = 4.0
-BLIND = AutoParams(stepping=SteppingParams(parting=1e6, length=1e6))
+BLIND = AutoParams(stepping=SteppingParams(parting=1e6, length=1e6, fast=1e6))
 
 
 @cache
@@ -122,6 +123,59 @@ def test_a_step_lasts_from_rest_to_rest(distance: float, seconds: float, height:
     moved = np.linalg.norm(np.diff(tracks.feet[0].toe[:, ::2], axis=0), axis=1)[gap[1:] | gap[:-1]].sum()
     held = 2.0 * SettlingParams().share  # at both ends
     assert moved > (0.95 - held) * distance, "all the rest of the way is the step's"
+
+
+def test_both_feet_may_step_at_once() -> None:
+    left, right = standing().feet
+    way = eased(0.3)[:, None] * np.array([0.15, 0.0, 0.05])
+    tracks = replace(standing(), feet=(shift(left, way), shift(right, -way)))
+    mask = _found(tracks)
+    assert [len(runs(mask[:, k] | mask[:, k + 1])) for k in (0, 2)] == [2, 2]
+    assert max(slides(tracks, mask)) < 0.021
+
+
+def one_slides(mate: Floats, pelvis: Floats, slides: Floats, speed: float = 1.0) -> Floats:
+    """(n,) probability that a foot stands which looks planted and moves for 0.3 s, and the other swings all along.
+
+    Args:
+        mate, pelvis: (n, 2) [leg lengths/s] velocities of the other foot, and of the pelvis.
+        slides: (n, 2) [leg lengths/s] velocity of the foot at other times.
+        speed: [leg lengths/s] in between.
+    """
+    feet = np.stack([slides, mate])[:, :, None].repeat(2, axis=2)
+    feet[0, 150:180, :, 0] += speed
+    looks = np.array([[0.01, 0.4, 0.4, 0.19], [0.99, 0.004, 0.003, 0.003]])
+    answers = tuple(np.log(np.tile(one, (len(mate), 1))) for one in looks)
+    found = stepping(answers, (1, 0), pelvis, list(feet), SteppingParams())
+    return np.asarray(1.0 - np.exp(found[0][:, SWING]))
+
+
+def test_a_foot_that_rests_before_and_after_steps_though_the_other_swings() -> None:
+    still = np.zeros((400, 2))
+    for pelvis in (still, still + [0.7, 0.0], still + [-0.7, 0.0]):
+        stands = one_slides(still + [3.0, 0.0], pelvis, still)
+        assert stands[150:180].max() < 0.1
+        assert min(stands[:150].min(), stands[180:].min()) > 0.9
+    assert one_slides(still + [3.0, 0.0], still, still, speed=0.2)[150:180].min() > 0.9, "a slow one may skate"
+    skates = one_slides(still + [3.0, 0.0], still + [0.5, 0.0], still + [0.3, 0.0])
+    assert skates.min() > 0.9, "a foot that skates before and after is no more at rest"
+
+
+def test_what_a_foot_has_in_common_with_the_pelvis_and_the_other_foot_is_no_step() -> None:
+    glides = np.zeros((400, 2))
+    glides[150:180, 0] = 1.0
+    assert one_slides(glides, glides, 0.0 * glides).min() > 0.9
+    assert one_slides(0.0 * glides, glides, 0.0 * glides)[150:180].max() < 0.1
+    partly = glides.copy()
+    partly[:160] = partly[170:] = 0.0  # going along for a moment is no rest
+    assert one_slides(partly, partly, 0.0 * glides)[150:180].max() < 0.1
+
+
+def test_a_foot_that_is_thrown_and_is_soon_back_has_not_stepped() -> None:
+    still = np.zeros((400, 2))
+    thrown = still.copy()
+    thrown[163:167, 0] = -7.5  # in all as far as the other way in the 30 frames
+    assert one_slides(still + [3.0, 0.0], still, thrown)[150:180].min() > 0.9
 
 
 def _found(tracks: Tracks, params: AutoParams | None = None) -> Bools:
@@ -233,6 +287,15 @@ def test_a_foot_leaves_from_rest_to_rest_by_hand() -> None:
         assert from_rest_to_rest(leaves, creeps, np.where(np.arange(12) == at, 0.2, lifted)) == []
     assert from_rest_to_rest(leaves[2:], creeps[2:], planted[2:]) == [(5, 8), (5, 8)]
     assert from_rest_to_rest(leaves[:5], creeps[:5], planted[:5]) == []
+
+
+def test_a_foot_looks_planted_throughout_from_rest_to_rest_by_hand() -> None:
+    leaves, planted = np.zeros(12), np.ones(12)
+    leaves[2:5], leaves[7:10] = 0.1, 1.0
+    assert planted_throughout(leaves, planted) == [(2, 5), (7, 10)]
+    for at in (6, 8, 10):  # at rest before, in between, at rest after
+        assert planted_throughout(leaves, np.where(np.arange(12) == at, 0.2, planted)) == [(2, 5)]
+    assert planted_throughout(leaves[2:10], planted[2:10]) == []
 
 
 @pytest.mark.parametrize(("rest", "fast", "still", "calm", "steps"), [
