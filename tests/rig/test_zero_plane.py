@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -160,17 +161,35 @@ def test_the_height_of_a_guessed_toe_joint_is_one_that_toe_joints_have(ends: boo
     assert all(0.025 <= height <= 0.06 for height in heights[1::2])
 
 
+def with_ends(change: Callable[[Floats], Floats]) -> Clip:
+    """The walker without toe joints, the End Sites of its feet changed from where these were."""
+    clip = without_toes(walk().clip)
+    skeleton, ends = clip.skeleton, clip.skeleton.end_offsets.copy()
+    feet = [k for k, joint in enumerate(skeleton.end_parents.tolist()) if skeleton.names[joint].endswith("Foot")]
+    ends[feet] = change(ends[feet])
+    return replace(clip, skeleton=replace(skeleton, end_offsets=ends))
+
+
 def test_a_tip_far_ahead_of_the_toe_joint_is_not_taken_for_it() -> None:
-    clip, known = without_toes(walk().clip), find_rig(walk().clip)
-    longer = clip.skeleton.end_offsets.copy()
-    feet = [clip.skeleton.names.index(side + "Foot") for side in ("Left", "Right")]
-    tips = [clip.skeleton.end_parents.tolist().index(foot) for foot in feet]
-    longer[tips] = longer[tips] / 0.72  # along the bone from ankle to toe joint, as far as tips of toes are
-    rig = find_rig(replace(clip, skeleton=replace(clip.skeleton, end_offsets=longer)))
+    rig, known = find_rig(with_ends(lambda ends: ends / 0.72)), find_rig(walk().clip)  # as far as tips of toes are
     for leg, sole in zip(known.legs, rig.soles[1::2], strict=True):
         assert leg.toe is not None and sole.held is not None
         away = np.array(sole.held) - walk().clip.skeleton.offsets[leg.toe]
-        assert np.linalg.norm(away) < 0.012 * LEG
+        assert np.linalg.norm(away) < 0.001 * LEG
+
+
+def test_a_tip_level_with_the_ankle_leaves_the_toe_joint_at_its_usual_height() -> None:
+    rig = find_rig(with_ends(lambda ends: ends / 0.72 * [1.0, 0.0, 1.0]))
+    assert [rig.held_height(sole) / rig.leg_length for sole in rig.soles[1::2]] == pytest.approx([0.045, 0.045])
+
+
+@pytest.mark.parametrize("metres", [0.0, 0.3])
+def test_a_foot_that_stands_on_the_tips_of_its_toes_is_held_at_its_sole(metres: float) -> None:
+    clip = with_ends(lambda ends: ends * [1.0, 4.0, 1.0])
+    low = find_rig(clip, RigParams(floor=0.0)).tracks(find_rig(clip).pose(clip))
+    rig = find_rig(raised(metres - min(float(track[:, 1].min()) for track in low), clip))
+    assert (rig.origins["floor"] == ON_ZERO) == (metres == 0.0)
+    assert [rig.held_height(sole) for sole in rig.soles] == [0.0] * 4
 
 
 def test_a_toe_placed_by_the_config_is_held_as_high_over_its_sole_as_any_other() -> None:
