@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
@@ -24,7 +23,7 @@ def plants_of(rig: Rig, contacts: Contacts) -> list[Footplant]:
 
 def strays(clip: Clip, rig: Rig, plants: list[Footplant], ground: Floats | None = None) -> Floats:
     """(P,) [m] how far each planted effector, heel or toe joint, is at most from its median place."""
-    tracks = effector_tracks(rig, rig.pose(clip))
+    tracks = rig.held(rig.pose(clip))
     moved = np.zeros((len(clip), 3)) if ground is None else ground
     places = [(tracks[plant.effector] - moved)[plant.frames] for plant in plants]
     return np.array([np.linalg.norm(each - np.median(each, axis=0), axis=1).max() for each in places])

@@ -61,6 +61,14 @@ def rig() -> Rig:
     return Rig(0, 0, legs, soles, 0.82, 0.01)
 
 
+def without_toe_joints() -> Rig:
+    """The same, its toe joints taken for no part of its feet, which are held above where these are."""
+    known = rig()
+    soles = (dataclasses.replace(sole, held=(0.0, 0.04, 0.01)) if sole.part == "toe" else sole for sole in known.soles)
+    legs = (dataclasses.replace(leg, toe=None) for leg in known.legs)
+    return dataclasses.replace(known, legs=tuple(legs), soles=tuple(soles))
+
+
 def corrected(clip: Clip) -> Clip:
     """The walker with its root shifted and one knee bent: a shift of all, and joints that move besides."""
     positions, rotations = clip.positions.copy(), clip.rotations.copy()

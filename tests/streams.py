@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 from conftest import SAMPLES
+from exports import without_toes
 
 import footfix
 from footfix.detect.tracks import FootTracks, Tracks
@@ -59,9 +60,10 @@ def cut(tracks: Tracks, start: int, stop: int) -> Tracks:
     return Tracks(tracks.pelvis[part], feet, tracks.leg_length, tracks.frame_time)
 
 
-def figure(name: str) -> tuple[Subskeleton, Clip, Pose, Legs]:
-    """A figure, some frames of it, their pose and its legs."""
+def figure(name: str, *, bare: bool = False) -> tuple[Subskeleton, Clip, Pose, Legs]:
+    """A figure (`bare`: without its toe joints), some frames of it, their pose and its legs."""
     clip = sample(name).clip.frames(slice(60))
+    clip = without_toes(clip) if bare else clip
     part = part_of(clip.skeleton, calibrate(clip, Settings()))
     own = Clip.from_tracks(
         part.skeleton, [clip.position(joint) for joint in part.joints],

@@ -257,12 +257,9 @@ def _points(clip: Clip, rig: Rig, pose: Pose, k: int) -> tuple[tuple[Floats, ...
     """Compute heel and toe from the ankle, and the tip from the toe, (F, 3) [m] each, and whether the toes bend."""
     leg, skeleton = rig.legs[k], clip.skeleton
     ankle = pose.position(leg.ankle)
-    heel, ball = (pose.point(sole.joint, np.array(sole.offset)) for sole in rig.soles if sole.leg == k)
-    if leg.toe is None:
-        return (heel - ankle, ball - ankle), False
-    # G §4: the effector is the metatarsal joint itself, to which the skin of the toes is bound
-    toe, offset = pose.position(leg.toe), tip_of(skeleton, rig, k)
-    if offset is None:
+    heel, toe = (pose.point(*rig.held_at(sole)) for sole in rig.soles if sole.leg == k)
+    offset = tip_of(skeleton, rig, k)
+    if leg.toe is None or offset is None:
         return (heel - ankle, toe - ankle), False
     return (heel - ankle, toe - ankle, pose.point(leg.toe, offset) - toe), bool(skeleton.rotates[leg.toe])
 

@@ -11,7 +11,6 @@ from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import LegTracks
 from footfix.enforce.pins import Pins
 from footfix.enforce.standing_heights import Floors
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.enforce.vertices import Vertices, depths, vertices_of
 from footfix.motion.clip import Bools, Floats, Skeleton
 from footfix.motion.kinematics import Pose
@@ -58,7 +57,7 @@ def over_floor(pins: Sequence[tuple[Pins, ...]], rig: Rig, pose: Pose, steps: Se
         pose: of the clip as captured.
         steps: of each leg (F,) [m] how much higher than the rig's floor that under the foot is.
     """
-    held, lowest = effector_tracks(rig, pose), rig.lowest(pose)
+    held, lowest = rig.held(pose), rig.lowest(pose)
     out = [list(own) for own in pins]
     for e, sole in enumerate(rig.soles):
         at, own = int(sole.part == "toe"), out[sole.leg]

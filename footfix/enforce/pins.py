@@ -48,7 +48,7 @@ class PinParams:
     edge: float = 0.015
     edge_weight: float = 0.1
     ankle: float = 0.4
-    bare_ankle: float = 1.6
+    bare_ankle: float = 1.4
     tip: float = 0.3
     near: float = 0.067
     sink: float = 0.0033

@@ -67,10 +67,8 @@ def height(own: float, rest: float, floor: float, near: float) -> float:
 
 
 def nominal(rig: Rig, effector: int) -> float:
-    """Get the height [m] of a sole point's joint, its sole on the rig's floor: a toe joint's own height above it."""
-    sole = rig.soles[effector]
-    at_joint = sole.part == "toe" and rig.legs[sole.leg].toe is not None
-    return rig.floor + (float(np.linalg.norm(sole.offset)) if at_joint else 0.0)
+    """Get the height [m] of what a plant holds, its sole on the rig's floor: a toe joint's own height above it."""
+    return rig.floor + rig.held_height(rig.soles[effector])
 
 
 def lacks(plants: Sequence[Footplant], legs: Sequence[LegTracks], rig: Rig) -> Floats:

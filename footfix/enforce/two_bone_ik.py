@@ -33,7 +33,7 @@ class CapturedLeg:
         leg: its joints.
         hip, knee, ankle: (F, 3) [m] tracks of the joints.
         turn: (F, 4) the ankle's frame.
-        heel, toe: (F, 3) [m] tracks of its effectors, see `effector_tracks`.
+        heel, toe: (F, 3) [m] tracks of its effectors, see `Rig.held`.
         knee_axis: (F, 3) unit axis about which the knee flexes.
         flexion: (F,) [rad] of the knee; negative where it bends backwards.
     """
@@ -60,21 +60,8 @@ class CapturedLeg:
         return rotation.rotate(rotation.inverse(self.turn), point - self.ankle)
 
 
-def effector_tracks(rig: Rig, pose: Pose) -> tuple[Floats, ...]:
-    """Track what a plant holds, for each of `rig.soles` (F, 3) [m] in the world.
-
-    It is the sole point of the heel, and the toe *joint* (G §4: "ankle and metatarsal joints"), since the skin of the
-    toes is bound to that; the ball of the sole where a foot has no toe joint.
-    """
-    tracks = []
-    for sole, track in zip(rig.soles, rig.tracks(pose), strict=True):
-        toe = rig.legs[sole.leg].toe
-        tracks.append(track if sole.part == "heel" or toe is None else pose.position(toe))
-    return tuple(tracks)
-
-
 def captured_leg(rig: Rig, pose: Pose, number: int, tracks: tuple[Floats, ...]) -> CapturedLeg:
-    """Gather one leg of a rig, by its place in `rig.legs`, from `rig.pose` and `effector_tracks`."""
+    """Gather one leg of a rig, by its place in `rig.legs`, from `rig.pose` and `Rig.held`."""
     leg = rig.legs[number]
     ends = {sole.part: track for sole, track in zip(rig.soles, tracks, strict=True) if sole.leg == number}
     hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))

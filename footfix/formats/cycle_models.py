@@ -31,7 +31,7 @@ def encode_model(model: CycleModel) -> bytes:
             "pelvis": rig.pelvis,
             "leg_length_m": rig.leg_length,
             "legs": [[leg.name, leg.side, leg.hip, leg.knee, leg.ankle, leg.toe, list(leg.chain)] for leg in rig.legs],
-            "soles": [[sole.name, sole.leg, sole.part, sole.joint, list(sole.offset)] for sole in rig.soles],
+            "soles": [[sole.name, sole.leg, sole.part, sole.joint, sole.offset, sole.held] for sole in rig.soles],
         },
         "styles": list(model.styles),
         "gaits": [
@@ -96,7 +96,7 @@ def _model(head: Mapping[str, Any], arrays: Mapping[str, Any]) -> CycleModel:
     )  # fmt: skip
     rig = head["rig"]
     legs = tuple(Leg(a, b, c, d, e, f, tuple(chain)) for a, b, c, d, e, f, chain in rig["legs"])
-    soles = tuple(SolePoint(a, b, c, d, tuple(offset)) for a, b, c, d, offset in rig["soles"])
+    soles = tuple(SolePoint(*row[:4], *(at and tuple(at) for at in row[4:])) for row in rig["soles"])
     joints = [j for leg in legs for j in (leg.hip, leg.knee, leg.ankle, leg.toe) if j is not None]
     if not legs or not 0.0 < rig["leg_length_m"] < np.inf or not all(0 <= j < len(skeleton) for j in joints):
         raise InputError("its legs are no joints of its skeleton")

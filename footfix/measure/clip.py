@@ -123,8 +123,7 @@ def _in_world(rig: Rig, contacts: Contacts, pose: Pose, frame_time: float) -> di
     toes, rests = [], []
     for e, sole in enumerate(rig.soles):
         if sole.part == "toe":
-            joint = rig.legs[sole.leg].toe
-            toes.append(tracks[e] if joint is None else pose.position(joint))  # (F, 3) [m]
+            toes.append(pose.point(*rig.held_at(sole)))  # (F, 3) [m]
             resting = toes[-1][planted[:, e], 1]
             rests.append(float(np.median(resting)) if len(resting) else -np.inf)  # a toe without rest never skates
     floor = float(rig.floor)

@@ -33,7 +33,7 @@ class PlantMeasure:
         effector: name of the sole point.
         start, end: frames `[start, end)` of the contact.
         slide_mm: farthest horizontal distance of the visible point from its median place: of a toe plant the toe joint
-            (the toe's sole point where the foot has no toe joint), of a heel plant the ankle while heel and toe are
+            (the place where it would be on a foot that has none), of a heel plant the ankle while heel and toe are
             planted (the heel's sole point where they never are).
         tip_slide_mm: the same of the tip of the toes, for toe plants; None where the foot has no tip.
         sole_slide_mm: the same of the sole point.

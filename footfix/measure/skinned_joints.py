@@ -69,12 +69,11 @@ def seen_of(clip: Clip, rig: Rig, contacts: Contacts, pose: Pose, ground: Floats
     for sole, own in zip(rig.soles, spans, strict=True):
         plants, leg = segments(own), rig.legs[sole.leg]
         point = pose.point(sole.joint, np.asarray(sole.offset)) - ground  # (F, 3) [m]
-        parts, track, tip = plants, point, None
+        parts, track, tip = plants, pose.point(*rig.held_at(sole)) - ground, None
         if sole.part == "heel":
             together = stands[sole.leg, "heel"] & stands[sole.leg, "toe"]
             parts, track = _heel(plants, together, pose.position(leg.ankle) - ground, point)
         elif leg.toe is not None:
-            track = pose.position(leg.toe) - ground
             tip_at = tip_of(clip.skeleton, leg.toe)
             tip = None if tip_at is None else pose.point(*tip_at) - ground
         found.append(Seen(plants, parts, track, point, tip))

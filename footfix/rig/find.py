@@ -225,7 +225,14 @@ def _points(
         at = names.index(name)
         carrier = joint(seen.skeleton, sole.joint, f"rig.soles.{name}.joint") if sole.joint else points[at].joint
         points[at] = replace(points[at], joint=carrier, offset=_triple(np.asarray(sole.offset, dtype=np.float64)))
-    return tuple(points), set(given)
+    return tuple(_with_held(point, legs[point.leg], feet[point.leg]) for point in points), set(given)
+
+
+def _with_held(point: SolePoint, leg: Leg, foot: soles.SoleEstimate) -> SolePoint:
+    """Place what plants hold over the sole point of a toe, where a toe joint would be; as it is where there is one."""
+    if point.part == "heel" or leg.toe is not None or point.joint != leg.ankle:
+        return point
+    return replace(point, held=_triple(np.array(point.offset) + foot.ball_height * foot.up))
 
 
 def _triple(vector: Floats) -> tuple[float, float, float]:

@@ -46,6 +46,8 @@ class SolePoint:
         part: "heel", or "toe" (the ball of the foot).
         joint: the joint it is fixed to.
         offset: (x, y, z) [m] in that joint's frame.
+        held: (x, y, z) [m] in that joint's frame, of a toe's point on a foot without toe joint: where that joint would
+            be. None where plants hold a toe joint, or this very point.
     """
 
     name: str
@@ -53,6 +55,7 @@ class SolePoint:
     part: Part
     joint: int
     offset: tuple[float, float, float]
+    held: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -110,6 +113,26 @@ class Rig:
     def tracks(self, pose: Pose) -> tuple[Floats, ...]:
         """Compute for each sole point its (F, 3) [m] track in the world."""
         return tuple(pose.point(sole.joint, np.array(sole.offset)) for sole in self.soles)
+
+    def held_at(self, sole: SolePoint) -> tuple[int, Floats]:
+        """Tell what a plant holds: the joint it is fixed to, and where it is in that joint's frame (3,) [m].
+
+        It is the sole point of the heel, and the toe *joint* (G §4: "ankle and metatarsal joints"), since the skin of
+        the toes is bound to that; where a foot has no toe joint, the place where it would be. The sole point below that
+        moves by its depth times the sine of the foot's pitch as the heel rises, although the foot stands.
+        """
+        toe = self.legs[sole.leg].toe
+        if sole.part == "toe" and toe is not None:
+            return toe, np.zeros(3)
+        return sole.joint, np.array(sole.offset if sole.held is None else sole.held)
+
+    def held(self, pose: Pose) -> tuple[Floats, ...]:
+        """Track what a plant holds, for each sole point (F, 3) [m] in the world."""
+        return tuple(pose.point(*self.held_at(sole)) for sole in self.soles)
+
+    def held_height(self, sole: SolePoint) -> float:
+        """Get the height [m] of what a plant holds over the floor while its sole point is on it."""
+        return float(np.linalg.norm(np.array(sole.offset) - self.held_at(sole)[1]))
 
     def mesh_of(self, sole: SolePoint) -> FootMesh | None:
         """Get the mesh of the foot of a sole point; None where no skin was given."""

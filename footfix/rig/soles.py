@@ -40,7 +40,8 @@ class SoleEstimate:
     Args:
         up, ahead: unit vectors in the ankle's frame.
         up_at_toe: the unit vector up in the toe joint's frame; None without one.
-        ankle_height, ball_height: above the floor, in the clip's units.
+        ankle_height, ball_height: above the floor, in the clip's units. Without a toe joint, the height at which it
+            would be; 0 where a foot stands on the tips of its toes.
         behind: how far the heel is behind the ankle.
         reach: how far the ball is ahead of the ankle.
         drop: how far the toe joint lies below the ankle; the lowest tip on a foot without one.
@@ -125,11 +126,14 @@ def _without_toe(
     if deep > 0.02 * leg:
         most = max(_ANKLE_HEIGHTS[2] * leg, deep + _TIP_HEIGHT * leg)
         height = float(np.clip(deep + end_height, _ANKLE_HEIGHTS[0] * leg, most))
+    # the MTP joint is on the bone from the ankle to the end of the foot, if that slopes as a foot does
+    on_bone = end_height + (0.0 if end_at_ball else (1.0 - _BALL_OF_TIP) * deep)
+    ball = _within(on_bone, _BALL_HEIGHTS, leg) if deep > 0.02 * leg else _BALL_HEIGHT * leg
     if far < 0.03 * leg:
         guessed, far, end_at_ball = (*guessed, "length"), _BALL_AHEAD * leg, True
     ball_ahead = float(np.clip(far * (1.0 if end_at_ball else _BALL_OF_TIP), 0.1 * leg, 0.22 * leg))
     return SoleEstimate(
-        up, ahead, None, height, height, _behind(ball_ahead, leg), ball_ahead, deep, end_height, guessed
+        up, ahead, None, height, ball, _behind(ball_ahead, leg), ball_ahead, deep, end_height, guessed
     )
 
 
@@ -159,7 +163,7 @@ def paw(sample: Sample, ankle: int, leg: float) -> SoleEstimate:
 
 def _on_toes(up: Floats, ahead: Floats, far: float, deep: float, leg: float) -> SoleEstimate:
     height = deep + _TIP_HEIGHT * leg
-    return SoleEstimate(up, ahead, None, height, height, _PAW * leg - far, far, deep, _TIP_HEIGHT * leg, ())
+    return SoleEstimate(up, ahead, None, height, 0.0, _PAW * leg - far, far, deep, _TIP_HEIGHT * leg, ())
 
 
 def _within(value: float, limits: tuple[float, ...], leg: float) -> float:

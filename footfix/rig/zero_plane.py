@@ -78,10 +78,15 @@ def skin_on_zero_plane(heights: Floats, velocities: Floats, level: float, leg: f
 def _measured(foot: SoleEstimate, rest: float, leg: float) -> SoleEstimate:
     """Set the height of the ball, and that of the ankle above it as in the pose in which the foot lies flat.
 
-    A joint that rests a little below the plane is a sole point itself: none lies above its joint.
+    A joint that rests a little below the plane is a sole point itself: none lies above its joint. Where there is no toe
+    joint, its place is as much higher than was assumed as the tip of the foot is, unless the foot stands on that tip.
     """
     ankle = float(np.clip(rest + foot.drop, 0.0, _MOST_ANKLE * leg))
-    return replace(foot, ankle_height=ankle, ball_height=max(rest, 0.0), measured=True)
+    if foot.up_at_toe is not None:
+        ball = max(rest, 0.0)
+    else:
+        ball = max(foot.ball_height + rest - foot.usual, 0.0) if foot.ball_height else 0.0
+    return replace(foot, ankle_height=ankle, ball_height=ball, measured=True)
 
 
 def _rest_height(sample: Sample, ankle: int, toe: int | None, leg: float) -> float:

@@ -139,13 +139,14 @@ class LegMeasurer:
             [[slot[joint] for joint in each] for each in
              ([leg.hip for leg in rig.legs], [leg.knee for leg in rig.legs], [leg.ankle for leg in rig.legs], toes)]
         )  # fmt: skip
-        self._has_toe = np.array([leg.toe is not None for leg in rig.legs])
         self._bases = np.array([slot[sole.joint] for sole in soles])
+        held = [rig.held_at(sole) for sole in soles[len(rig.legs) :]]
+        self._holds = np.array([slot[joint] for joint, _ in held])
         hips, _, ankles, toe_slots = self._joints
-        self._frames: Ints = np.concatenate([hips, ankles, self._bases, toe_slots])
+        self._frames: Ints = np.concatenate([hips, ankles, self._bases, self._holds, toe_slots])
         self._vectors = np.concatenate([
             [leg.knee_axis for leg in known], [leg.toe_hinge for leg in known], [sole.offset for sole in soles],
-            [np.zeros(3) if tip is None else tip for tip in tips],
+            [offset for _, offset in held], [np.zeros(3) if tip is None else tip for tip in tips],
         ])[:, None]  # fmt: skip
         self._least = np.array([leg.least for leg in known])[:, None]
         rotates = skeleton.rotates
@@ -159,15 +160,15 @@ class LegMeasurer:
         """Lay out the legs in a pose of F frames for enforcement, and their feet for detection."""
         L, n = len(self._rig.legs), len(pose.positions)
         places, turns = pose.positions.transpose(2, 1, 0), pose.rotations.transpose(1, 0, 2)
-        hip, knee, ankle, toe = places[:, self._joints].swapaxes(0, 1)  # (3, L, F) each
-        inside = turned(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 5 L, F)
-        usual, hinge, tip = inside[:, :L], inside[:, L : 2 * L], inside[:, 4 * L :]
+        hip, knee, ankle, _ = places[:, self._joints].swapaxes(0, 1)  # (3, L, F) each
+        inside = turned(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 6 L, F)
+        usual, hinge, tip = inside[:, :L], inside[:, L : 2 * L], inside[:, 5 * L :]
         soles = (places[:, self._bases] + inside[:, 2 * L : 4 * L]).reshape(3, 2, L, n)
         thigh, shank = knee - hip, ankle - knee
         axis, flexion, reach = knees(thigh, shank, usual)
         line = ankle - hip
         standing = soles.copy()
-        standing[:, TOE, self._has_toe] = toe[:, self._has_toe]
+        standing[:, TOE] = places[:, self._holds] + inside[:, 4 * L : 5 * L]
         legs = Legs(
             self.kinds, hip, ankle, line / np.maximum(np.sqrt(np.add.reduce(line * line, axis=0)), _LEAST), thigh,
             shank, axis, hinge, reach, standing - ankle[:, None], tip, flexion, np.minimum(flexion, self._least),

@@ -9,6 +9,7 @@ from typing import Literal
 import artefacts
 import numpy as np
 import pytest
+from exports import without_toes
 from legmaker import KINDS, changed, changes, largest_turn
 from walker import Walk
 from walks import cleaned, extension, heights, rig_of, slides, straightness
@@ -26,6 +27,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.motion.contacts import Contact, Contacts
 from footfix.motion.kinematics import forward
+from footfix.rig.find import find_rig
 from footfix.rig.rig import Rig
 
 GAITS = ("walk", "run", "turn", "backwards")
@@ -80,6 +82,17 @@ def same(one: Clip, other: Clip) -> bool:
 
 
 # ---- what stands, stands ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("gait", GAITS)
+def test_a_clean_walk_stays_as_it_is_whether_its_feet_have_toe_joints_or_not(gait: str) -> None:
+    made = walk(gait)
+    for clip in (made.clip, without_toes(made.clip)):
+        rig = find_rig(clip)
+        done = enforce(clip, rig, made.contacts, EnforceParams())
+        assert {plant.outcome for plant in done.plants} == {"kept"}
+        assert not changes(clip, apply(clip, done.correction)).any()
+
 
 
 @pytest.mark.parametrize(("gait", "artefact"), [

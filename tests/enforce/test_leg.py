@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exports import without_toes
 from legmaker import KINDS, Figure, figure, figure_of, with_knees
 from walks import rig_of
 from walks import short_walk as walk
@@ -15,6 +16,7 @@ from footfix.enforce.leg import (
     ANKLE,
     HEEL,
     LEG,
+    POINTS,
     ROOT,
     TIP,
     TOE,
@@ -28,6 +30,7 @@ from footfix.enforce.leg_state import LegState, cross, exponential, local_rotati
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 from footfix.motion.kinematics import forward
+from footfix.rig.find import find_rig
 
 SIZES = (0.0, 1e-9, 1e-6, 4e-4, 0.999e-3, 1.001e-3, 0.03, 0.5, 2.0, 3.1)  # [rad] of rotation vectors
 
@@ -44,6 +47,19 @@ def states(leg: LegTracks, seed: int, size: float) -> tuple[Floats, Floats]:
     x = random.normal(size=(LEG, frames)) * min(size, 0.4)
     x[:3], x[4:7] = size * directions(frames, seed), size * directions(frames, seed + 1)
     return 0.05 * random.normal(size=(3, frames)), x
+
+
+@pytest.mark.parametrize("bare", [False, True])
+def test_heel_and_toe_of_a_leg_are_what_plants_hold(bare: bool) -> None:
+    clip = without_toes(walk().clip) if bare else walk().clip
+    rig = find_rig(clip)
+    made = figure_of(clip, rig, rig.no_contacts(clip))
+    held = rig.held(rig.pose(clip))
+    for sole, track in zip(rig.soles, held, strict=True):
+        assert np.allclose(made.legs[sole.leg].place(POINTS.index(sole.part)).T, track, atol=1e-12)
+    apart = [np.linalg.norm(a - b, axis=1) for a, b in zip(held, rig.tracks(rig.pose(clip)), strict=True)]
+    heights = [rig.held_height(sole) for sole in rig.soles]
+    assert all(np.allclose(each, height) for each, height in zip(apart, heights, strict=True))
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -76,7 +76,26 @@ def test_a_toe_plant_slides_as_its_toe_joint_does() -> None:
     assert (plant.speed_cm_s, plant.peak_speed_cm_s) == (pytest.approx(20.0), pytest.approx(20.0))
 
 
-def test_a_foot_without_a_toe_joint_is_looked_at_where_its_sole_is() -> None:
+def test_a_foot_that_rolls_over_its_missing_toe_joint_does_not_slide() -> None:
+    frames, high = 21, 0.04
+    pitch = np.radians(np.linspace(0.0, 40.0, frames))
+    turn = rotation.from_axis_angle(np.array([[1.0, 0.0, 0.0]]), pitch)
+    arm = np.array([0.0, -high, 0.0])  # from the missing joint down to the sole point
+    move = rotation.rotate(turn, np.tile(arm, (frames, 1))) - arm  # of the sole point, as the foot rolls over the joint
+    clip, rig = figure(frames, {BALL: move}, {BALL: turn})
+    heel, toe = rig.soles
+    bare = replace(
+        rig, legs=(replace(rig.legs[0], toe=None),), soles=(heel, replace(toe, held=(0.0, high, 0.0))),
+    )  # fmt: skip
+    measures, (plant,) = measured(clip, bare, toe=((0, frames),))
+    assert plant.slide_mm == pytest.approx(0.0, abs=1e-9)
+    assert plant.travel_mm == pytest.approx(0.0, abs=1e-9)
+    depth = 1000.0 * high * np.sin(pitch[1:-1])
+    assert plant.sole_slide_mm == pytest.approx(np.max(np.abs(depth - np.median(depth))))
+    assert measures.skating_ratio == 0.0
+
+
+def test_a_toe_without_joint_that_is_held_at_its_sole_is_looked_at_there() -> None:
     clip, rig = figure(21, {TOE: along(0, steady(21)), BALL: along(2, steady(21, 2.0))})
     (plant,) = measured(clip, replace(rig, legs=(replace(rig.legs[0], toe=None),)), toe=((0, 21),))[1]
     assert plant.slide_mm == plant.sole_slide_mm == pytest.approx(18.0)

@@ -14,7 +14,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from report_sample import HOSTILE, contacts_document, corrected, labelled, motion, report_document, rig, walker
+from report_sample import (
+    HOSTILE,
+    contacts_document,
+    corrected,
+    labelled,
+    motion,
+    report_document,
+    rig,
+    walker,
+    without_toe_joints,
+)
 
 from footfix.enforce.footplant import Footplant
 from footfix.measure.plants import PlantMeasure
@@ -387,15 +397,17 @@ def test_a_root_that_stays_behind_is_no_pole() -> None:
     assert bones_of((-1, 0, 1), 3, places[:, :3]) == ((0, 1), (1, 2))[1:]  # a chain alone keeps what does not grow
 
 
-def test_the_way_of_a_plant_is_that_of_its_joint() -> None:
+@pytest.mark.parametrize("bare", [False, True])
+def test_the_way_of_a_plant_is_that_of_its_joint(bare: bool) -> None:
     """What the small picture draws is what the measures look at, before and after."""
-    clip, planted = walker(360), labelled(360)
+    clip, planted, known = walker(360), labelled(360), without_toe_joints() if bare else rig()
     after = corrected(clip)
     report = report_document(360)
-    shown = film(clip, after, rig(), planted)
+    shown = film(clip, after, known, planted)
+    assert len(shown.bones) == len(film(clip, after, rig(), planted).bones)
     for offender in worst_plants(shown, report, 12):
         k = shown.sole_names.index(offender.effector)
-        seen = [seen_of(each, rig(), planted, posed(each, rig()), np.zeros((360, 3)))[k] for each in (clip, after)]
+        seen = [seen_of(each, known, planted, posed(each, known), np.zeros((360, 3)))[k] for each in (clip, after)]
         for track, way in zip(seen, (offender.path_before, offender.path_after), strict=True):
             ends = track.track[[offender.start + 1, offender.end - 2]][:, [0, 2]]
             drawn = np.array([way[0], way[-1]])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -18,7 +20,7 @@ from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Skeleton
 from footfix.rig.find import find_rig
 from footfix.rig.frame_sample import Sample
-from footfix.rig.params import RigParams
+from footfix.rig.params import RigParams, SoleParams
 from footfix.rig.rig import Rig
 from footfix.rig.soles import MESH_OVER_LOW, SoleEstimate, floor
 from footfix.rig.units import infer_units
@@ -133,6 +135,71 @@ def test_feet_without_toe_joints_rest_with_their_tips() -> None:
         assert longer == pytest.approx(0.01 * low.leg_length, rel=1e-6)
     nothing = find_rig(without_toes(walk().clip, ends=False))
     assert nothing.origins["floor"] == ELSEWHERE
+
+
+def test_a_foot_without_toe_joint_is_held_where_that_joint_was() -> None:
+    made, metres = walk(), 0.01 * LEG
+    known = find_rig(made.clip)
+    toes = [known.pose(made.clip).position(leg.toe) for leg in known.legs if leg.toe is not None]
+    for lift in (0.0, metres):
+        clip = raised(lift, without_toes(made.clip))
+        rig = find_rig(clip)
+        held = [track for track, sole in zip(rig.held(rig.pose(clip)), rig.soles, strict=True) if sole.part == "toe"]
+        for track, toe in zip(held, toes, strict=True):
+            # left and right are alike only to rounding in this walk
+            assert np.linalg.norm(track - toe - [0.0, lift, 0.0], axis=1).max() < 0.002
+        heights = [rig.held_height(sole) for sole in rig.soles if sole.part == "toe"]
+        assert heights == pytest.approx([toe_rest() + lift] * 2, abs=0.002)
+
+
+@pytest.mark.parametrize("ends", [True, False])
+def test_the_height_of_a_guessed_toe_joint_is_one_that_toe_joints_have(ends: bool) -> None:
+    rig = find_rig(raised(0.3, without_toes(walk().clip, ends=ends)))
+    assert rig.origins["floor"] == ELSEWHERE
+    heights = [rig.held_height(sole) / rig.leg_length for sole in rig.soles]
+    assert heights[::2] == [0.0, 0.0]
+    assert all(0.025 <= height <= 0.06 for height in heights[1::2])
+
+
+def with_ends(change: Callable[[Floats], Floats]) -> Clip:
+    """The walker without toe joints, the End Sites of its feet changed from where these were."""
+    clip = without_toes(walk().clip)
+    skeleton, ends = clip.skeleton, clip.skeleton.end_offsets.copy()
+    feet = [k for k, joint in enumerate(skeleton.end_parents.tolist()) if skeleton.names[joint].endswith("Foot")]
+    ends[feet] = change(ends[feet])
+    return replace(clip, skeleton=replace(skeleton, end_offsets=ends))
+
+
+def test_a_tip_far_ahead_of_the_toe_joint_is_not_taken_for_it() -> None:
+    rig, known = find_rig(with_ends(lambda ends: ends / 0.72)), find_rig(walk().clip)  # as far as tips of toes are
+    for leg, sole in zip(known.legs, rig.soles[1::2], strict=True):
+        assert leg.toe is not None and sole.held is not None
+        away = np.array(sole.held) - walk().clip.skeleton.offsets[leg.toe]
+        assert np.linalg.norm(away) < 0.001 * LEG
+
+
+def test_a_tip_level_with_the_ankle_leaves_the_toe_joint_at_its_usual_height() -> None:
+    rig = find_rig(with_ends(lambda ends: ends / 0.72 * [1.0, 0.0, 1.0]))
+    assert [rig.held_height(sole) / rig.leg_length for sole in rig.soles[1::2]] == pytest.approx([0.045, 0.045])
+
+
+@pytest.mark.parametrize("metres", [0.0, 0.3])
+def test_a_foot_that_stands_on_the_tips_of_its_toes_is_held_at_its_sole(metres: float) -> None:
+    clip = with_ends(lambda ends: ends * [1.0, 4.0, 1.0])
+    low = find_rig(clip, RigParams(floor=0.0)).tracks(find_rig(clip).pose(clip))
+    rig = find_rig(raised(metres - min(float(track[:, 1].min()) for track in low), clip))
+    assert (rig.origins["floor"] == ON_ZERO) == (metres == 0.0)
+    assert [rig.held_height(sole) for sole in rig.soles] == [0.0] * 4
+
+
+def test_a_toe_placed_by_the_config_is_held_as_high_over_its_sole_as_any_other() -> None:
+    clip = without_toes(walk().clip)
+    plain = find_rig(clip)
+    sole = plain.soles[1]
+    moved_to = tuple(np.array(sole.offset) + [0.0, 0.0, 0.01])
+    given = find_rig(clip, RigParams(soles={sole.name: SoleParams(offset=moved_to)})).soles[1]
+    assert given.offset == pytest.approx(moved_to) and sole.held is not None
+    assert given.held == pytest.approx(np.array(sole.held) + [0.0, 0.0, 0.01])
 
 
 @pytest.mark.parametrize("name", ["stairs", "stairs-down"])

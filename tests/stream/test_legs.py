@@ -27,9 +27,11 @@ def alike(ours: LegTracks, known: LegTracks) -> bool:
     return all(np.allclose(a, b, atol=1e-12) for a, b in [*pairs, *zip(ours.points, known.points, strict=True)])
 
 
-@pytest.mark.parametrize("name", ["walk_skate", "turn"])
+@pytest.mark.parametrize("name", ["walk_skate", "turn", "walk_skate without toes"])
 def test_legs_and_feet_are_those_of_a_whole_clip(name: str) -> None:
-    part, clip, pose, legs = figure(name)
+    sample_name, *bare = name.split()
+    part, clip, pose, legs = figure(sample_name, bare=bool(bare))
+    assert all((leg.toe is None) == bool(bare) for leg in part.known.rig.legs)
     known = leg_tracks(clip, part.known.rig, pose, part.known.legs)
     assert all(alike(ours, theirs) for ours, theirs in zip(legs.apart(), known, strict=True))
     places = legs.places()

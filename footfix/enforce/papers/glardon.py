@@ -21,7 +21,6 @@ from footfix.enforce.two_bone_ik import (
     CapturedLeg,
     captured_leg,
     correction_of,
-    effector_tracks,
     flexion_for,
     legs_to_hold,
     local_rotations,
@@ -70,7 +69,7 @@ def correct(
     """
     pose = rig.pose(clip)
     ground = np.zeros((len(clip), 3)) if ground is None else ground
-    tracks = effector_tracks(rig, pose)
+    tracks = rig.held(pose)
     places = targets(rig, rig.tracks(pose), tracks, plants, ground, params.targets)
     sigma = ease_frames(params.ease, clip.frame_time)
     new: dict[int, Floats] = {}

@@ -21,7 +21,6 @@ from footfix.enforce.two_bone_ik import (
     CapturedLeg,
     captured_leg,
     correction_of,
-    effector_tracks,
     legs_to_hold,
     local_rotations,
     two_bones,
@@ -87,7 +86,7 @@ def correct(
     """
     pose = rig.pose(clip)
     ground = np.zeros((len(clip), 3)) if ground is None else ground
-    tracks, soles = effector_tracks(rig, pose), rig.tracks(pose)
+    tracks, soles = rig.held(pose), rig.tracks(pose)
     most = ease_frames(params.longest, clip.frame_time)
     new: dict[int, Floats] = {}
     for number, which in legs_to_hold(clip, rig, plants):

@@ -15,7 +15,6 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.static_point_switch import hand_over, offset_at
 from footfix.enforce.papers.targets import TargetParams, near_floor, usual_place
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Bools, Clip, Floats, Ints
 from footfix.motion.kinematics import Pose
 from footfix.motion.vectors import norm
@@ -69,7 +68,7 @@ def correct(
     """
     pose = rig.pose(clip)
     moved = np.zeros((len(clip), 3)) if ground is None else ground
-    points = np.stack(effector_tracks(rig, pose), axis=1) - moved[:, None]  # (F, E, 3) [m]
+    points = np.stack(rig.held(pose), axis=1) - moved[:, None]  # (F, E, 3) [m]
     soles = [track - moved for track in rig.tracks(pose)]
     levels = _levels(rig, soles, plants, params.targets)
     shift = np.zeros((len(clip), 3))

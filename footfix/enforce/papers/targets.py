@@ -53,7 +53,7 @@ def targets(
     Args:
         rig: its legs, soles and floor.
         soles: for each sole point its track (F, 3) [m].
-        tracks: for each its effector's, from `effector_tracks`.
+        tracks: for each its effector's, from `Rig.held`.
         plants: the plants.
         ground: (F, 3) [m] displacement of the ground under planted feet; zeros on a floor at rest.
         params: which plants stand on the rig's floor.

@@ -24,8 +24,7 @@ class LegPoses:
 
     Args:
         hip, knee, ankle: (T, L, 3) [m] joints.
-        soles: (T, L, 2, 3) [m] the sole point of the heel, and the toe joint (or the ball of the sole where there is
-            none).
+        soles: (T, L, 2, 3) [m] the sole point of the heel, and the toe joint (or the place where it would be).
         ends: (T, L, 2, 3, 3) frames of the ankle and of the toe joint.
         above_hip, thigh, above_knee, shank, above_ankle, above_toe: (T, L, 3, 3) frames of the hip joint and the knee,
             and of what hip joint, knee, ankle and toe joint hang from.
@@ -50,7 +49,7 @@ class LegPoses:
 
     @property
     def toe(self) -> Floats:
-        """Get the toe joint, or the ball of the sole, (T, L, 3) [m]."""
+        """Get the toe joint, or the place where it would be, (T, L, 3) [m]."""
         return self.soles[:, :, 1]
 
     @property
@@ -104,10 +103,10 @@ class Legs:
         return all(leg.toe is not None for leg in self.rig.legs)
 
     def _sole(self, part: str) -> Floats:
-        """Get a sole point of each leg in the frame of its ankle, (L, 3) [m]."""
+        """Get what a heel or toe of each leg holds, in the frame of its joint, (L, 3) [m]."""
         found = []
         for number in range(len(self.rig.legs)):
-            found.append(next(s.offset for s in self.rig.soles if (s.leg, s.part) == (number, part)))
+            found.append(next(self.rig.held_at(s)[1] for s in self.rig.soles if (s.leg, s.part) == (number, part)))
         return np.array(found)
 
     @cached_property

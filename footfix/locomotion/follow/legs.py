@@ -12,7 +12,6 @@ from footfix.enforce.two_bone_ik import (
     can_turn,
     captured_leg,
     correction_of,
-    effector_tracks,
     local_rotations,
     where_moved,
 )
@@ -70,7 +69,7 @@ def bend_legs(clip: Clip, rig: Rig, goals: Sequence[Goal], farthest: Sequence[fl
         way: (F, 4) the frame in which the figure walks along z.
     """
     seen = rig.pose(clip)
-    tracks = effector_tracks(rig, seen)
+    tracks = rig.held(seen)
     wide = round(_STEADY / clip.frame_time)
     turns: dict[int, Floats] = {}
     for number, (leg, goal, most) in enumerate(zip(rig.legs, goals, farthest, strict=True)):

@@ -11,7 +11,6 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.run import Enforcement, enforce
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contacts
 from footfix.rig.rig import Rig
@@ -58,7 +57,7 @@ def as_straight(
     if all(plant.outcome in ("kept", "pinned") for plant in plants):
         return tuple(plants)
     on = np.outer(gone, [0.0, 0.0, 1.0])
-    bent, ahead = effector_tracks(rig, rig.pose(clip)), effector_tracks(rig, rig.pose(straight))
+    bent, ahead = rig.held(rig.pose(clip)), rig.held(rig.pose(straight))
     edge, more = max(1, round(_EDGE / clip.frame_time)), _KEEP * rig.leg_length
 
     def no_farther(plant: Footplant) -> bool:
@@ -81,7 +80,7 @@ def _strays(track: Floats) -> float:
 def stands(clip: Clip, rig: Rig, contacts: Contacts, slack: float = 1.0) -> bool:
     """Tell whether all plants slide at most `slack` times an invisible slide."""
     edge = max(1, round(_EDGE / clip.frame_time))
-    for sole, track, effector in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), contacts.effectors, strict=True):
+    for sole, track, effector in zip(rig.soles, rig.held(rig.pose(clip)), contacts.effectors, strict=True):
         most = slack * (_HEEL if sole.part == "heel" else _KEEP) * rig.leg_length
         for contact in effector.contacts:
             if _strays(track[contact.start + edge : max(contact.end - edge, 0)]) > most:

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.errors import InputError
 from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, taken_out, with_root
 from footfix.locomotion.loop.run import Loop
@@ -100,7 +99,7 @@ class Walk:
         """Compute the 99th percentile of accelerations of knee, ankle and toe of each leg, (legs, 3) [m/s^2]."""
         round_ = self.clip.frames(np.arange(-1, self.frames + 1) % self.frames)
         seen = self.rig.pose(round_)
-        ends = zip(self.rig.soles, effector_tracks(self.rig, seen), strict=True)
+        ends = zip(self.rig.soles, self.rig.held(seen), strict=True)
         toes = {sole.leg: track for sole, track in ends if sole.part == "toe"}
         tracks = [[seen.position(leg.knee), seen.position(leg.ankle), toes[k]] for k, leg in enumerate(self.rig.legs)]
         second = norm(np.diff(np.array(tracks), n=2, axis=2)) / self.clip.frame_time**2

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.locomotion.follow.blend_schedule import Timeline, Zone
 from footfix.locomotion.follow.blend_weight import ease
 from footfix.locomotion.follow.footsteps import Steps, find_steps
@@ -32,7 +31,7 @@ class WalkingFoot:
 
     Args:
         steps: its stances.
-        toe: (F, 3) [m] the toe joint, or the ball of the sole; seen from where the frame is at `steps.moment`.
+        toe: (F, 3) [m] the toe joint, or where it would be; seen from where the frame is at `steps.moment`.
         turn: (F, 4) of the ankle's frame.
         ankle: (F, 3) [m] from the toe to the ankle, in the ankle's frame.
         heel: (F, 3) [m] from the toe to the heel, in the same.
@@ -246,7 +245,7 @@ def _foot(
     """Get a foot of a walk in the frames that use it, as `WalkingFoot` has it."""
     ankle, turn = (each(walk.rig.legs[leg].ankle) for each in (seen.position, seen.rotation))
     mine = replace(walk.rig, soles=tuple(sole for sole in walk.rig.soles if sole.leg == leg))
-    tracks = effector_tracks(mine, seen)
+    tracks = mine.held(seen)
     ends = {sole.part: track for sole, track in zip(mine.soles, tracks, strict=True)}
     toe, back = ends["toe"], rotation.inverse(turn)
     gone = (at[some] - np.interp(moment[some], np.arange(len(at)), usual))[use] * walk.length / walk.frames

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from footfix.enforce.task import pose_of
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.locomotion.loop.root_motion import Travel, carrier, root_in_world, with_root
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
@@ -58,7 +57,7 @@ def put_to_rest(clip: Clip, rig: Rig, contacts: Contacts) -> bool:
         contacts: of the cycle.
     """
     most = PUT_TO_REST * rig.leg_length * clip.frame_time
-    for track, effector in zip(effector_tracks(rig, rig.pose(clip)), contacts.effectors, strict=True):
+    for track, effector in zip(rig.held(rig.pose(clip)), contacts.effectors, strict=True):
         still = np.linalg.norm(np.diff(track[:, [0, 2]], axis=0), axis=1) <= most
         for contact in effector.contacts:
             own = still[contact.start : contact.end - 1]

@@ -14,7 +14,6 @@ from footfix.enforce.two_bone_ik import (
     can_turn,
     captured_leg,
     correction_of,
-    effector_tracks,
     flexion_for,
     local_rotations,
     where_moved,
@@ -44,7 +43,7 @@ def settled(clip: Clip, rig: Rig, plants: Sequence[Footplant], travel: Travel, g
         ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
     """
     pose = rig.pose(clip)
-    tracks = effector_tracks(rig, pose)
+    tracks = rig.held(pose)
     turns: dict[int, Floats] = {}
     for number, leg in enumerate(rig.legs):
         if not can_turn(clip, leg):

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.locomotion.loop.residual_slide import stretches
 from footfix.locomotion.loop.root_motion import Travel
 from footfix.motion import rotation
@@ -35,7 +34,7 @@ class Seam:
         changed_deg: largest angle by which closing turned a joint in its parent's frame.
         median_ratio, worst_ratio: of the joints, the largest acceleration beside the seam over the 99th percentile
             elsewhere; 1 is a seam like any other frame.
-        slide_mm: farthest distance of a toe (its joint, else the ball of the sole) planted across the seam from its
+        slide_mm: farthest distance of a toe (its joint, or where that would be) planted across the seam from its
             median place; None without such a plant.
     """
 
@@ -125,7 +124,7 @@ def slide(
 ) -> float | None:  # fmt: skip
     """Measure the farthest horizontal distance [m] of a toe held across the seam from its median place.
 
-    It is the toe joint; the ball of the sole where a foot has none.
+    It is the toe joint; the place where it would be on a foot that has none.
 
     Args:
         clip: L + 1 frames, the last of which is the first moved by `travel`.
@@ -135,7 +134,7 @@ def slide(
         ground: (L + 1, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
     """
     found = list[float]()
-    for sole, toe in zip(rig.soles, effector_tracks(rig, rig.pose(clip)), strict=True):
+    for sole, toe in zip(rig.soles, rig.held(rig.pose(clip)), strict=True):
         if sole.part != "toe":
             continue
         own = [span for p in plants if p.leg == sole.leg and p.part == "toe" for span in stretches(p, len(clip))]

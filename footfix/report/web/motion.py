@@ -48,7 +48,7 @@ class Motion:
         frames: frames of the whole clip.
         step: every how many frames one is shown.
         frame_time: [s] between frames of the clip.
-        names: (J,) joints; an End Site has an empty name.
+        names: (J,) joints, End Sites, and places where a foot without toe joint would have it; only joints have a name.
         parents: (J,) -1 for a root.
         root: the joint that carries the figure's travel.
         bones: (parent, child) joints that a line is drawn between.
@@ -57,8 +57,8 @@ class Motion:
         leg_names: the name of each leg, `front_left`.
         soles: (E,) the joint that carries each sole point, in the order of the contacts' effectors.
         sole_names: (E,) their names, `left_heel`.
-        seen: (E,) the joint that the slide is measured on: of a toe the toe joint, of a heel the ankle; -1 where the
-            foot has none and the sole point is measured.
+        seen: (E,) the joint that the slide is measured on: of a toe the toe joint, or the place where it would be; of a
+            heel the ankle. -1 where the sole point is measured.
         by_sole: (D, E) where the sole point is measured in place of that joint: a heel planted without its toe.
         counts: (D, E) the frames of plants that count for the slide.
         ground: (D, 3) [m] how far the ground under planted feet has moved, as on a treadmill.
@@ -119,13 +119,17 @@ def film(
     second = first if after is before else _points(after.frames(shown), rig)
     ends = skeleton.end_parents.tolist()
     parents = (*skeleton.parents.tolist(), *ends)
-    seen = tuple(_seen_joint(rig, k) for k in range(len(rig.soles)))
+    without = [k for k, sole in enumerate(rig.soles) if sole.held is not None]  # of feet without toe joint
+    seen = tuple(
+        len(parents) + without.index(k) if k in without else _seen_joint(rig, k) for k in range(len(rig.soles))
+    )
     by_sole, counts = _looked_at(rig, seen, len(before), contacts)
     moved = np.zeros((len(before), 3)) if ground is None else ground
     was, now = (_speeds(clip, rig, shown, seen, by_sole[shown], moved) for clip in (before, after))
     return Motion(
         frames=len(before), step=int(shown[1] - shown[0]) if len(shown) > 1 else 1, frame_time=before.frame_time,
-        names=(*skeleton.names, *("" for _ in ends)), parents=parents, root=rig.root,
+        names=(*skeleton.names, *("" for _ in (*ends, *without))),
+        parents=(*parents, *(rig.soles[k].joint for k in without)), root=rig.root,
         bones=bones_of(parents, len(skeleton), first[0]),
         hips=tuple((leg.hip, side_of(leg.side)) for leg in rig.legs),
         legs=tuple((leg.hip, leg.knee, leg.ankle) for leg in rig.legs),
@@ -186,14 +190,16 @@ def side_of(name: str) -> str:
 
 
 def _points(clip: Clip, rig: Rig) -> tuple[Floats, Floats]:
-    """Compute joints and End Sites (D, J, 3), and sole points (D, E, 3), in the world [m]."""
+    """Compute joints, End Sites and toes held without a toe joint (D, J, 3), and sole points (D, E, 3) [m]."""
     pose = forward(clip)
     skeleton = clip.skeleton
     count = len(skeleton)
     # in memory order of the packed series, which halves the time of packing
-    joints = np.empty((count + len(skeleton.end_parents), 3, len(clip)))
+    carried = list(zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True))
+    carried += [rig.held_at(sole) for sole in rig.soles if sole.held is not None]
+    joints = np.empty((count + len(carried), 3, len(clip)))
     joints[:count] = pose.positions.transpose(1, 2, 0)
-    for k, (parent, offset) in enumerate(zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True)):
+    for k, (parent, offset) in enumerate(carried):
         joints[count + k] = pose.point(parent, offset).T
     soles = np.empty((len(rig.soles), 3, len(clip)))
     for k, track in enumerate(rig.tracks(pose)):
@@ -216,7 +222,10 @@ def _speeds(
         return np.asarray(np.hypot(step[:, 0], step[:, 2]) / ((ahead - behind) * clip.frame_time))
 
     soles = np.stack([pace(track) for track in rig.tracks(pose)], axis=1)
-    joints = [soles[:, k] if joint < 0 else pace(pose.position(joint)) for k, joint in enumerate(seen)]
+    joints = [
+        pace(pose.position(joint)) if sole.part == "heel" else pace(pose.point(*rig.held_at(sole)))
+        for joint, sole in zip(seen, rig.soles, strict=True)
+    ]
     return np.where(by_sole, soles, np.stack(joints, axis=1))
 
 

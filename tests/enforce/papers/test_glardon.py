@@ -16,7 +16,7 @@ from footfix.enforce.easing import eased, gamma, replanned
 from footfix.enforce.papers.glardon import GlardonParams, correct
 from footfix.enforce.papers.priorities import Chain, SolverParams, jacobians, leg_chain, posed, solve, turned
 from footfix.enforce.papers.targets import TargetParams, targets
-from footfix.enforce.two_bone_ik import CapturedLeg, captured_leg, effector_tracks, flexion_for, two_bones
+from footfix.enforce.two_bone_ik import CapturedLeg, captured_leg, flexion_for, two_bones
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import runs
@@ -103,7 +103,7 @@ def test_effectors_stay_on_their_targets(gait: str) -> None:
     clip, rig, plants = skated(gait)
     after = apply(clip, correct(clip, rig, plants, PARAMS))
     pose = rig.pose(clip)
-    before, found = effector_tracks(rig, pose), effector_tracks(rig, rig.pose(after))
+    before, found = rig.held(pose), rig.held(rig.pose(after))
     wanted = targets(rig, rig.tracks(pose), before, plants, np.zeros((len(clip), 3)), TargetParams())
     assert strays(clip, rig, plants).max() > 0.008
     for plant, place in zip(plants, wanted, strict=True):
@@ -163,7 +163,7 @@ def test_plants_on_the_floor_share_one_height_and_steps_keep_theirs() -> None:
         rig = rig_of(made)
         plants = plants_of(rig, made.contacts)
         pose = rig.pose(artefacts.shake(made.clip, 1.0, slowest=0.5))
-        tracks, soles = effector_tracks(rig, pose), rig.tracks(pose)
+        tracks, soles = rig.held(pose), rig.tracks(pose)
         places = targets(rig, soles, tracks, plants, np.zeros((len(made.clip), 3)), TargetParams())
         usual = [np.median(tracks[plant.effector][plant.frames, 1]) for plant in plants]
         on_floor = [
@@ -186,15 +186,15 @@ def test_a_place_asked_for_is_taken_and_the_other_end_gives_way() -> None:
     asked = sole + [0.02, 0.0, 0.01]
     plants[k] = replace(plants[k], asked=tuple(asked))
     after = apply(made.clip, correct(made.clip, rig, plants, PARAMS))
-    toe = effector_tracks(rig, rig.pose(after))[plants[k].effector][plants[k].frames]
-    before = np.median(effector_tracks(rig, pose)[plants[k].effector][plants[k].frames], axis=0)
+    toe = rig.held(rig.pose(after))[plants[k].effector][plants[k].frames]
+    before = np.median(rig.held(pose)[plants[k].effector][plants[k].frames], axis=0)
     assert np.abs(toe - before - [0.02, 0.0, 0.01]).max() < 1e-6
     assert strays(after, rig, plants).max() < 1e-6
 
 
 def leg_of(clip: Clip, rig: Rig) -> tuple[Pose, CapturedLeg]:
     pose = rig.pose(clip)
-    return pose, captured_leg(rig, pose, 0, effector_tracks(rig, pose))
+    return pose, captured_leg(rig, pose, 0, rig.held(pose))
 
 
 @pytest.mark.parametrize("amount", [0.01, 0.05])

@@ -13,7 +13,7 @@ from walks import short_walk as walk
 
 from footfix.enforce.correction import apply
 from footfix.enforce.papers.kim_neff import Join, KimNeffParams, _join, _joined, correct, joins, mean_swivel, spline
-from footfix.enforce.two_bone_ik import CapturedLeg, captured_leg, effector_tracks, local_rotations, two_bones
+from footfix.enforce.two_bone_ik import CapturedLeg, captured_leg, local_rotations, two_bones
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import runs
@@ -32,7 +32,7 @@ def skated(gait: str = "walk", distance: float = 0.03) -> tuple[Clip, Rig, list]
 
 def leg_of(clip: Clip, rig: Rig) -> tuple[Pose, CapturedLeg]:
     pose = rig.pose(clip)
-    return pose, captured_leg(rig, pose, 0, effector_tracks(rig, pose))
+    return pose, captured_leg(rig, pose, 0, rig.held(pose))
 
 
 @pytest.mark.parametrize("gait", ["walk", "turn", "tiptoe", "backwards", "stand"])

@@ -25,7 +25,6 @@ from footfix.enforce.papers.lyard import (
     static_points,
 )
 from footfix.enforce.papers.static_point_switch import catmull_rom, cubic_roots, hand_over, offset_at, share_gone
-from footfix.enforce.two_bone_ik import effector_tracks
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints
 from footfix.rig.find import find_rig
@@ -111,7 +110,7 @@ def test_one_static_point_stands_still() -> None:
     toe = [next(plant for plant in plants if plant.name == "right_toe" and plant.start > 5)]
     for params in (PAPER, replace(PARAMS, calm=0.0)):
         after = apply(clip, correct(clip, rig, toe, params))
-        track = effector_tracks(rig, rig.pose(after))[toe[0].effector][toe[0].frames]
+        track = rig.held(rig.pose(after))[toe[0].effector][toe[0].frames]
         assert strays(clip, rig, toe).max() > 0.01 and np.ptp(track[:, [0, 2]], axis=0).max() < 1e-9
 
 
@@ -137,7 +136,7 @@ def test_the_root_alone_stills_single_support(gait: str, artefact) -> None:  # t
     found = []
     for e in (1, 3):
         other = mask[:, [k for k in range(4) if k // 2 != e // 2]].any(axis=1)
-        track = effector_tracks(rig, rig.pose(after))[e]
+        track = rig.held(rig.pose(after))[e]
         for contact in made.contacts.effectors[e].contacts:
             alone = track[contact.start : contact.end][~other[contact.start : contact.end]][:, [0, 2]]
             if len(alone) > 2:

@@ -12,7 +12,7 @@ from walks import short_walk as walk
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.rigid_foot import Displacement, _closeness, foot_goal
 from footfix.enforce.papers.targets import TargetParams, near_floor, targets, usual_place
-from footfix.enforce.two_bone_ik import captured_leg, effector_tracks
+from footfix.enforce.two_bone_ik import captured_leg
 from footfix.motion import rotation
 from footfix.motion.clip import Floats
 
@@ -95,7 +95,7 @@ def test_a_foot_goes_with_the_end_that_is_planted_and_turns_with_both() -> None:
     made = walk(duration=2.0)
     rig = rig_of(made)
     pose = rig.pose(made.clip)
-    leg = captured_leg(rig, pose, 0, effector_tracks(rig, pose))
+    leg = captured_leg(rig, pose, 0, rig.held(pose))
     frames = len(leg)
     none, all_ = np.zeros(frames, dtype=bool), np.ones(frames, dtype=bool)
     still, moved = np.zeros((frames, 3)), np.tile([0.01, 0.0, 0.02], (frames, 1))

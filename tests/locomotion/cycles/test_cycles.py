@@ -7,13 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cycle_walkers import SPEEDS, files, fitted
+from exports import without_toes
+from walks import short_walk as walk
 
 from footfix.errors import InputError
 from footfix.formats.cycle_models import decode_model, encode_model
 from footfix.jobs.fit_cycles import fit_entry, fit_files
 from footfix.locomotion.cycles.eigencycles import Ramp, kernel
+from footfix.locomotion.cycles.leg_pose import Legs
 from footfix.locomotion.cycles.model import warped
 from footfix.locomotion.cycles.samples import Sample, shift_phases
+from footfix.motion import rotation
+from footfix.rig.find import find_rig
 
 
 def test_speed_and_gait_of_made_walkers_are_found() -> None:
@@ -67,13 +72,27 @@ def test_phases_are_led_to_where_the_foot_is_as_far() -> None:
     assert np.allclose(np.mod(warped(same, here, here) - same + 0.5, 1.0), 0.5, atol=1e-12)
 
 
+def test_legs_of_a_model_without_toe_joints_end_in_what_plants_hold() -> None:
+    clip = without_toes(walk().clip)
+    rig = find_rig(clip)
+    legs, pose = Legs(clip.skeleton, rig), rig.pose(clip)
+    turns = rotation.to_matrix(np.stack([clip.rotation(joint) for joint in legs.joints], axis=1))
+    made = legs.poses(clip.position(rig.root), rotation.to_matrix(clip.rotation(rig.root)), turns)
+    held = np.stack(rig.held(pose), axis=1).reshape(len(clip), 2, 2, 3)
+    assert np.allclose(made.heel, held[:, :, 0], atol=1e-9)
+    assert np.allclose(made.toe, held[:, :, 1], atol=1e-9)
+
+
 def test_a_model_comes_back_from_its_file_and_holds_no_pickle() -> None:
     model = fitted().model
+    places = [(0.0, 0.01 * k, 0.1) if sole.part == "toe" else None for k, sole in enumerate(model.rig.soles)]
+    soles = tuple(replace(sole, held=place) for sole, place in zip(model.rig.soles, places, strict=True))
+    model = replace(model, rig=replace(model.rig, soles=soles))
     data = encode_model(model)
     again = decode_model(data, name="m.npz")
     assert again.skeleton.names == model.skeleton.names
     assert again.origins == model.origins
-    assert again.rig.legs == model.rig.legs
+    assert (again.rig.legs, again.rig.soles) == (model.rig.legs, model.rig.soles)
     for one, other in zip(model.spaces, again.spaces, strict=True):
         assert np.array_equal(one.cycle(0.5), other.cycle(0.5))
     assert encode_model(again) == data
