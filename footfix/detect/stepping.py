@@ -9,7 +9,8 @@ stepped if it comes to rest farther from its last rest than creeping explains. A
 if only its middle is fast, or high. Under a travelling pelvis, and in noisy clips, a resting foot may creep.
 
 Where the other foot swings, or steps as well, there is no planted foot to compare with. A foot that is at rest before
-and after, and fast in between, stepped all the same: a foot that skates does so for as long as it stands.
+and after, and fast in between, stepped all the same: a foot that skates does so for as long as it stands. Where both
+move apart, and neither with the pelvis, no one motion of the figure explains them: both step, though slowly.
 """
 
 from __future__ import annotations
@@ -73,6 +74,7 @@ def stepping(
     other, it is planted with probability p (1 - q a r); or with p (1 - b), if that is less, where it moves from rest to
     rest so fast, and so far, that it steps with probability b whatever the other one does. Motion that it has in common
     with both the pelvis and the other foot does not count there; what a spike in the data throws off is soon back.
+    Slower motion counts for b where the other one moves by itself, too.
 
     Args:
         answers: for each foot (n, 4) log probabilities.
@@ -86,6 +88,8 @@ def stepping(
     planted = [-np.expm1(answer[:, SWING]) for answer in answers]
     unlikely = [answer[:, SWING] - np.log(np.maximum(p, 1e-12)) for answer, p in zip(answers, planted, strict=True)]
     figure = np.stack([np.zeros_like(pelvis), pelvis], axis=1)  # (n, 2, 2) at rest, or going with the pelvis
+    from_figure = [parting(velocity, figure) for velocity in each]
+    alone = params.parting + params.travel * np.linalg.norm(pelvis, axis=1)
     out = []
     for k, mate in enumerate(mates):
         if mate == k:
@@ -99,8 +103,12 @@ def stepping(
         faster = params.sharp * _log_ratio(speeds[k], speeds[mate])
         steps = planted[mate] * parts * probability(faster + unlikely[k] - unlikely[mate])
         least = np.maximum(params.still, params.calm * rest)
-        by_itself = np.minimum(speeds[k], np.maximum(apart, parting(each[k], figure)))
-        fast = likely(by_itself, params.fast + params.noise * rest, params.sharp)
+        by_itself = np.minimum(speeds[k], np.maximum(apart, from_figure[k]))
+        both = np.minimum(apart, np.minimum(from_figure[k], from_figure[mate]))
+        fast = np.maximum(
+            likely(by_itself, params.fast + params.noise * rest, params.sharp),
+            planted[mate] * likely(both, alone + params.noise * np.maximum(rest, rests[mate]), params.sharp),
+        )
         for a, b in planted_throughout(speeds[k] - least, planted[k]):
             far = likely(slowest(each[k][a:b].sum(axis=0, keepdims=True) * STEP), params.length, params.sharp)
             steps[a:b] = np.maximum(steps[a:b], fast[a:b].max() * far)

@@ -43,15 +43,19 @@ def stepping(
     figure = np.stack([np.zeros(n), velocity[:, 0]])[:, None]  # (2, 1, n) at rest, or going with the pelvis
     from_figure, _ = _parting(own, figure, velocity[:, 0])
     by_itself = np.minimum(speeds, np.maximum(apart, from_figure))
+    both = np.minimum(apart, np.minimum(from_figure, from_figure[mate]))
     swing = answers[..., SWING]
     planted = -np.expm1(swing)
     unlikely = swing - np.log(np.maximum(planted, 1e-12))
     even = params.parting + params.travel * travel + params.noise * rest
-    logs = np.log(np.maximum(np.stack([apart, even, speeds, by_itself, params.fast + params.noise * rest]), _LEAST))
+    alone = params.parting + params.travel * np.abs(velocity[:, 0]) + params.noise * np.maximum(rest, rest[mate])
+    pace = params.fast + params.noise * rest
+    logs = np.log(np.maximum(np.stack([apart, even, speeds, by_itself, pace, both, alone]), _LEAST))
     faster = params.sharp * logs[2] + unlikely
-    odds = np.stack([params.sharp * (logs[0] - logs[1]), faster - faster[mate], params.sharp * (logs[3] - logs[4])])
-    parts, quicker, fast = probability(odds)
+    over = params.sharp * np.stack([logs[0] - logs[1], logs[3] - logs[4], logs[5] - logs[6]])
+    parts, fast, step_both, quicker = probability(np.stack([*over, faster - faster[mate]]))
     steps = planted[mate] * parts * quicker
+    fast = np.maximum(fast, planted[mate] * step_both)
     least = np.maximum(params.still, params.calm * rest)
     for k in np.flatnonzero((speeds > least).any(axis=1)).tolist():
         for a, b in planted_throughout(speeds[k] - least[k], planted[k]):
@@ -65,8 +69,8 @@ def stepping(
             whole = _whole_step(far, float(rest[k, a:b].max()) * (b - a) * STEP, params)
             whole *= float(planted[mate[k], a:b].min())
             steps[k, a:b] = np.maximum(steps[k, a:b], max(whole, float(steps[k, a:b].max())))
-    alone = [k for k, other_foot in enumerate(mate) if other_foot == k]
-    steps[alone] = 0.0
+    unpaired = [k for k, other_foot in enumerate(mate) if other_foot == k]
+    steps[unpaired] = 0.0
     return np.asarray(steps)
 
 

@@ -125,9 +125,10 @@ def test_a_step_lasts_from_rest_to_rest(distance: float, seconds: float, height:
     assert moved > (0.95 - held) * distance, "all the rest of the way is the step's"
 
 
-def test_both_feet_may_step_at_once() -> None:
+@pytest.mark.parametrize(("distance", "seconds"), [(0.16, 0.3), (0.1, 0.5), (0.15, 0.8)])
+def test_both_feet_may_step_at_once(distance: float, seconds: float) -> None:
     left, right = standing().feet
-    way = eased(0.3)[:, None] * np.array([0.15, 0.0, 0.05])
+    way = eased(seconds)[:, None] * distance * np.array([0.95, 0.0, 0.3])
     tracks = replace(standing(), feet=(shift(left, way), shift(right, -way)))
     mask = _found(tracks)
     assert [len(runs(mask[:, k] | mask[:, k + 1])) for k in (0, 2)] == [2, 2]

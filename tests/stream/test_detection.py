@@ -96,18 +96,23 @@ def test_steps_of_feet_that_look_planted_are_those_of_the_whole_clip(name: str) 
 
 
 @pytest.mark.parametrize("foot", [0, 1, 2, 3])
-@pytest.mark.parametrize("alone", [True, False], ids=["alone", "with the figure"])
-def test_fast_steps_of_any_foot_of_four_are_those_of_the_whole_clip(foot: int, alone: bool) -> None:
+@pytest.mark.parametrize(("speeds", "swings", "steps"), [
+    ((1.0, 0.0, 0.0), 0.97, True), ((1.0, 1.0, 1.0), 0.97, False),  # fast: alone, or with all of the figure
+    ((0.4, -0.4, 0.0), 0.01, True), ((0.4, 0.4, 0.4), 0.01, False),  # not so fast: both apart, or all skate
+])  # fmt: skip
+def test_steps_of_any_foot_of_four_are_those_of_the_whole_clip(
+    foot: int, speeds: tuple[float, float, float], swings: float, steps: bool
+) -> None:
     n, mates, params = 400, (1, 0, 3, 2), AutoParams().stepping
     pelvis, feet = np.zeros((n, 2)), np.zeros((4, n, 2, 2))
-    feet[foot, 150:180, :, 0] = 1.0
-    feet[mates[foot], 150:180, :, 0] = pelvis[150:180, 0] = 0.0 if alone else 1.0
-    looks = np.where((np.arange(4) == mates[foot])[:, None], [0.97, 0.01, 0.01, 0.01], [0.01, 0.33, 0.33, 0.33])
-    answers = np.log(np.repeat(looks[:, None], n, axis=1))
+    feet[foot, 150:180, :, 0], feet[mates[foot], 150:180, :, 0], pelvis[150:180, 0] = speeds
+    swing = np.where(np.arange(4) == mates[foot], swings, 0.01)[:, None]
+    answers = np.log(np.repeat(np.concatenate([swing, *[(1.0 - swing) / 3.0] * 3], axis=1)[:, None], n, axis=1))
     known = np.stack(stepping_of_clip(tuple(answers), mates, pelvis, list(feet), params))
-    steps = stepping(answers, mates, plane(pelvis, feet), np.stack([slowest(each) for each in feet], axis=1), params)
-    assert np.allclose(stands(answers, steps), known, atol=1e-9)
-    assert (np.exp(known[foot, 165, 0]) > 0.9) == alone
+    slow = np.stack([slowest(each) for each in feet], axis=1)
+    found = stands(answers, stepping(answers, mates, plane(pelvis, feet), slow, params))
+    assert np.allclose(found, known, atol=1e-9)
+    assert (np.exp(known[foot, 165, 0]) > 0.9) == steps
 
 
 def test_feet_that_go_ahead_of_the_pelvis_are_those_of_the_whole_clip_where_its_travel_is_known() -> None:
