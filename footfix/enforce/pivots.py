@@ -1,9 +1,8 @@
 """Weights of heel and toe of feet that turn on the floor, so that they keep their captured pivot.
 
 Heel and toe of a foot of length l, which turns at a rate w about a pivot at distance r from its heel, slip by w r and
-w (l - r). With equal
-weights their sum is w l wherever the pivot is, so that it stays where it was captured; with unequal weights the foot
-would always turn about the end with the greater weight.
+w (l - r). With equal weights their sum is w l wherever the pivot is, so that it stays where it was captured; with
+unequal weights the foot would always turn about the end with the greater weight.
 """
 
 from __future__ import annotations

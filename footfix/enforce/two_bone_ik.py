@@ -6,13 +6,12 @@ stay as they are posed, so that the lengths of the two bones may differ from fra
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from footfix.enforce.correction import Correction
-from footfix.enforce.footplant import Footplant
 from footfix.enforce.leg import knee_axis
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats
@@ -77,14 +76,6 @@ def captured_leg(rig: Rig, pose: Pose, number: int, tracks: tuple[Floats, ...]) 
 def can_turn(clip: Clip, leg: Leg) -> bool:
     """Tell whether the file can animate the joints that inverse kinematics turns: hip, knee and ankle."""
     return bool(np.all(clip.skeleton.rotates[[leg.hip, leg.knee, leg.ankle]]))
-
-
-def legs_to_hold(clip: Clip, rig: Rig, plants: Sequence[Footplant]) -> Iterator[tuple[int, list[int]]]:
-    """List the legs that stand and that the file can turn, by their numbers, each with the numbers of its plants."""
-    for number, leg in enumerate(rig.legs):
-        own = [k for k, plant in enumerate(plants) if plant.leg == number]
-        if own and can_turn(clip, leg):
-            yield number, own
 
 
 def _knee_axis(thigh: Floats, shank: Floats, backwards: Floats, hip_turn: Floats) -> Floats:

@@ -135,15 +135,12 @@ class LegMeasurer:
             for name in ("heel", "toe") for k in range(len(rig.legs))
         ]  # fmt: skip
         self._rig, self._frame = rig, slot[rig.pelvis]
-        self._joints = np.array(
-            [[slot[joint] for joint in each] for each in
-             ([leg.hip for leg in rig.legs], [leg.knee for leg in rig.legs], [leg.ankle for leg in rig.legs], toes)]
-        )  # fmt: skip
+        self._joints = np.array([[slot[joint] for joint in (leg.hip, leg.knee, leg.ankle)] for leg in rig.legs]).T
         self._bases = np.array([slot[sole.joint] for sole in soles])
         held = [rig.held_at(sole) for sole in soles[len(rig.legs) :]]
         self._holds = np.array([slot[joint] for joint, _ in held])
-        hips, _, ankles, toe_slots = self._joints
-        self._frames: Ints = np.concatenate([hips, ankles, self._bases, self._holds, toe_slots])
+        hips, _, ankles = self._joints
+        self._frames: Ints = np.concatenate([hips, ankles, self._bases, self._holds, [slot[toe] for toe in toes]])
         self._vectors = np.concatenate([
             [leg.knee_axis for leg in known], [leg.toe_hinge for leg in known], [sole.offset for sole in soles],
             [offset for _, offset in held], [np.zeros(3) if tip is None else tip for tip in tips],
@@ -160,7 +157,7 @@ class LegMeasurer:
         """Lay out the legs in a pose of F frames for enforcement, and their feet for detection."""
         L, n = len(self._rig.legs), len(pose.positions)
         places, turns = pose.positions.transpose(2, 1, 0), pose.rotations.transpose(1, 0, 2)
-        hip, knee, ankle, _ = places[:, self._joints].swapaxes(0, 1)  # (3, L, F) each
+        hip, knee, ankle = places[:, self._joints].swapaxes(0, 1)  # (3, L, F) each
         inside = turned(turns[self._frames], self._vectors).transpose(2, 0, 1)  # (3, 6 L, F)
         usual, hinge, tip = inside[:, :L], inside[:, L : 2 * L], inside[:, 5 * L :]
         soles = (places[:, self._bases] + inside[:, 2 * L : 4 * L]).reshape(3, 2, L, n)

@@ -16,13 +16,12 @@ from footfix.enforce.easing import Span, ease_frames, eased
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.priorities import Chain, SolverParams, leg_chain, solve, turned
 from footfix.enforce.papers.rigid_foot import PARTS, Displacement, FootGoal, foot_goal, held, planted
-from footfix.enforce.papers.targets import TargetParams, targets
+from footfix.enforce.papers.targets import TargetParams, legs_to_hold, targets
 from footfix.enforce.two_bone_ik import (
     CapturedLeg,
     captured_leg,
     correction_of,
     flexion_for,
-    legs_to_hold,
     local_rotations,
     two_bones,
     where_moved,

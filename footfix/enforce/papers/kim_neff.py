@@ -16,12 +16,11 @@ from footfix.enforce.correction import Correction
 from footfix.enforce.easing import Span, ease_frames, gamma, led_over
 from footfix.enforce.footplant import Footplant
 from footfix.enforce.papers.rigid_foot import PARTS, Displacement, foot_goal, held, planted
-from footfix.enforce.papers.targets import TargetParams, targets
+from footfix.enforce.papers.targets import TargetParams, legs_to_hold, targets
 from footfix.enforce.two_bone_ik import (
     CapturedLeg,
     captured_leg,
     correction_of,
-    legs_to_hold,
     local_rotations,
     two_bones,
     where_moved,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from footfix.enforce.footplant import Footplant
-from footfix.motion.clip import Floats
+from footfix.enforce.two_bone_ik import can_turn
+from footfix.motion.clip import Clip, Floats
 from footfix.motion.segments import geometric_medians, segments
 from footfix.motion.vectors import norm, unit
 from footfix.rig.rig import Rig
@@ -25,6 +26,14 @@ class TargetParams:
     """
 
     near: float = 0.067
+
+
+def legs_to_hold(clip: Clip, rig: Rig, plants: Sequence[Footplant]) -> Iterator[tuple[int, list[int]]]:
+    """List the legs that stand and that the file can turn, by their numbers, each with the numbers of its plants."""
+    for number, leg in enumerate(rig.legs):
+        own = [k for k, plant in enumerate(plants) if plant.leg == number]
+        if own and can_turn(clip, leg):
+            yield number, own
 
 
 def near_floor(rig: Rig, soles: Sequence[Floats], plants: Sequence[Footplant], params: TargetParams) -> list[bool]:

@@ -13,7 +13,7 @@ from footfix.notes import Note
 
 ID = "numbers-run-together"
 
-_SIGNED = rb"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?"
+_SIGNED = rb"[-+]?[.,]*\d[\d.,]*(?:[eE][-+]?\d+)?"  # one way to match any word: else long ones would take forever
 _NUMBERS = re.compile(rb"(?:" + _SIGNED + rb")(?:(?=[-+])" + _SIGNED + rb")*")
 _SEAM = re.compile(rb"(?<=[\d.,])(?=[-+])")  # the sign of an exponent stands behind its e
 _POINT = re.compile(rb"[.,]")

@@ -9,7 +9,7 @@ from conftest import SHARED
 
 from footfix.errors import InputError
 from footfix.formats.bvh import decode, repair, separate_numbers
-from footfix.formats.bvh.unseparated_numbers import split_numbers
+from footfix.formats.bvh.unseparated_numbers import count_numbers, split_numbers
 from footfix.jobs.inspect import repair_file
 from footfix.settings import Settings
 
@@ -107,6 +107,12 @@ def test_where_the_number_of_decimals_varies_they_are_named_but_not_put_apart() 
     assert "not certain" in str(told.value) and "--repair" not in str(told.value)
     assert (told.value.line, told.value.column) == (1 + data[: data.index(b"12.53001")].count(b"\n"), 49)
     assert separate_numbers(data) == (data, ())
+
+
+@pytest.mark.parametrize("part", [b"1", b"1.5", b"1-", b".", b"1e"])
+def test_a_word_of_a_million_letters_that_is_no_number_stays_and_takes_no_hour(part: bytes) -> None:
+    word = part * 300_000 + b"x"
+    assert split_numbers(word) == split_numbers(word, 4) == [word] and count_numbers(word) == 1
 
 
 def test_what_is_in_order_and_what_is_not_certain_stay_as_they_are() -> None:
