@@ -23,13 +23,13 @@ class SettlingParams:
 
     Args:
         farthest: [leg lengths] greatest distance left to go, or gone already,
-        share: [factor] and at most this share of the distance from one contact to the next,
+        share: [factor] and at most this share of the distance from one contact to the next, or to the end of the clip,
         within: [s] and for at most this long.
     """
 
-    farthest: float = 0.02
-    share: float = 0.07
-    within: float = 0.05
+    farthest: float = 0.022
+    share: float = 0.15
+    within: float = 0.1
 
 
 def settled(part: Bools, looks: Bools, place: Floats, frame_time: float, params: SettlingParams) -> Bools:
@@ -44,15 +44,14 @@ def settled(part: Bools, looks: Bools, place: Floats, frame_time: float, params:
     """
     out, found, most = part.copy(), runs(part), round(params.within / frame_time)
     for k, (start, end) in enumerate(found):
-        before = found[k - 1][1] if k else 0
-        after = found[k + 1][0] if k + 1 < len(found) else len(part)
+        before = found[k - 1][1] if k else 1
+        after = found[k + 1][0] if k + 1 < len(found) else len(part) - 1
         for at, outwards, other in (
-            (start, np.arange(start - 1, before - 1, -1), before - 1 if k else None),
-            (end - 1, np.arange(end, after), after if k + 1 < len(found) else None),
+            (start, np.arange(start - 1, before - 1, -1), before - 1),
+            (end - 1, np.arange(end, after), after),
         ):
-            far = params.farthest
-            if other is not None:
-                far = min(far, params.share * float(np.linalg.norm(place[other] - place[at])))
+            way = float(np.linalg.norm(place[other] - place[at]))
+            far = min(params.farthest, params.share * way)
             stays = looks[outwards] & (np.linalg.norm(place[outwards] - place[at], axis=1) <= far)
             out[outwards[: min(most, int(np.argmin(np.append(stays, False))))]] = True
     return out

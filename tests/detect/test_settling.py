@@ -10,7 +10,7 @@ from footfix.detect.settling import SettlingParams, settled
 from footfix.motion.clip import Bools, Floats
 
 FRAMES, FRAME_TIME = 40, 0.01
-PARAMS = SettlingParams(farthest=0.03, share=0.1, within=0.05)
+PARAMS = SettlingParams(farthest=0.03, share=0.35, within=0.05)
 
 
 def down(*spans: tuple[int, int]) -> Bools:
@@ -41,9 +41,14 @@ def test_a_landing_is_held_over_the_last_of_its_way_and_not_for_long(step: float
 
 
 def test_of_a_short_step_no_more_is_held_than_its_share() -> None:
-    # ten frames from one rest to the other: a tenth of the way at either end is a frame
+    # ten frames from one rest to the other: 35 % of the way at either end are three and a half
     place = np.clip(np.arange(FRAMES) - 10, 0, 10)[:, None] * np.array([[0.006, 0.0]])
-    assert held(place, down((0, 11), (20, 40))) == [11, 19]
+    assert held(place, down((0, 11), (20, 40))) == [11, 12, 13, 17, 18, 19]
+
+
+def test_at_the_start_of_a_clip_the_way_seen_so_far_counts() -> None:
+    assert held(going(0.006, until=2), down((2, 40))) == []
+    assert held(going(0.006, until=3), down((3, 40))) == [2]
 
 
 def test_only_frames_are_held_in_which_the_foot_looks_planted() -> None:
