@@ -80,7 +80,7 @@ def faults(
     for e in {plant.effector for plant in wanted}:
         own = [plant for plant in wanted if plant.effector == e]
         track = legs[own[0].leg].place(own[0].point).T - ground
-        middle, slides = _strays([core(plant, frame_time, edge) for plant in own], track)
+        middle, slides = _strays([core(plant, frame_time, edge, fewest=2) for plant in own], track)
         for plant, slide, height in zip(own, slides.tolist(), middle[:, 1].tolist(), strict=True):
             high = abs(height - footing.floors.plants[plant.id]) if heights else 0.0
             fault = np.inf if _wanted(plant) else max(slide, high)
@@ -102,9 +102,14 @@ def _strays(spans: Sequence[tuple[int, int]], track: Floats) -> tuple[Floats, Fl
     return middle, parts.largest(np.hypot(*(places - middle[parts.owner])[:, [0, 2]].T))
 
 
-def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:
-    """Cut `edge` [s] off both ends of a plant, in which the foot may still be landing or leaving."""
-    trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - 3) // 2, 0))
+def core(
+    plant: Footplant, frame_time: float, edge: float = PinParams.edge, *, fewest: int = FEWEST
+) -> tuple[int, int]:
+    """Cut `edge` [s] off both ends of a plant, in which the foot may still be landing or leaving.
+
+    At least `fewest` frames are left.
+    """
+    trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - fewest) // 2, 0))
     return plant.start + trim, plant.end - trim
 
 

@@ -74,6 +74,13 @@ def test_a_fault_is_the_farthest_from_the_median_place_around_the_plant() -> Non
     assert fault(slid(0.058, 10, 68), toe(10, 69))[0] > 0.0  # as far as the clip goes
 
 
+def test_a_fault_of_a_short_plant_leaves_out_the_frames_in_which_it_lands_and_leaves() -> None:
+    shift = slid(0.01, 41, 42)
+    shift[:41] -= [0.018, 0.0, 0.024]  # 30 mm in the step with which it lands
+    assert fault(shift, toe(40, 44))[41] == pytest.approx(0.005)  # the middle of two frames
+    assert fault(shift, toe(40, 43))[41] > 0.025  # three frames are too few to leave any out
+
+
 def test_a_fault_is_how_high_the_plant_is_where_that_is_more() -> None:
     up = np.tile([0.0, 0.03, 0.0], (FRAMES, 1))
     assert fault(up, toe(40, 99))[60] == pytest.approx(0.03)
