@@ -81,7 +81,7 @@ def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     plants = styled(plants, legs, rig, floors, params.style)
     keep = kept(
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
-        heights=params.heights == "floor", params=params.pins,
+        heights=params.heights == "floor", params=params.pins, noticed=params.costs.noticed,
     )  # fmt: skip
     if rig.meshes and params.heights == "floor":
         deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)

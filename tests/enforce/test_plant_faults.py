@@ -187,3 +187,23 @@ def test_a_heel_that_rolls_stays_while_the_toe_of_its_own_foot_is_locked(number:
         params=PARAMS,
     )  # fmt: skip
     assert found is stays
+
+
+@pytest.mark.parametrize(("slide", "locked", "asked", "stays"), [
+    (0.9, True, True, True), (1.1, True, True, False), (0.9, False, True, False), (0.9, True, False, False),
+])  # fmt: skip
+def test_in_a_clip_that_a_program_has_locked_what_nobody_notices_stays(
+    slide: float, locked: bool, asked: bool, stays: bool
+) -> None:
+    size = rig_of(walk()).leg_length
+    shift = slid(2.0 * slide * 0.02 * size, 101, 119)
+    if not locked:
+        shift += slid(0.1, 0, 90)
+    made = shifted(shift)
+    plants = [toe(0, 90), replace(toe(100, FRAMES), id=1)]
+    floors = replace(level(), plants=level().plants * 2)
+    _, found = kept(
+        plants, made.legs, np.zeros((FRAMES, 3)), floors, DT, size, heights=True,
+        params=replace(PARAMS, keep_rested=asked), noticed=0.02,
+    )  # fmt: skip
+    assert found is stays
