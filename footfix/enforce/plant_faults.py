@@ -47,7 +47,7 @@ def kept(
         leg_length: [m].
         heights: whether heights count.
         params: the tolerances.
-        noticed: [leg lengths] smallest fault that viewers notice.
+        noticed: [leg lengths] smallest fault that viewers notice; 0 where contacts were given by hand, to be held.
     """
     found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
     rested = np.zeros(len(plants), dtype=np.bool_)
@@ -56,7 +56,8 @@ def kept(
         rested[:] = [_rests(plant, held[plant.leg][plant.point]) for plant in plants]
     frames = np.array([plant.end - plant.start for plant in plants])
     if np.sum(frames[rested]) >= _CLEANED * max(np.sum(frames), 1):
-        params = replace(params, keep_slide=noticed, keep_height=noticed)
+        most = max(params.keep_slide, noticed), max(params.keep_height, noticed)
+        params = replace(params, keep_slide=most[0], keep_height=most[1])
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
         leg, point = own[0].leg, POINTS.index(own[0].part)
