@@ -124,21 +124,23 @@ def heights(of: Problem, x: Floats, k: int) -> Floats:
     ])  # fmt: skip
 
 
-def bounds(of: Problem) -> list[tuple[Floats, Floats, float]]:
-    """FAR: for each bounded turn its matrix (m, U), how far it goes freely (F,), and the standard deviation beyond."""
+def bounds(of: Problem) -> list[tuple[Floats, Floats, Floats]]:
+    """FAR: for each bounded turn its matrix (m, U), how far it goes freely, and the standard deviation beyond, (F,)."""
     c, size, deg = of.costs, of.leg_length, np.pi / 180.0
     one = np.eye(of.unknowns)
-    found = [(one[:ROOT], np.full(of.frames, c.root_farthest * size), costs.FAR_ROOT * size)]
+    found = [(one[:ROOT], np.full(of.frames, c.root_farthest * size), np.full(of.frames, costs.FAR_ROOT * size))]
     seen = np.maximum(of.fault / (c.noticed * size), 1.0)
     small, least, most = c.unnoticed_turn * seen, min(costs.TOES * c.unnoticed_turn, c.toes_farthest), c.toes_farthest
-    some = min(costs.TOES_FREE * least, most)  # from here on toes go to their limit
-    share = np.clip((seen - costs.TOES_FREE) / (2.0 - costs.TOES_FREE), 0.0, 1.0)
+    firm = np.clip((costs.UNNOTICED - seen) / (costs.UNNOTICED - 1.0), 0.0, 1.0)
+    sigma = deg * (costs.FAR_TURN + firm * (costs.FIRM_TURN - costs.FAR_TURN))
+    some = min(costs.UNNOTICED * least, most)  # from here on toes go to their limit
+    share = np.clip((seen - costs.UNNOTICED) / (2.0 - costs.UNNOTICED), 0.0, 1.0)
     toes = np.where(share > 0.0, some + share * (most - some), np.minimum(least * seen, most))
     for k in range(len(of.legs)):
         own = one[of.columns(k)]
         joints = (own[:3], c.line_farthest), (own[3:4], c.ankle_farthest), (own[4:7] - own[:3], c.ankle_farthest)
-        found += [(turn, np.minimum(small, far) * deg, costs.FAR_TURN * deg) for turn, far in joints]
-        found.append((own[7:8], toes * deg, costs.FAR_TURN * deg))
+        found += [(turn, np.minimum(small, far) * deg, sigma) for turn, far in joints]
+        found.append((own[7:8], toes * deg, sigma))
     return found
 
 
@@ -150,7 +152,7 @@ def curvature(of: Problem, x: Floats) -> Floats:
             long = float(np.linalg.norm(y))
             if long > far[f]:
                 across = (1.0 - far[f] / long) * (np.eye(len(y)) - np.outer(y, y) / long**2)
-                out[f, :, f] += costs.RATE * of.frame_time / sigma**2 * turn.T @ across @ turn
+                out[f, :, f] += costs.RATE * of.frame_time / sigma[f] ** 2 * turn.T @ across @ turn
     return out.reshape(of.frames * of.unknowns, -1)
 
 

@@ -14,8 +14,10 @@ GROWN = 0.9  # [m] leg length at which the acceleration defaults hold
 # Soft bounds, as standard deviations of the excess.
 FLOOR, PLACE, FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
 KNEE, SPEED, FAR_TURN = 0.3, 0.15, 0.5  # [degrees]
-TOES = 1.15  # toes may bend this many times as far as other joints for faults below `noticed`,
-TOES_FREE = 1.3  # and for faults up to this multiple of it; then more, up to their limit at twice `noticed`
+UNNOTICED = 1.3  # faults up to this multiple of `noticed` are hardly noticed
+FIRM_TURN = 0.15  # [degrees] as `FAR_TURN`, for faults below `noticed`; it grows to that for hardly noticed ones
+TOES = 1.15  # toes may bend this many times as far as other joints for faults below `noticed`, and for hardly
+# noticed ones; then more, up to their limit at twice `noticed`
 CUT, CUT_ROOT = 0.3, 0.001  # [degrees], [leg lengths] in 1/120 s
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from footfix.enforce.costs import CostParams
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import FEWEST, Footplant
 from footfix.enforce.leg import HEEL, POINTS, TOE, LegTracks
@@ -22,17 +24,19 @@ _MOVES_ON = 20.0  # [factor] it is this many times as fast as the fastest locked
 _AROUND = 0.35  # [s] before and after a plant, in which the correction fades in and out
 _RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them,
 _OTHER_END = 0.5  # [share] and so is one in which the other end of the foot is locked in this share
+_CLEANED = 0.7  # [share] where so much of the planted time is in such plants, a program has cleaned the clip
 
 
 def kept(
     plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, frame_time: float,
-    leg_length: float, *, heights: bool, params: PinParams,
+    leg_length: float, *, heights: bool, params: PinParams, noticed: float = CostParams.noticed,
 ) -> tuple[bool, ...]:  # fmt: skip
     """Tell for each plant whether it stands well enough as it is.
 
     It does if its slide and its distance from the floor are within the tolerances, or, where `keep_rested` is set, if
     a program has locked it in 30 % of its frames, or the other end of its foot in half of them while the hip moves on:
-    programs lock feet, and a cleaned foot is found planted some frames longer at one end than before.
+    programs lock feet, and a cleaned foot is found planted some frames longer at one end than before. Where a program
+    has locked most plants, it has let the others go for a reason: these stay as they are, too, unless viewers notice.
 
     Args:
         plants: of the clip.
@@ -43,9 +47,17 @@ def kept(
         leg_length: [m].
         heights: whether heights count.
         params: the tolerances.
+        noticed: [leg lengths] smallest fault that viewers notice; 0 where contacts were given by hand, to be held.
     """
     found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
-    held = [_held(leg, ground, frame_time, leg_length) for leg in legs] if params.keep_rested else []
+    rested = np.zeros(len(plants), dtype=np.bool_)
+    if params.keep_rested:
+        held = [_held(leg, ground, frame_time, leg_length) for leg in legs]
+        rested[:] = [_rests(plant, held[plant.leg][plant.point]) for plant in plants]
+    frames = np.array([plant.end - plant.start for plant in plants])
+    if np.sum(frames[rested]) >= _CLEANED * max(np.sum(frames), 1):
+        most = max(params.keep_slide, noticed), max(params.keep_height, noticed)
+        params = replace(params, keep_slide=most[0], keep_height=most[1])
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
         leg, point = own[0].leg, POINTS.index(own[0].part)
@@ -53,7 +65,7 @@ def kept(
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         still = _still(cores, track, level, leg_length, heights, params)
         for plant, keep in zip(own, still.tolist(), strict=True):
-            found[plant.id] |= keep or (params.keep_rested and _rests(plant, held[leg][point]))
+            found[plant.id] |= keep or bool(rested[plant.id])
     return tuple(found)
 
 
@@ -80,7 +92,7 @@ def faults(
     for e in {plant.effector for plant in wanted}:
         own = [plant for plant in wanted if plant.effector == e]
         track = legs[own[0].leg].place(own[0].point).T - ground
-        middle, slides = _strays([core(plant, frame_time, edge) for plant in own], track)
+        middle, slides = _strays([core(plant, frame_time, edge, fewest=2) for plant in own], track)
         for plant, slide, height in zip(own, slides.tolist(), middle[:, 1].tolist(), strict=True):
             high = abs(height - footing.floors.plants[plant.id]) if heights else 0.0
             fault = np.inf if _wanted(plant) else max(slide, high)
@@ -102,9 +114,14 @@ def _strays(spans: Sequence[tuple[int, int]], track: Floats) -> tuple[Floats, Fl
     return middle, parts.largest(np.hypot(*(places - middle[parts.owner])[:, [0, 2]].T))
 
 
-def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> tuple[int, int]:
-    """Cut `edge` [s] off both ends of a plant, in which the foot may still be landing or leaving."""
-    trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - 3) // 2, 0))
+def core(
+    plant: Footplant, frame_time: float, edge: float = PinParams.edge, *, fewest: int = FEWEST
+) -> tuple[int, int]:
+    """Cut `edge` [s] off both ends of a plant, in which the foot may still be landing or leaving.
+
+    At least `fewest` frames are left.
+    """
+    trim = min(max(1, round(edge / frame_time)), max((plant.end - plant.start - fewest) // 2, 0))
     return plant.start + trim, plant.end - trim
 
 

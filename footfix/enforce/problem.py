@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from footfix.enforce.costs import CUT, CUT_ROOT, GROWN, NOISY, RATE, TOES, TOES_FREE, CostParams
+from footfix.enforce.costs import CUT, CUT_ROOT, FAR_TURN, FIRM_TURN, GROWN, NOISY, RATE, TOES, UNNOTICED, CostParams
 from footfix.enforce.leg import LEG, ROOT, B, LegTracks
 from footfix.enforce.pins import Pins
 from footfix.enforce.vertices import Vertices
@@ -79,12 +79,25 @@ class Problem:
         They grow in proportion. Toes reach their own bound at a fault twice as large as viewers notice: while the heel
         rises, toe joint and tip can both be held only if the toes bend.
         """
-        c = self.costs
-        seen = np.maximum(self.fault / (c.noticed * self.leg_length), 1.0)
+        c, seen = self.costs, self._seen
         line, ankle = (np.minimum(c.unnoticed_turn * seen, most) for most in (c.line_farthest, c.ankle_farthest))
         least = min(TOES * c.unnoticed_turn, c.toes_farthest)
-        toes = np.interp(seen, [1.0, TOES_FREE, 2.0], [least, min(TOES_FREE * least, c.toes_farthest), c.toes_farthest])
+        toes = np.interp(seen, [1.0, UNNOTICED, 2.0], [least, min(UNNOTICED * least, c.toes_farthest), c.toes_farthest])
         return np.radians(line), np.radians(ankle), np.radians(ankle), np.radians(toes)
+
+    @cached_property
+    def beyond(self) -> Floats:
+        """Compute the standard deviation of turns beyond `farthest`, (F,) [rad]: less where no fault is noticed.
+
+        Static friction is strong enough to turn a joint by several degrees beyond a soft bound. To mend what nobody
+        sees that is too much: there a foot slides rather than that.
+        """
+        return np.radians(np.interp(self._seen, [1.0, UNNOTICED], [FIRM_TURN, FAR_TURN]))
+
+    @property
+    def _seen(self) -> Floats:
+        """Compute how many times as large as noticed ones the faults are, (F,), at least 1."""
+        return np.maximum(self.fault / (self.costs.noticed * self.leg_length), 1.0)
 
     def near(self) -> tuple[Floats, Floats]:
         """Compute the standard deviations of NEAR: s0 [m, rad] and s2 [m/s^2, rad/s^2], both (U,)."""

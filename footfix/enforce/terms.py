@@ -26,7 +26,6 @@ import numpy as np
 from footfix.enforce.assembly import Pull, System, product
 from footfix.enforce.costs import (
     FAR_ROOT,
-    FAR_TURN,
     FLOOR,
     KNEE,
     PLACE,
@@ -172,7 +171,7 @@ def joint_terms(problem: Problem, k: int, x: Floats, base: int, out: System | No
     toes = np.zeros((1, LEG))
     toes[0, B] = 1.0
     for turn, far in zip((q, knee, w - q, toes), problem.farthest, strict=True):
-        cost += _far(turn, x, own, far, np.radians(FAR_TURN), problem, out)
+        cost += _far(turn, x, own, far, problem.beyond, problem, out)
     return cost
 
 
@@ -215,22 +214,22 @@ def root_term(problem: Problem, x: Floats, out: System | None) -> float:
     return _far(np.eye(3), x, slice(0, ROOT), *root_bound(problem), problem, out)
 
 
-def root_bound(problem: Problem) -> tuple[Floats, float]:
-    """Compute the bound on the root's shift (F,) [m], and the standard deviation of the excess [m]."""
-    far = problem.costs.root_farthest * problem.leg_length
-    return np.full(problem.frames, far), FAR_ROOT * problem.leg_length
+def root_bound(problem: Problem) -> tuple[Floats, Floats]:
+    """Compute the bound on the root's shift, and the standard deviation of the excess, (F,) [m] each."""
+    size, every = problem.leg_length, np.ones(problem.frames)
+    return problem.costs.root_farthest * size * every, FAR_ROOT * size * every
 
 
 def _far(
-    turn: Floats, x: Floats, own: slice, far: Floats, sigma: float, problem: Problem, out: System | None
+    turn: Floats, x: Floats, own: slice, far: Floats, sigma: Floats, problem: Problem, out: System | None
 ) -> float:
-    """Add FAR: one-sided cost of turn x, (3, n) times some unknowns (n, F), beyond `far`."""
+    """Add FAR: one-sided cost of turn x, (3, n) times some unknowns (n, F), beyond `far`; `sigma` is the excess's."""
     turned = turn @ x
     size = np.sqrt(np.sum(turned**2, axis=0))
     over = np.flatnonzero(size > far)
     if not len(over):
         return 0.0
-    weight = RATE * problem.frame_time / sigma**2
+    weight = RATE * problem.frame_time / sigma[over] ** 2
     along, beyond = turned[:, over] / size[over], size[over] - far[over]
     row = turn.T @ along
     if out is not None:
@@ -239,5 +238,5 @@ def _far(
         aside = beyond / size[over]
         main = out.main[:, own, own]
         block = (1.0 - aside) * np.einsum("if,jf->ijf", row, row) + aside * (turn.T @ turn)[..., None]
-        main[over] += weight * block.transpose(2, 0, 1)
-    return 0.5 * weight * float(np.sum(beyond**2))
+        main[over] += (weight * block).transpose(2, 0, 1)
+    return 0.5 * float(np.sum(weight * beyond**2))

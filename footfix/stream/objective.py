@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.assembly import product
-from footfix.enforce.costs import FAR_TURN, FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, UPRIGHT
+from footfix.enforce.costs import FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, UPRIGHT
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import near, root_bound, smooth, sticks
@@ -150,7 +150,7 @@ def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
         (foot, ((W, 1.0), (Q, -1.0))),
         (x[B : B + 1], ((slice(B, B + 1), 1.0),)),
     )
-    weight = RATE * problem.frame_time / np.radians(FAR_TURN) ** 2
+    weight = RATE * problem.frame_time / problem.beyond**2
     for (turn, parts), bound in zip(kinds, bounds, strict=True):
         pull, bend = _beyond(turn, bound, weight)
         if pull is None or bend is None:
@@ -163,7 +163,7 @@ def _far(problem: Problem, x: Floats, gradient: Floats, main: Floats) -> None:
                 main[..., at, ROOT + columns.start : ROOT + columns.stop] += share * other * bend
 
 
-def _beyond(turn: Floats, far: Floats, weight: float) -> tuple[Floats | None, Floats | None]:
+def _beyond(turn: Floats, far: Floats, weight: Floats) -> tuple[Floats | None, Floats | None]:
     """Compute the one-sided cost of turns (m, ..., F) beyond `far` (F,): gradient, second derivatives (m, m, ..., F).
     """
     size = np.sqrt(np.sum(turn**2, axis=0))

@@ -74,6 +74,13 @@ def test_a_fault_is_the_farthest_from_the_median_place_around_the_plant() -> Non
     assert fault(slid(0.058, 10, 68), toe(10, 69))[0] > 0.0  # as far as the clip goes
 
 
+def test_a_fault_of_a_short_plant_leaves_out_the_frames_in_which_it_lands_and_leaves() -> None:
+    shift = slid(0.01, 41, 42)
+    shift[:41] -= [0.018, 0.0, 0.024]  # 30 mm in the step with which it lands
+    assert fault(shift, toe(40, 44))[41] == pytest.approx(0.005)  # the middle of two frames
+    assert fault(shift, toe(40, 43))[41] > 0.025  # three frames are too few to leave any out
+
+
 def test_a_fault_is_how_high_the_plant_is_where_that_is_more() -> None:
     up = np.tile([0.0, 0.03, 0.0], (FRAMES, 1))
     assert fault(up, toe(40, 99))[60] == pytest.approx(0.03)
@@ -178,5 +185,25 @@ def test_a_heel_that_rolls_stays_while_the_toe_of_its_own_foot_is_locked(number:
     (found,) = kept(
         [heel], (left, right), np.zeros((FRAMES, 3)), level(HEEL), DT, made.rig.leg_length, heights=True,
         params=PARAMS,
+    )  # fmt: skip
+    assert found is stays
+
+
+@pytest.mark.parametrize(("slide", "locked", "asked", "stays"), [
+    (0.9, True, True, True), (1.1, True, True, False), (0.9, False, True, False), (0.9, True, False, False),
+])  # fmt: skip
+def test_in_a_clip_that_a_program_has_locked_what_nobody_notices_stays(
+    slide: float, locked: bool, asked: bool, stays: bool
+) -> None:
+    size = rig_of(walk()).leg_length
+    shift = slid(2.0 * slide * 0.02 * size, 101, 119)
+    if not locked:
+        shift += slid(0.1, 0, 90)
+    made = shifted(shift)
+    plants = [toe(0, 90), replace(toe(100, FRAMES), id=1)]
+    floors = replace(level(), plants=level().plants * 2)
+    _, found = kept(
+        plants, made.legs, np.zeros((FRAMES, 3)), floors, DT, size, heights=True,
+        params=replace(PARAMS, keep_rested=asked), noticed=0.02,
     )  # fmt: skip
     assert found is stays

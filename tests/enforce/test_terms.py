@@ -359,14 +359,24 @@ def test_what_nobody_notices_is_worth_a_small_turn_by_hand() -> None:
     np.testing.assert_allclose(line, [2.0, 2.0, 3.0, 6.0, 8.0, 18.0, FREE.line_farthest], rtol=1e-12)
     np.testing.assert_allclose([knee, ankle], [[2.0, 2.0, 3.0, 6.0, 8.0, 8.0, 8.0]] * 2, rtol=1e-12)
     assert toes[:2] == pytest.approx(costs.TOES * 2.0) and np.all(toes[3:] > 1e6)  # nothing bounds them here
-    turn = 0.5 * 60.0 * of.frame_time * (1.0 / costs.FAR_TURN) ** 2
-    for frame, degrees in ((0, 3.0), (2, 4.0), (5, 9.0)):
+    for frame, degrees, sigma in ((0, 3.0, costs.FIRM_TURN), (2, 4.0, costs.FAR_TURN), (5, 9.0, costs.FAR_TURN)):
+        turn = 0.5 * 60.0 * of.frame_time * (1.0 / sigma) ** 2
         assert one(of, ROOT + 3, frame, degrees * DEG) == pytest.approx(turn, rel=1e-6)
+
+
+def test_a_bound_is_firm_where_nobody_notices_the_fault() -> None:
+    of = problem(costs=CostParams(noticed=0.02))
+    hardly = costs.UNNOTICED
+    of = replace(of, fault=0.02 * of.leg_length * np.array([0.0, 1.0, 0.5 * (1.0 + hardly), hardly, 2.0, 9.0, np.inf]))
+    between = 0.5 * (costs.FIRM_TURN + costs.FAR_TURN)
+    expected = [costs.FIRM_TURN, costs.FIRM_TURN, between, *[costs.FAR_TURN] * 4]
+    np.testing.assert_allclose(of.beyond / DEG, expected, rtol=1e-12)
+    assert costs.FIRM_TURN < costs.FAR_TURN
 
 
 def test_toes_bend_as_far_as_they_may_for_twice_what_is_noticed() -> None:
     of = problem(costs=CostParams(noticed=0.02, unnoticed_turn=2.0, toes_farthest=40.0))
-    some = costs.TOES_FREE
+    some = costs.UNNOTICED
     of = replace(of, fault=0.02 * of.leg_length * np.array([0.0, 1.0, 1.2, some, 0.5 * (some + 2.0), 2.0, np.inf]))
     least = 2.0 * costs.TOES
     expected = [least, least, 1.2 * least, some * least, 0.5 * (some * least + 40.0), 40.0, 40.0]

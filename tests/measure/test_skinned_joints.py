@@ -19,7 +19,9 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import SHARED
+from scipy.spatial.transform import Rotation
 
+from footfix.formats.document import open_document
 from footfix.jobs.clean import clean_file
 from footfix.settings import ReportParams, Settings
 
@@ -42,7 +44,8 @@ class Bounds:
 
 
 CLIPS = {
-    "accad/Male1_B15_WalkTurnAround.bvh": Bounds(toe=2.0, flat=2.0, knee=0.5, rise=40.0, jump=0.7, jitter=1.12),
+    # some feet of these slide by a centimetre, which nobody notices: to hold them to the millimetre is worth no turn
+    "accad/Male1_B15_WalkTurnAround.bvh": Bounds(toe=2.0, flat=3.0, knee=0.5, rise=40.0, jump=0.7, jitter=1.12),
     "accad/Male1_B22_SideStepLeft.bvh": Bounds(toe=2.0, flat=11.0, knee=0.2, rise=24.0, jump=0.4, jitter=1.0),
     # what was let go in these slid on, and farther than it came, while nothing but static friction held it
     "azure_kinect/output_2.bvh": Bounds(toe=35.0, flat=2.0, knee=0.4, rise=25.0, jump=1.0, jitter=1.0),
@@ -54,7 +57,7 @@ CLIPS = {
     "ganimator/normal.bvh": Bounds(toe=5.0, flat=2.0, knee=0.2, rise=10.0, jump=0.4, jitter=1.11),
     "jujin_cmudaz/walk.bvh": Bounds(toe=2.0, flat=14.0, knee=0.8, rise=48.0, jump=0.8, jitter=1.0),
     "lafan_karstm/fight1_subject2_backward_filtered.bvh": Bounds(
-        toe=2.0, flat=2.0, knee=0.4, rise=22.0, jump=0.6, jitter=1.09,
+        toe=2.0, flat=3.0, knee=0.4, rise=22.0, jump=0.6, jitter=1.09,
     ),
     "marcojr_cmu/gymnastics1.bvh": Bounds(toe=20.0, flat=6.0, knee=0.8, rise=22.0, jump=1.1, jitter=1.03),
     # in the first frames of the judge's contacts the paws still land, and are not held
@@ -123,3 +126,18 @@ def test_feet_stand_and_the_rest_is_as_it_was(name: str, tmp_path_factory: pytes
         # toes bend little for what nobody notices, and so their tips may stray
         assert far(found, what, 1) <= far(found, what, 0) + (13.0 if what == "tip" else 5.0)
     assert found["gmd"][1] <= found["gmd"][0] + 0.03
+
+
+@pytest.mark.parametrize("name", [
+    "animdraw/jumping_jacks.bvh", "bandai/dataset-1_run_normal_001.bvh", "dme/comp_3d_2_fixed.bvh",
+    "lafan_karstm/fallAndGetUp1_subject1_jog_filtered.bvh",
+])  # fmt: skip
+def test_no_joint_turns_far_in_a_clip_whose_slide_nobody_notices(name: str, tmp_path: Path) -> None:
+    path, after = SHARED / "clips" / name, tmp_path / "after.bvh"
+    if not path.is_file():
+        pytest.skip(f"no clip: {path} is absent")
+    after.write_bytes(clean_file(path.read_bytes(), path.name, SETTINGS).motion)
+    before, now = (open_document(each.read_bytes(), name="clip.bvh").clip for each in (path, after))
+    for joint in range(len(before.skeleton.names)):
+        turn = Rotation.from_quat(before.rotation(joint)).inv() * Rotation.from_quat(now.rotation(joint))
+        assert np.degrees(turn.magnitude()).max() <= 3.0
