@@ -19,6 +19,7 @@ _RESTED = 0.0005  # [leg lengths] a plant that strays less than this throughout 
 _LASTS = 0.06  # [s] least duration of a lock; pauses and duplicate frames are shorter,
 _CARRIED = 2  # but of fewer frames in a row where the hip moves on, which it does in neither of them:
 _MOVES_ON = 20.0  # [factor] it is this many times as fast as the fastest locked foot
+_FEWEST_GIVEN = 2  # frames of a plant that was given, so that it is no foot that only passes
 _AROUND = 0.35  # [s] before and after a plant, in which the correction fades in and out
 _RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them,
 _OTHER_END = 0.5  # [share] and so is one in which the other end of the foot is locked in this share
@@ -26,13 +27,16 @@ _OTHER_END = 0.5  # [share] and so is one in which the other end of the foot is 
 
 def kept(
     plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, frame_time: float,
-    leg_length: float, *, heights: bool, params: PinParams,
+    leg_length: float, *, heights: bool, params: PinParams, by_hand: Sequence[bool] = (),
 ) -> tuple[bool, ...]:  # fmt: skip
     """Tell for each plant whether it stands well enough as it is.
 
     It does if its slide and its distance from the floor are within the tolerances, or, where `keep_rested` is set, if
     a program has locked it in 30 % of its frames, or the other end of its foot in half of them while the hip moves on:
     programs lock feet, and a cleaned foot is found planted some frames longer at one end than before.
+
+    Of plants that were given it is known that they stand: a toe joint is kept only if it is at rest, and a heel only if
+    its toe joint is kept as well. Where exactly the heel touches is not in the clip, so it has the tolerances.
 
     Args:
         plants: of the clip.
@@ -43,17 +47,31 @@ def kept(
         leg_length: [m].
         heights: whether heights count.
         params: the tolerances.
+        by_hand: for each plant whether it was given, not detected; none was by default.
     """
-    found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
+    sure = by_hand or (False,) * len(plants)
+    fewest = [_FEWEST_GIVEN if own else FEWEST for own in sure]
+    found = [not plant.force and plant.end - plant.start < fewest[plant.id] for plant in plants]
     held = [_held(leg, ground, frame_time, leg_length) for leg in legs] if params.keep_rested else []
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
         leg, point = own[0].leg, POINTS.index(own[0].part)
         track = legs[leg].place(point).T - ground
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
-        still = _still(cores, track, level, leg_length, heights, params)
-        for plant, keep in zip(own, still.tolist(), strict=True):
-            found[plant.id] |= keep or (params.keep_rested and _rests(plant, held[leg][point]))
+        # where a toe joint is, the clip tells exactly; where a heel is, it does not
+        exact = [sure[p.id] and point == TOE and legs[leg].leg.toe is not None for p in own]
+        most = np.where(exact, _RESTED, params.keep_slide)
+        still = _still(cores, track, level, leg_length, heights, most, params)
+        for plant, keep, strict in zip(own, still.tolist(), exact, strict=True):
+            found[plant.id] |= keep or (params.keep_rested and not strict and _rests(plant, held[leg][point]))
+    # the foot is stiff from heel to toe joint: a heel left where it slid would lift a toe joint that is held
+    moves = np.zeros((len(legs), len(ground)), dtype=np.bool_)
+    for plant in plants:
+        if sure[plant.id] and plant.point == TOE and not found[plant.id]:
+            moves[plant.leg, plant.frames] = True
+    for plant in plants:
+        if sure[plant.id] and plant.point == HEEL and np.any(moves[plant.leg, plant.frames]):
+            found[plant.id] = False
     return tuple(found)
 
 
@@ -110,13 +128,23 @@ def core(plant: Footplant, frame_time: float, edge: float = PinParams.edge) -> t
 
 def _still(
     spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
-    params: PinParams,
+    most: Floats, params: PinParams,
 ) -> Bools:  # fmt: skip
-    """Tell whether a track (F, 3) [m] stays near one place and its level [m] in each span, (S,)."""
+    """Tell whether a track (F, 3) [m] stays near one place and its level [m] in each span, (S,).
+
+    Args:
+        spans: S stretches of frames.
+        track: [m].
+        level: (S,) [m].
+        leg_length: [m].
+        heights: whether heights count.
+        most: (S,) [leg lengths] how far it may slide.
+        params: how far it may be from its level.
+    """
     middle, slide = _strays(spans, track)
     near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
     rests = slide <= _RESTED * leg_length
-    return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
+    return np.asarray(rests | ((slide <= most * leg_length) & (near | (not heights))))
 
 
 def _rests(plant: Footplant, held: tuple[Bools, Bools]) -> bool:

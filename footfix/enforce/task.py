@@ -79,12 +79,12 @@ def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
         notes += (Note("height-moved", text),)
     floors = floors_of(plants, legs, rig, params.pins.near * rig.leg_length)
     plants = styled(plants, legs, rig, floors, params.style)
+    by_hand = tuple(given(contacts, plant) for plant in plants)
     keep = kept(
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
-        heights=params.heights == "floor", params=params.pins,
+        heights=params.heights == "floor", params=params.pins, by_hand=by_hand,
     )  # fmt: skip
     if rig.meshes and params.heights == "floor":
         deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)
         keep = tuple(stays and not sinks for stays, sinks in zip(keep, deep.tolist(), strict=True))
-    by_hand = tuple(given(contacts, plant) for plant in plants)
     return Task(pose, calibration, legs, Footing(plants, floors, ground, keep, by_hand), lift, notes)
