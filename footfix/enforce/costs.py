@@ -12,7 +12,7 @@ STATIC = 0.03  # [leg lengths/s] of slip up to which static friction holds
 GROWN = 0.9  # [m] leg length at which the acceleration defaults hold
 
 # Soft bounds, as standard deviations of the excess.
-FLOOR, PLACE, FAR_ROOT = 0.0033, 0.0011, 0.003  # [leg lengths]
+FLOOR, PLACE, FAR_ROOT = 0.0022, 0.0011, 0.003  # [leg lengths]
 KNEE, SPEED, FAR_TURN = 0.3, 0.15, 0.5  # [degrees]
 TOES = 1.15  # toes may bend this many times as far as other joints for faults below `noticed`,
 TOES_FREE = 1.3  # and for faults up to this multiple of it; then more, up to their limit at twice `noticed`
