@@ -28,7 +28,7 @@ class PinParams:
 
     Args:
         keep_slide: a plant that slides no farther than this (2 mm for an adult), and is within `keep_height` of its
-            floor, stays as captured [leg lengths].
+            floor, stays as captured; a toe joint that labels say is planted does only if at rest [leg lengths].
         keep_height: greatest distance from its floor at which a plant may stay as captured [leg lengths].
         keep_rested: whether a plant whose foot a program has locked in 30 % of its frames stays as captured, too.
         edge: time at the start and end of a detected contact in which the foot may still be landing or leaving [s].

@@ -10,7 +10,7 @@ import numpy as np
 from footfix.enforce.costs import CostParams
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import FEWEST, Footplant
-from footfix.enforce.leg import HEEL, POINTS, TOE, LegTracks
+from footfix.enforce.leg import HEEL, TOE, LegTracks
 from footfix.enforce.pins import PinParams
 from footfix.enforce.standing_heights import Floors
 from footfix.motion.clip import Bools, Floats
@@ -21,6 +21,7 @@ _RESTED = 0.0005  # [leg lengths] a plant that strays less than this throughout 
 _LASTS = 0.06  # [s] least duration of a lock; pauses and duplicate frames are shorter,
 _CARRIED = 2  # but of fewer frames in a row where the hip moves on, which it does in neither of them:
 _MOVES_ON = 20.0  # [factor] it is this many times as fast as the fastest locked foot
+_FEWEST_GIVEN = 2  # frames of a plant that was given, so that it is no foot that only passes
 _AROUND = 0.35  # [s] before and after a plant, in which the correction fades in and out
 _RESTING = 0.3  # [share] a plant locked in this share of its frames is kept as captured in all of them,
 _OTHER_END = 0.5  # [share] and so is one in which the other end of the foot is locked in this share
@@ -30,6 +31,7 @@ _CLEANED = 0.7  # [share] where so much of the planted time is in such plants, a
 def kept(
     plants: Sequence[Footplant], legs: Sequence[LegTracks], ground: Floats, floors: Floors, frame_time: float,
     leg_length: float, *, heights: bool, params: PinParams, noticed: float = CostParams.noticed,
+    by_hand: Sequence[bool] = (),
 ) -> tuple[bool, ...]:  # fmt: skip
     """Tell for each plant whether it stands well enough as it is.
 
@@ -37,6 +39,9 @@ def kept(
     a program has locked it in 30 % of its frames, or the other end of its foot in half of them while the hip moves on:
     programs lock feet, and a cleaned foot is found planted some frames longer at one end than before. Where a program
     has locked most plants, it has let the others go for a reason: these stay as they are, too, unless viewers notice.
+
+    Of plants that were given it is known that they stand: a toe joint is kept only if it is at rest, and a heel only if
+    its toe joint is kept as well. Where exactly the heel touches is not in the clip, so it has the tolerances.
 
     Args:
         plants: of the clip.
@@ -47,26 +52,51 @@ def kept(
         leg_length: [m].
         heights: whether heights count.
         params: the tolerances.
-        noticed: [leg lengths] smallest fault that viewers notice; 0 where contacts were given by hand, to be held.
+        noticed: [leg lengths] smallest fault that viewers notice.
+        by_hand: for each plant whether it was given, not detected; none was by default.
     """
-    found = [not plant.force and plant.end - plant.start < FEWEST for plant in plants]
+    sure = by_hand or (False,) * len(plants)
+    fewest = [_FEWEST_GIVEN if own else FEWEST for own in sure]
+    found = [not plant.force and plant.end - plant.start < fewest[plant.id] for plant in plants]
     rested = np.zeros(len(plants), dtype=np.bool_)
     if params.keep_rested:
         held = [_held(leg, ground, frame_time, leg_length) for leg in legs]
         rested[:] = [_rests(plant, held[plant.leg][plant.point]) for plant in plants]
     frames = np.array([plant.end - plant.start for plant in plants])
-    if np.sum(frames[rested]) >= _CLEANED * max(np.sum(frames), 1):
+    if not any(sure) and np.sum(frames[rested]) >= _CLEANED * max(np.sum(frames), 1):
         most = max(params.keep_slide, noticed), max(params.keep_height, noticed)
         params = replace(params, keep_slide=most[0], keep_height=most[1])
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
-        leg, point = own[0].leg, POINTS.index(own[0].part)
+        leg, point = own[0].leg, own[0].point
         track = legs[leg].place(point).T - ground
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
-        still = _still(cores, track, level, leg_length, heights, params)
-        for plant, keep in zip(own, still.tolist(), strict=True):
-            found[plant.id] |= keep or bool(rested[plant.id])
-    return tuple(found)
+        # where a toe joint is, the clip tells exactly; where a heel is, it does not
+        exact = [sure[p.id] and point == TOE and legs[leg].leg.toe is not None for p in own]
+        most_slide = np.where(exact, _RESTED, params.keep_slide)
+        still = _still(cores, track, level, leg_length, heights, most_slide, params)
+        for plant, keep, strict in zip(own, still.tolist(), exact, strict=True):
+            found[plant.id] |= keep or (bool(rested[plant.id]) and not strict)
+    return _heels_with_toes(plants, found, sure, len(ground))
+
+
+def _heels_with_toes(
+    plants: Sequence[Footplant], keep: Sequence[bool], sure: Sequence[bool], frames: int
+) -> tuple[bool, ...]:
+    """Keep no heel that was given beside a toe joint that was given and is to be held.
+
+    The foot is stiff from heel to toe joint: a heel left where it slid would lift the toe joint.
+    """
+    moves: dict[int, Bools] = {}
+    for plant in plants:
+        if sure[plant.id] and plant.point == TOE and not keep[plant.id]:
+            moves.setdefault(plant.leg, np.zeros(frames, dtype=np.bool_))[plant.frames] = True
+
+    def goes_along(plant: Footplant) -> bool:
+        beside = moves.get(plant.leg) if sure[plant.id] and plant.point == HEEL else None
+        return beside is not None and bool(np.any(beside[plant.frames]))
+
+    return tuple(keep[plant.id] and not goes_along(plant) for plant in plants)
 
 
 def faults(
@@ -127,13 +157,23 @@ def core(
 
 def _still(
     spans: Sequence[tuple[int, int]], track: Floats, level: Sequence[float], leg_length: float, heights: bool,
-    params: PinParams,
+    most: Floats, params: PinParams,
 ) -> Bools:  # fmt: skip
-    """Tell whether a track (F, 3) [m] stays near one place and its level [m] in each span, (S,)."""
+    """Tell whether a track (F, 3) [m] stays near one place and its level [m] in each span, (S,).
+
+    Args:
+        spans: S stretches of frames.
+        track: [m].
+        level: (S,) [m].
+        leg_length: [m].
+        heights: whether heights count.
+        most: (S,) [leg lengths] how far it may slide.
+        params: how far it may be from its level.
+    """
     middle, slide = _strays(spans, track)
     near = np.abs(middle[:, 1] - np.array(level)) <= params.keep_height * leg_length
     rests = slide <= _RESTED * leg_length
-    return np.asarray(rests | ((slide <= params.keep_slide * leg_length) & (near | (not heights))))
+    return np.asarray(rests | ((slide <= most * leg_length) & (near | (not heights))))
 
 
 def _rests(plant: Footplant, held: tuple[Bools, Bools]) -> bool:

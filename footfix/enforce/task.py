@@ -82,8 +82,7 @@ def task_of(clip: Clip, rig: Rig, contacts: Contacts, params: EnforceParams) -> 
     by_hand = tuple(given(contacts, plant) for plant in plants)
     keep = kept(
         plants, legs, ground, floors, clip.frame_time, rig.leg_length,
-        heights=params.heights == "floor", params=params.pins,
-        noticed=0.0 if any(by_hand) else params.costs.noticed,
+        heights=params.heights == "floor", params=params.pins, noticed=params.costs.noticed, by_hand=by_hand,
     )  # fmt: skip
     if rig.meshes and params.heights == "floor":
         deep = meshes.sunk(plants, rig, pose, lift, floors, params.pins.near * rig.leg_length)

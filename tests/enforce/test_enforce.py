@@ -104,13 +104,9 @@ def test_plants_hold_and_nothing_else_shows(gait: str, artefact: str) -> None:
     rig = rig_of(made)
     clip = ARTEFACTS[artefact](made.clip)
     after, found = cleaned(clip, rig, made.contacts)
-    slid = strays(after, rig, made.contacts)
-    held = {part: [0.0] for part in slid}  # what slides within the tolerance is left as it is
-    for plant, far in zip(found.plants, in_order(slid, made.contacts), strict=True):
-        held[plant.part] += [far] * (plant.outcome != "kept")
-    assert np.percentile(held["toe"], 95) <= 1.0 and np.percentile(slid["toe"], 95) <= 2.0
-    assert np.percentile(held["heel"], 95) <= 2.0
-    assert max(slid["toe"] + slid["heel"]) <= 6.0
+    slid = strays(after, rig, made.contacts)  # kept plants and all
+    assert np.percentile(slid["toe"], 95) <= 0.5 and np.percentile(slid["heel"], 95) <= 2.0
+    assert max(slid["toe"] + slid["heel"]) <= 3.0
     assert np.percentile(np.abs(heights(after, rig, made.contacts)), 95) <= 7.0
     assert heights(after, rig, made.contacts).min() >= -12.0
     assert extension(after, rig) <= max(0.9995, extension(clip, rig)) + 1e-6
@@ -662,7 +658,7 @@ def test_where_a_pose_was_cut_off_the_correction_starts_small() -> None:
     clip = replace(made.clip, positions=positions)
     sizes = {}
     for cut in ((False, False), (True, False)):
-        found = enforce(clip, rig, made.contacts, EnforceParams(), cut=cut)
+        found = enforce(clip, rig, replace(made.contacts, method="auto"), EnforceParams(), cut=cut)
         shift = np.linalg.norm(found.correction.root_shift[0])
         turns = [
             rotation.angle(rotation.multiply(rotation.inverse(clip.rotation(j)), found.correction.rotations[:, k]))[0]

@@ -207,3 +207,41 @@ def test_in_a_clip_that_a_program_has_locked_what_nobody_notices_stays(
         params=replace(PARAMS, keep_rested=asked), noticed=0.02,
     )  # fmt: skip
     assert found is stays
+
+
+@pytest.mark.parametrize(("slide", "given", "stays"), [
+    (0.0015, False, True), (0.0015, True, False), (0.0003, True, True),
+])  # fmt: skip
+def test_a_toe_joint_that_was_given_stays_only_if_it_is_at_rest(slide: float, given: bool, stays: bool) -> None:
+    made = shifted(slid(2.0 * slide, 40, 99))
+    (found,) = kept(
+        [toe(40, 99)], made.legs, np.zeros((FRAMES, 3)), level(), DT, made.rig.leg_length, heights=True,
+        params=PARAMS, by_hand=(given,),
+    )  # fmt: skip
+    assert found is stays
+
+
+def test_a_toe_joint_that_was_given_is_held_for_two_frames_and_though_a_program_locked_it_in_others() -> None:
+    made = shifted(slid(0.1, 41 + 29, 98))  # rests, then slides
+    for plant, stays in ((toe(40, 99), False), (toe(80, 82), False), (toe(80, 81), True), (toe(40, 60), True)):
+        (found,) = kept(
+            [plant], made.legs, np.zeros((FRAMES, 3)), level(), DT, made.rig.leg_length, heights=True, params=PARAMS,
+            by_hand=(True,),
+        )  # fmt: skip
+        assert found is stays
+
+
+@pytest.mark.parametrize(("number", "start", "given", "stays"), [
+    (0, 98, True, False), (0, 99, True, True), (1, 98, True, True), (0, 98, False, True),
+])  # fmt: skip
+def test_a_heel_that_was_given_stays_only_if_the_toe_joint_of_its_foot_does(
+    number: int, start: int, given: bool, stays: bool
+) -> None:
+    made = shifted(slid(0.05, 99, FRAMES - 1))  # the heel rests until the toe joint slides
+    heel = Footplant(0, 2 * number, "heel", number, "heel", 40, 99)
+    floors = replace(level(HEEL), plants=(*level(HEEL).plants, *level().plants))
+    found, _ = kept(
+        [heel, replace(toe(start, FRAMES), id=1)], made.legs, np.zeros((FRAMES, 3)), floors, DT, made.rig.leg_length,
+        heights=True, params=PARAMS, by_hand=(given, given),
+    )  # fmt: skip
+    assert found is stays
