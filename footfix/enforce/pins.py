@@ -128,8 +128,11 @@ def pins(
     alike = held_alike(heel.hold, toe.hold, both, share)
     heel, toe = (replace(each, hold=hold) for each, hold in zip((heel, toe), alike, strict=True))
     ankle = _ankle(heel, toe, footing, leg, k, params.bare_ankle if rig.legs[k].toe is None else params.ankle)
-    # while heel and toe are planted, the tip has the same weight as the ankle
+    # While heel and toe are planted, the ankle's weight stands on the other end of the foot, too: on the tip, or on the
+    # toe joint of a foot without one. Else a foot that turns about its toe would be made to turn farther back.
     tips = [replace(tip, hold=np.where(both, params.ankle * toe.hold, tip.hold)) for tip in tips]
+    if not tips and rig.legs[k].toe is not None:
+        toe = replace(toe, hold=np.where(both, toe.hold + ankle.hold, toe.hold))
     return (heel, toe, ankle, *tips)
 
 

@@ -2,7 +2,8 @@
 
 Heel and toe of a foot of length l, which turns at a rate w about a pivot at distance r from its heel, slip by w r and
 w (l - r). With equal weights their sum is w l wherever the pivot is, so that it stays where it was captured; with
-unequal weights the foot would always turn about the end with the greater weight.
+unequal weights the foot would always turn about the end with the greater weight. The ankle's weight counts with the
+heel's, so that as much more is needed ahead (`pins.pins`).
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from legmaker import figure_of
+from legmaker import changed, figure_of
 from walks import rig_of, walk
 
 import footfix
@@ -20,10 +20,11 @@ FPS, FRAMES = 60.0, 121
 QUICK = 4.0  # [rad/s]
 
 
-def turned(about: str, angle: Floats, drift: float = 0.0) -> tuple[Clip, Rig]:
-    """A figure that stands, drifts and turns by (F,) [rad] about a sole point of its left foot."""
+def turned(about: str, angle: Floats, drift: float = 0.0, kind: str = "plain") -> tuple[Clip, Rig]:
+    """A figure with legs of some kind that stands, drifts and turns by (F,) [rad] about a sole point of its left foot.
+    """
     made = walk("stand", FPS, 2.0)
-    clip, rig = made.clip.frames(np.zeros(FRAMES, dtype=int)), rig_of(made)
+    clip, rig = changed(kind, made.clip.frames(np.zeros(FRAMES, dtype=int)), rig_of(made))
     centre = rig.tracks(rig.pose(clip))[[sole.name for sole in rig.soles].index(f"left_{about}")][0] * [1.0, 0.0, 1.0]
     yaw = rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), angle)
     place = centre + rotation.rotate(yaw, clip.position(rig.root) - centre)
@@ -40,11 +41,12 @@ def contacts_of(contacts: Contacts, heel: float, toe: float) -> Contacts:
     return replace(contacts, frames=FRAMES, effectors=effectors, method="auto")
 
 
+@pytest.mark.parametrize("kind", ["plain", "bare toes"])
 @pytest.mark.parametrize("about", ["heel", "toe"])
 @pytest.mark.parametrize(("heel", "toe"), [(0.3, 0.97), (0.97, 0.3)])
-def test_a_foot_turns_about_the_end_it_turned_about(about: str, heel: float, toe: float) -> None:
+def test_a_foot_turns_about_the_end_it_turned_about(about: str, heel: float, toe: float, kind: str) -> None:
     u = np.clip(np.arange(FRAMES) / FPS - 0.8, 0.0, 0.4) / 0.4
-    clip, rig = turned(about, 2.6 * u**2 * (3.0 - 2.0 * u), drift=0.03)
+    clip, rig = turned(about, 2.6 * u**2 * (3.0 - 2.0 * u), 0.03, kind)
     contacts = contacts_of(walk("stand", FPS, 2.0).contacts, heel, toe)
     cleaned = footfix.clean(clip, rig=rig, contacts=contacts).clip
     names = [sole.name for sole in rig.soles]
