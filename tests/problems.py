@@ -76,7 +76,8 @@ def residuals(
 ) -> Floats:
     """(N,) the residuals r whose 1/2 r'r is the objective's quadratic part around a state.
 
-    SLIP is weighted by the slip of the places `near_at`, if not its own (Weiszfeld); one-sided terms are what they are.
+    SLIP is weighted by the slip of the places `near_at`, if not its own (Weiszfeld), and LEVEL by their height;
+    one-sided terms are what they are.
     """
     c, size, dt, deg = of.costs, of.leg_length, of.frame_time, np.pi / 180.0
     frames, per_frame = of.frames, np.sqrt(costs.RATE * of.frame_time)
@@ -98,7 +99,8 @@ def residuals(
             out += _slips(of, pin, place, before[k][point], eps, static)
             # LEVEL, FLOOR, PLACE
             on = pin.stands.astype(float) * np.sqrt(pin.draw)
-            out.append(per_frame * on * (place[1] - pin.level) / (c.level * size))
+            off, then = place[1] - pin.level, np.maximum(before[k][point][1] - pin.level, costs.LIFTED * size)
+            out.append(per_frame * on * np.sqrt(costs.LIFTED * size / then) * off / (c.level * size))
             out.append(per_frame * np.maximum(0.0, pin.lowest - place[1]) / (costs.FLOOR * size))
             out.append(per_frame * np.sqrt(pin.placed) * (place - pin.place) / (costs.PLACE * size))
         # KNEE
@@ -186,6 +188,17 @@ def slip_cost(of: Problem, x: Floats, eps: float) -> float:
             slip = (np.diff(place, axis=1) - pin.slip) * [[1.0], [costs.UPRIGHT], [1.0]]
             long = np.linalg.norm(slip, axis=0)
             cost += of.costs.slide / of.leg_length * float(pin.hold @ (long - eps * np.log(1.0 + long / eps)))
+    return cost
+
+
+def lifted_cost(of: Problem, x: Floats) -> float:
+    """What LEVEL costs beyond its reweighted parabola where a point is lifted by h: a (l h - l^2 / 2) in all."""
+    cost, most = 0.0, costs.LIFTED * of.leg_length
+    for pins, points in zip(of.pins, places(of, x), strict=True):
+        for pin, place in zip(pins, points, strict=True):
+            high = np.maximum(place[1] - pin.level, most)
+            weight = costs.RATE * of.frame_time * pin.stands * pin.draw / (of.costs.level * of.leg_length) ** 2
+            cost += float(np.sum(weight * (most * high - 0.5 * most**2 - 0.5 * most * high)))
     return cost
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from footfix.detect import weights
-from footfix.detect.evidence import COLUMNS, OWN, STEP, Sampled, evidence, resample
+from footfix.detect.evidence import BODY, COLUMNS, OWN, STEP, Sampled, evidence, resample
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE, Network
 from footfix.detect.overtaking import OvertakingParams, overtaking
 from footfix.detect.settling import SettlingParams, settled
-from footfix.detect.stepping import SteppingParams, stepping, velocities_of
+from footfix.detect.stepping import SteppingParams, likely, stepping, velocities_of
 from footfix.detect.timing import Timing, timed
 from footfix.detect.tracks import Finding, FootTracks, Tracks
 from footfix.detect.uncertainty import DoubtParams, frame_rate, unsure
@@ -32,6 +33,8 @@ class AutoParams:
             contact is still landing, or already leaving.
         highest: [leg lengths] greatest height of a planted foot's lowest point over the floor ahead and behind.
         steep: [leg lengths] height above `highest` that lowers the log odds of contact by one nat.
+        rising: [leg lengths/s] vertical speed at which a foot has left the floor behind it, or has not reached the one
+            ahead, with probability 0.5.
         stepping: when a foot that looks planted is stepping.
         overtaking: when a foot that moves ahead of the pelvis is swinging.
         settling: how much of the start and end of a step belongs to a contact.
@@ -45,6 +48,7 @@ class AutoParams:
     landing: float = 0.05
     highest: float = 0.065
     steep: float = 0.005
+    rising: float = 1.0
     stepping: SteppingParams = field(default_factory=SteppingParams)
     overtaking: OvertakingParams = field(default_factory=OvertakingParams)
     settling: SettlingParams = field(default_factory=SettlingParams)
@@ -54,6 +58,7 @@ class AutoParams:
 
 PARTS, WAYS = ("heel", "toe"), ("ahead", "behind")
 CHUNK = 12_000  # grid steps evaluated at a time, which bounds memory
+_SHARP = 6.0  # exponent of the vertical speed in the odds
 _MARGIN = 250  # grid steps around a chunk on which its evidence may depend
 
 
@@ -135,17 +140,46 @@ def log_probabilities(
 
 
 def grounded(answer: Floats, curves: Floats, params: AutoParams) -> Floats:
-    """Rule out contact of a foot that is too high over the floor ahead and behind.
+    """Rule out contact of a foot that is too high over its floor.
 
-    A foot that hops straight up could be mistaken for a planted foot on a floor that rises.
+    That is the higher of the floors ahead and behind: a foot may stand on a stair that it has climbed, or will descend.
+    But a foot that rises is leaving the floor behind it, and a foot that falls has yet to reach the one ahead.
+
+    Args:
+        answer: (n, 4) log probabilities.
+        curves: (n, len(COLUMNS)) the evidence.
+        params: how high a planted foot may be, and how fast it rises.
     """
-    over = curves[:, [COLUMNS.index(f"{part} over floor {way}") for part in PARTS for way in WAYS]]
-    height = OWN["heel over floor ahead"] * np.sinh(over.min(axis=1))  # (n,) [leg lengths] of the lowest point
+    ahead, behind = (_columns(curves, f"over floor {way}", PARTS).min(axis=1) for way in WAYS)
+    up, down = (likely(speed, params.rising, _SHARP) for speed in _leaving(curves))
+    height = np.minimum(ahead, behind)  # (n,) [leg lengths] of the lowest point
+    height += up * (behind - height) + down * (ahead - height)
     planted = np.logaddexp.reduce(answer[:, HEEL:], axis=1)
     odds = np.minimum(planted - answer[:, SWING], (params.highest - height) / params.steep)
     out = answer - planted[:, None] - np.logaddexp(0.0, -odds)[:, None]
     out[:, SWING] = -np.logaddexp(0.0, odds)
     return np.asarray(out)
+
+
+def _leaving(curves: Floats) -> tuple[Floats, Floats]:
+    """Compute how fast all of a foot rises, and how fast all of it falls, each (n,) 0 or more [leg lengths/s].
+
+    What both feet have in common may be the root's: in files whose root does not move, the feet rise as the figure
+    crouches. Unless the pelvis goes the same way: then the figure jumps, or comes down.
+    """
+    own, other = (_columns(curves, "rise", parts) for parts in (PARTS, [f"other {part}" for part in PARTS]))
+    pelvis = BODY["pelvis rise"] * np.sinh(curves[:, COLUMNS.index("pelvis rise")])
+    found = []
+    for foot, mate, body in ((own, other, pelvis), (-own, -other, -pelvis)):
+        slower = foot.min(axis=1)
+        found.append(np.maximum(np.minimum(slower, np.maximum(slower - mate.max(axis=1), body)), 0.0))
+    return found[0], found[1]
+
+
+def _columns(curves: Floats, name: str, parts: Sequence[str]) -> Floats:
+    """Get a feature of heel and toe in leg lengths and seconds, (n, 2)."""
+    at = [COLUMNS.index(f"{part} {name}") for part in parts]
+    return np.asarray(OWN[f"heel {name}"] * np.sinh(curves[:, at]))
 
 
 def _parts(answer: Floats, frames: int, per_frame: float) -> tuple[Floats, Floats]:

@@ -9,6 +9,7 @@ RATE = 60.0
 UPRIGHT = 0.05  # weight of vertical slip relative to horizontal slip; low, since a foot rolls
 NOISY = 3.0  # greatest acceleration allowed for noise, as a multiple of the default, if it may be quick motion
 STATIC = 0.03  # [leg lengths/s] of slip up to which static friction holds
+LIFTED = 0.01  # [leg lengths] over its floor, above which a planted point is drawn down no harder
 GROWN = 0.9  # [m] leg length at which the acceleration defaults hold
 
 # Soft bounds, as standard deviations of the excess.

@@ -13,7 +13,7 @@ import numpy as np
 from footfix.enforce.footing import Footing
 from footfix.enforce.footplant import Footplant, stands
 from footfix.enforce.leg import HEEL, POINTS, TIP, TOE, LegTracks
-from footfix.enforce.pivots import held_alike, share_held
+from footfix.enforce.pivots import ankle_stiller, held_alike, share_held, shared_behind
 from footfix.enforce.standing_heights import floor_steps, nominal
 from footfix.motion.clip import Bools, Floats
 from footfix.rig.rig import Rig
@@ -33,7 +33,8 @@ class PinParams:
         keep_rested: whether a plant whose foot a program has locked in 30 % of its frames stays as captured, too.
         edge: time at the start and end of a detected contact in which the foot may still be landing or leaving [s].
         edge_weight: weight of a pin at the very start and end of a contact, relative to its middle [share].
-        ankle: weight of the ankle relative to the toe joint, while heel and toe are planted [share].
+        ankle: weight of the ankle relative to the toe joint, while heel and toe are planted; more of the heel's where
+            the ankle was captured stiller than the heel [share].
         bare_ankle: the same for a foot without toe joint, whose heel and toe are estimated [share].
         tip: weight of the toes' tip relative to the toe joint [share].
         near: a plant within this distance of the floor stands on it, any other on a step of its own [leg lengths].
@@ -128,8 +129,14 @@ def pins(
     alike = held_alike(heel.hold, toe.hold, both, share)
     heel, toe = (replace(each, hold=hold) for each, hold in zip((heel, toe), alike, strict=True))
     ankle = _ankle(heel, toe, footing, leg, k, params.bare_ankle if rig.legs[k].toe is None else params.ankle)
-    # while heel and toe are planted, the tip has the same weight as the ankle
+    stiller = ankle_stiller(leg, footing.ground, both, rig.leg_length)
+    heel_held, ankle_held = shared_behind(heel.hold, ankle.hold, stiller)
+    heel, ankle = replace(heel, hold=heel_held), replace(ankle, hold=ankle_held)
+    # While heel and toe are planted, the ankle's weight stands on the other end of the foot, too: on the tip, or on the
+    # toe joint of a foot without one. Else a foot that turns about its toe would be made to turn farther back.
     tips = [replace(tip, hold=np.where(both, params.ankle * toe.hold, tip.hold)) for tip in tips]
+    if not tips and rig.legs[k].toe is not None:
+        toe = replace(toe, hold=np.where(both, heel.hold + ankle.hold, toe.hold))
     return (heel, toe, ankle, *tips)
 
 

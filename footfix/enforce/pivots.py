@@ -2,7 +2,8 @@
 
 Heel and toe of a foot of length l, which turns at a rate w about a pivot at distance r from its heel, slip by w r and
 w (l - r). With equal weights their sum is w l wherever the pivot is, so that it stays where it was captured; with
-unequal weights the foot would always turn about the end with the greater weight.
+unequal weights the foot would always turn about the end with the greater weight. The ankle's weight counts with the
+heel's, so that as much more is needed ahead (`pins.pins`).
 """
 
 from __future__ import annotations
@@ -11,9 +12,11 @@ import numpy as np
 
 from footfix.enforce.leg import HEEL, TOE, LegTracks
 from footfix.motion.clip import Bools, Floats
+from footfix.motion.contacts import runs
 from footfix.motion.smoothing import savgol
 
 _SMOOTH = 0.09  # [s] window of the rate
+_RESTS = 0.001  # [leg lengths] a shorter path is rest
 
 
 def held_alike(heel: Floats, toe: Floats, both: Bools, share: Floats) -> tuple[Floats, Floats]:
@@ -26,6 +29,43 @@ def held_alike(heel: Floats, toe: Floats, both: Bools, share: Floats) -> tuple[F
     """
     surer = np.maximum(heel, toe) * share
     return np.where(both, surer, heel), np.where(both, surer, toe)
+
+
+def ankle_stiller(leg: LegTracks, ground: Floats, both: Bools, leg_length: float) -> Floats:
+    """Compute how many times as far as the ankle the heel goes while both ends of the foot stand, (F - 1,) 1 or more.
+
+    Skate moves both alike. Where the ankle rests and the heel does not, the foot rolls about the ankle, or the heel was
+    estimated in the wrong place: to hold the heel would make an ankle slide that stood.
+
+    Args:
+        leg: as captured.
+        ground: (F, 3) [m] displacement of the ground.
+        both: (F - 1,) whether heel and toe stand.
+        leg_length: [m].
+    """
+    moves = np.diff(ground.T, axis=1)
+    steps = [np.hypot(*(np.diff(track, axis=1) - moves)[[0, 2]]) for track in (leg.place(HEEL), leg.ankle)]
+    found, least = np.ones(len(both)), _RESTS * leg_length
+    for start, end in runs(both):
+        heel, ankle = (float(each[start:end].sum()) for each in steps)
+        found[start:end] = max((heel + least) / (ankle + least), 1.0)
+    return found
+
+
+def shared_behind(heel: Floats, ankle: Floats, stiller: Floats) -> tuple[Floats, Floats]:
+    """Share the weight of heel and ankle between them: the ankle's grows `stiller`-fold relative to the heel's.
+
+    Args:
+        heel, ankle: (F - 1,) weights of slip.
+        stiller: (F - 1,) from `ankle_stiller`.
+
+    Returns:
+        Their weights, (F - 1,) each, of the same sum.
+    """
+    held = stiller * ankle
+    whole = (heel + ankle) / np.maximum(heel + held, 1e-12)
+    more = stiller > 1.0  # elsewhere to the digit as they were
+    return np.where(more, whole * heel, heel), np.where(more, whole * held, ankle)
 
 
 def share_held(leg: LegTracks, both: Bools, frame_time: float, turning: float) -> Floats:

@@ -7,13 +7,17 @@ deviations (`costs`).
 
 Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near the capture, and near its accelerations
            + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    planted points do not move: friction, c a metre
-           + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   planted points are at their floor's height
+           + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   planted points are at their floor's height (*)
            + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor (see `vertices`, too)
            + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
            + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
            + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay within bounds; y = d, q, k, w - q, b
            + 1/2 sum_t r dt |(p - place) / sp|^2              PLACE   requested places
            + 1/2 |x / sc|^2 at a cut                          CUT     beside a cut-off T-pose the correction is small
+
+(*) A point more than l above its level, l = `costs.LIFTED`, is drawn down as by l, no harder: the cost goes on as a
+straight line (Huber). What is far above its floor within a contact is being lifted, or has not landed yet; a parabola
+would pull the whole figure down to plant it. What is below the floor has no such excuse.
 
 SLIP is an L1 norm: where holding costs more than sliding, the foot slides there, and only there. It is solved by
 reweighting (Weiszfeld): 1/2 c h |s|^2 / (|s_before| + eps), a bound from above that touches at s_before.
@@ -28,6 +32,7 @@ from footfix.enforce.costs import (
     FAR_ROOT,
     FLOOR,
     KNEE,
+    LIFTED,
     PLACE,
     RATE,
     SPEED,
@@ -113,12 +118,18 @@ def _slip(problem: Problem, pin: Pins, place: Floats, eps: float, static: float)
 
 
 def _level_and_floor(problem: Problem, pin: Pins, height: Floats) -> tuple[float, Floats, Floats]:
-    """LEVEL, a (p_y - level)^2, and FLOOR, max(0, lowest - p_y)^2: their cost, force and stiffness by the height."""
+    """LEVEL, a (p_y - level)^2, and FLOOR, max(0, lowest - p_y)^2: their cost, force and stiffness by the height.
+
+    Above `costs.LIFTED`, LEVEL is a straight line; its stiffness is that of a parabola from above that touches it.
+    """
     size, per_frame = problem.leg_length, RATE * problem.frame_time
     level = np.where(pin.stands, per_frame * pin.draw / (problem.costs.level * size) ** 2, 0.0)
     off, low = height - pin.level, np.maximum(pin.lowest - height, 0.0)
     floor = per_frame / (FLOOR * size) ** 2 * (low > 0.0)
-    cost = 0.5 * float(np.sum(level * off**2 + floor * low**2))
+    straight = LIFTED * size
+    high = np.maximum(off, straight)
+    level *= straight / high  # reweighted, as SLIP is
+    cost = 0.5 * float(np.sum(level * (off**2 + high * (high - straight)) + floor * low**2))
     return cost, level * off - floor * low, level + floor
 
 

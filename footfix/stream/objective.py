@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.assembly import product
-from footfix.enforce.costs import FLOOR, KNEE, PLACE, RATE, SPEED, STATIC, UPRIGHT
+from footfix.enforce.costs import FLOOR, KNEE, LIFTED, PLACE, RATE, SPEED, STATIC, UPRIGHT
 from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import near, root_bound, smooth, sticks
@@ -116,10 +116,10 @@ def _pull(problem: Problem, pin: Stacked, place: Floats, eps: float, static: flo
     force[..., :-1] -= pulled
     stiff[..., 1:] += step
     stiff[..., :-1] += step
-    level = per_frame / (problem.costs.level * size) ** 2 * pin.draw
-    low = np.maximum(pin.lowest - place[1], 0.0)
+    off, low, straight = place[1] - pin.level, np.maximum(pin.lowest - place[1], 0.0), LIFTED * size
+    level = per_frame / (problem.costs.level * size) ** 2 * pin.draw * (straight / np.maximum(off, straight))
     floor = per_frame / (FLOOR * size) ** 2
-    force[1] += level * (place[1] - pin.level) - floor * low
+    force[1] += level * off - floor * low
     stiff[1] += level + floor * (low > 0.0)
     return force, stiff, step
 

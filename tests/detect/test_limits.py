@@ -7,7 +7,7 @@ import pytest
 
 from footfix.detect import auto as detector
 from footfix.detect.auto import AutoParams, auto, grounded
-from footfix.detect.evidence import COLUMNS, OWN
+from footfix.detect.evidence import BODY, COLUMNS, OWN
 from footfix.detect.kneeling import KneelingParams, carrying
 from footfix.detect.network import FLAT, HEEL, SWING, TOE
 from footfix.detect.tracks import FootTracks, Tracks
@@ -64,6 +64,30 @@ def test_no_foot_stands_high_over_the_floor_ahead_and_behind(others: float) -> N
     # one step up ahead is enough for a foot to stand there
     curves[:, COLUMNS.index("heel over floor ahead")] = 0.0
     assert np.exp(grounded(sure, curves, AutoParams()))[:, SWING] == pytest.approx(0.001, abs=1e-3)
+
+
+@pytest.mark.parametrize(("way", "sign"), [("behind", 1.0), ("ahead", -1.0)])
+def test_a_foot_that_rises_has_left_and_one_that_falls_has_yet_to_land(way: str, sign: float) -> None:
+    """A foot 0.2 legs over the floor on one side, and on the floor of the other, moves up or down."""
+
+    def planted(own: tuple[float, float], mate: float = 0.0, pelvis: float = 0.0, height: float = 0.2) -> float:
+        curves = np.zeros((1, len(COLUMNS)))
+        for part, rise in zip(("heel", "toe"), own, strict=True):
+            curves[:, COLUMNS.index(f"{part} over floor {way}")] = np.arcsinh(height / OWN[f"{part} over floor {way}"])
+            curves[:, COLUMNS.index(f"{part} rise")] = np.arcsinh(sign * rise / OWN[f"{part} rise"])
+            curves[:, COLUMNS.index(f"other {part} rise")] = np.arcsinh(sign * mate / OWN[f"{part} rise"])
+        curves[:, COLUMNS.index("pelvis rise")] = np.arcsinh(sign * pelvis / BODY["pelvis rise"])
+        sure = np.log(np.array([[0.001, 0.333, 0.333, 0.333]]))
+        return float(np.exp(grounded(sure, curves, AutoParams()))[0, HEEL:].sum())
+
+    assert planted((3.0, 3.0)) < 0.01
+    assert planted((0.1, 0.1)) > 0.99  # on a stair
+    assert planted((3.0, 0.1)) > 0.99 and planted((0.1, 3.0)) > 0.99  # rolls
+    assert planted((-3.0, -3.0)) > 0.99  # has just climbed the stair
+    assert planted((3.0, 3.0), height=0.04) > 0.99
+    assert planted((3.0, 3.0), mate=3.0) > 0.99  # the root does not move, and the figure crouches
+    assert planted((3.0, 3.0), mate=3.0, pelvis=3.0) < 0.01  # jumps
+    assert np.all(np.diff([planted((rise, rise)) for rise in (0.3, 0.6, 1.0, 1.5)]) <= 0.0)
 
 
 def test_long_stretches_that_could_be_either_are_told_the_longest_first_of_all() -> None:

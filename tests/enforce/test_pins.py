@@ -436,3 +436,14 @@ def test_the_ankle_of_a_foot_without_toe_joint_counts_more_than_its_guessed_sole
     assert made.rig.legs[0].toe is None
     assert found[ANKLE].hold.any() and PARAMS.bare_ankle > 1.0
     assert np.allclose(found[ANKLE].hold, PARAMS.bare_ankle * np.minimum(found[HEEL].hold, found[TOE].hold))
+
+
+@pytest.mark.parametrize("kind", ["plain", "bare toes"])
+def test_as_much_weight_holds_the_toes_as_the_heel_while_both_stand(kind: str) -> None:
+    """So a foot that turns is not made to turn about another place than it was captured turning about."""
+    made = figure(kind)
+    found, _ = laid_out(made, replace(made.contacts, method="auto"))
+    heel, toe, ankle, *tips = (pin.hold for pin in found)
+    both = (heel > 0.0) & (ankle > 0.0)
+    assert both.any() and bool(tips) == (kind == "plain")
+    assert np.allclose((toe + sum(tips))[both], (heel + ankle)[both])

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from legmaker import figure_of
+from legmaker import changed, figure_of
 from walks import rig_of, walk
 
 import footfix
-from footfix.enforce.pivots import held_alike, share_held, turn_rate
+from footfix.enforce.pivots import ankle_stiller, held_alike, share_held, shared_behind, turn_rate
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact, Contacts
@@ -20,10 +20,11 @@ FPS, FRAMES = 60.0, 121
 QUICK = 4.0  # [rad/s]
 
 
-def turned(about: str, angle: Floats, drift: float = 0.0) -> tuple[Clip, Rig]:
-    """A figure that stands, drifts and turns by (F,) [rad] about a sole point of its left foot."""
+def turned(about: str, angle: Floats, drift: float = 0.0, kind: str = "plain") -> tuple[Clip, Rig]:
+    """A figure with legs of some kind that stands, drifts and turns by (F,) [rad] about a sole point of its left foot.
+    """
     made = walk("stand", FPS, 2.0)
-    clip, rig = made.clip.frames(np.zeros(FRAMES, dtype=int)), rig_of(made)
+    clip, rig = changed(kind, made.clip.frames(np.zeros(FRAMES, dtype=int)), rig_of(made))
     centre = rig.tracks(rig.pose(clip))[[sole.name for sole in rig.soles].index(f"left_{about}")][0] * [1.0, 0.0, 1.0]
     yaw = rotation.from_axis_angle(np.array([0.0, 1.0, 0.0]), angle)
     place = centre + rotation.rotate(yaw, clip.position(rig.root) - centre)
@@ -40,11 +41,12 @@ def contacts_of(contacts: Contacts, heel: float, toe: float) -> Contacts:
     return replace(contacts, frames=FRAMES, effectors=effectors, method="auto")
 
 
+@pytest.mark.parametrize("kind", ["plain", "bare toes"])
 @pytest.mark.parametrize("about", ["heel", "toe"])
 @pytest.mark.parametrize(("heel", "toe"), [(0.3, 0.97), (0.97, 0.3)])
-def test_a_foot_turns_about_the_end_it_turned_about(about: str, heel: float, toe: float) -> None:
+def test_a_foot_turns_about_the_end_it_turned_about(about: str, heel: float, toe: float, kind: str) -> None:
     u = np.clip(np.arange(FRAMES) / FPS - 0.8, 0.0, 0.4) / 0.4
-    clip, rig = turned(about, 2.6 * u**2 * (3.0 - 2.0 * u), drift=0.03)
+    clip, rig = turned(about, 2.6 * u**2 * (3.0 - 2.0 * u), 0.03, kind)
     contacts = contacts_of(walk("stand", FPS, 2.0).contacts, heel, toe)
     cleaned = footfix.clean(clip, rig=rig, contacts=contacts).clip
     names = [sole.name for sole in rig.soles]
@@ -93,3 +95,42 @@ def test_heel_and_toe_are_held_alike_while_both_stand() -> None:
     found = held_alike(heel, toe, both, share)
     assert found[0].tolist() == [0.0, 0.9, 0.25]
     assert found[1].tolist() == [0.9, 0.9, 0.25]
+
+
+def test_the_ankle_has_the_weight_behind_where_it_rests_and_the_heel_does_not() -> None:
+    leg = figure_of(*turned("heel", np.zeros(FRAMES)), walk("stand", FPS, 2.0).contacts).legs[0]
+    ground, both = np.zeros((FRAMES, 3)), np.arange(FRAMES - 1) >= 40
+    along = np.outer([1.0, 0.0, 0.0], np.linspace(0.0, 0.05, FRAMES))  # (3, F) [m]
+    skates = replace(leg, ankle=leg.ankle + along)
+    rolls = replace(leg, points=(leg.points[0] + along, *leg.points[1:]))
+    stands = replace(leg, ankle=leg.ankle + along, points=(leg.points[0] - along, *leg.points[1:]))
+    for each in (leg, skates, stands):
+        assert np.all(ankle_stiller(each, ground, both, 0.9) == 1.0)
+    carried = replace(rolls, ankle=rolls.ankle + along)  # the same on a belt
+    for each, belt in ((rolls, ground), (carried, along.T)):
+        found = ankle_stiller(each, belt, both, 0.9)
+        assert np.all(found[~both] == 1.0) and np.all(found[both] > 20.0)
+
+
+def test_weight_that_the_ankle_gets_is_the_heels() -> None:
+    heel, ankle = np.array([0.9, 0.9, 0.5, 0.0]), np.array([0.4, 0.4, 0.2, 0.0])
+    found = shared_behind(heel, ankle, np.array([1.0, 3.0, 1e6, 1.0]))
+    assert found[0] + found[1] == pytest.approx(heel + ankle)
+    assert found[0][0] == heel[0] and found[1][0] == ankle[0]
+    assert found[1][1] / found[0][1] == pytest.approx(3.0 * 0.4 / 0.9)
+    assert found[0][2] == pytest.approx(0.0, abs=1e-5)
+    assert found[1][3] == 0.0
+
+
+def test_an_ankle_that_rests_still_rests_when_its_heel_has_rolled() -> None:
+    """The root is carried along with the foot's roll about its ankle, as where a heel was guessed too far from it."""
+    made = walk("stand", FPS, 2.0)
+    clip, rig = made.clip.frames(np.zeros(FRAMES, dtype=int)), rig_of(made)
+    roll = 0.25 * np.sin(np.linspace(0.0, np.pi, FRAMES)) ** 2  # [rad]
+    ankle = rig.legs[0].ankle
+    turn = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), roll)
+    clip = clip.with_joints({}, {ankle: rotation.multiply(turn, clip.rotation(ankle))})
+    cleaned = footfix.clean(clip, rig=rig, contacts=contacts_of(made.contacts, 0.95, 0.95)).clip
+    before, after = (rig.pose(each).position(ankle)[:, [0, 2]] for each in (clip, cleaned))
+    assert np.hypot(*np.ptp(before, axis=0)) < 1e-9
+    assert np.hypot(*np.ptp(after, axis=0)) < 0.002  # [m]

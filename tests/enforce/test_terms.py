@@ -7,7 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from legmaker import figure
-from problems import FREE, curvature, dense, differences, idle, places, problem, residuals, slip_cost, state, system
+from problems import (
+    FREE,
+    curvature,
+    dense,
+    differences,
+    idle,
+    lifted_cost,
+    places,
+    problem,
+    residuals,
+    slip_cost,
+    state,
+    system,
+)
 
 from footfix.enforce import costs
 from footfix.enforce.assembly import product
@@ -124,7 +137,8 @@ def test_each_cost_is_what_the_table_says(name: str) -> None:
     x = spread(of, 3)
     without = replace(of, costs=replace(of.costs, slide=0.0))
     r = residuals(without, x)
-    assert objective(of, x, EPS) == pytest.approx(0.5 * float(r @ r) + slip_cost(of, x, EPS), rel=1e-9)
+    expected = 0.5 * float(r @ r) + slip_cost(of, x, EPS) + lifted_cost(of, x)
+    assert objective(of, x, EPS) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(("name", "static"), [
@@ -280,18 +294,33 @@ def test_what_was_let_go_has_kinetic_friction_only() -> None:
     assert objective(still, x, 1e-12, static=8.0) == pytest.approx(objective(still, x, 1e-12))
 
 
-def test_level_by_hand() -> None:
-    """A point 9 mm off its level in three frames of seven."""
+@pytest.mark.parametrize("off", [0.006, -0.006, -0.2])  # [m]
+def test_level_by_hand(off: float) -> None:
+    """A point off its level in three frames of seven."""
     base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][TOE]
     stands = np.array([0, 1, 1, 0, 0, 1, 0], dtype=bool)
-    pin = replace(idle(7), stands=stands, level=base[1] - 0.009, draw=np.full(7, 0.25))
+    pin = replace(idle(7), stands=stands, level=base[1] - off, draw=np.full(7, 0.25))
     of = problem({(0, TOE): pin})
     s = CostParams().level * of.leg_length
-    expected = 3 * 0.5 * 60.0 * of.frame_time * 0.25 * (0.009 / s) ** 2
+    expected = 3 * 0.5 * 60.0 * of.frame_time * 0.25 * (off / s) ** 2
     assert objective(of, np.zeros((of.unknowns, 7)), EPS) == pytest.approx(expected, rel=1e-9)
     x = np.zeros((of.unknowns, 7))
-    x[1] = -0.009  # the figure comes down to it
+    x[1] = -off  # the figure comes to it
     assert objective(of, x, EPS) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_point_lifted_far_is_drawn_down_no_harder_than_one_lifted_a_little() -> None:
+    base = places(problem(), np.zeros((ROOT + LEG, 7)))[0][TOE]
+    stands, most = np.arange(7) == 3, costs.LIFTED * problem().leg_length
+
+    def force(high: float) -> float:
+        of = problem({(0, TOE): replace(idle(7), stands=stands, level=base[1] - high, draw=np.ones(7))})
+        return float(system(of, np.zeros((of.unknowns, 7)), EPS).gradient[1, 3])
+
+    assert force(0.5 * most) == pytest.approx(0.5 * force(most))
+    for high in (2.0 * most, 30.0 * most):
+        assert force(high) == pytest.approx(force(most))
+    assert force(-30.0 * most) == pytest.approx(-30.0 * force(most))  # what is in the floor is raised with all force
 
 
 def test_floor_and_knee_by_hand() -> None:
