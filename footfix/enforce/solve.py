@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -10,7 +11,7 @@ import numpy as np
 from footfix.enforce.assembly import System, blocks_of
 from footfix.enforce.costs import RATE
 from footfix.enforce.leg import ROOT
-from footfix.enforce.leg_state import places_of
+from footfix.enforce.leg_state import LegState, places_of
 from footfix.enforce.objective import linearised, objective, posture
 from footfix.enforce.pins import Pins
 from footfix.enforce.problem import Problem
@@ -103,22 +104,27 @@ def descend(
     """
     eps, at = first, posture(problem, x, leg)
     for n in range(rounds):
-        here = max(eps, EPS) * problem.frame_time
         static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
             problem = settled(problem, x)
-        found = linearised(problem, x, here, static=static, leg=leg, at=at)
-        step = _step(problem, found, fixed)
-        for _ in range(_HALVINGS):  # one-sided terms may become active along the step
-            at = posture(problem, x + step, leg)
-            if objective(problem, x + step, here, static=static, leg=leg, at=at) <= found.cost:
-                break
-            step = 0.5 * step
-        else:
-            at = posture(problem, x + step, leg)
-        x = x + step
+        x, at = _descended(problem, x, at, max(eps, EPS) * problem.frame_time, static, leg, fixed)
         eps *= _SHRINK
     return x
+
+
+def _descended(
+    problem: Problem, x: Floats, at: Sequence[LegState], eps: float, static: float, leg: int | None,
+    fixed: Bools | None,
+) -> tuple[Floats, Sequence[LegState]]:  # fmt: skip
+    """Take one round from a state, in which the legs are `at`; return the new state, and the legs in it."""
+    system = linearised(problem, x, eps, static=static, leg=leg, at=at)
+    step = _step(problem, system, fixed)
+    for _ in range(_HALVINGS):  # one-sided terms may become active along the step
+        then = posture(problem, x + step, leg)
+        if objective(problem, x + step, eps, static=static, leg=leg, at=then) <= system.cost:
+            return x + step, then
+        step = 0.5 * step
+    return x + step, posture(problem, x + step, leg)
 
 
 def settled(problem: Problem, x: Floats) -> Problem:
