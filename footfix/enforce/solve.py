@@ -24,7 +24,7 @@ EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
 _EPS_FIRST = 0.06  # [m/s] the same in the first round
 _SHRINK = 0.35  # factor by which it shrinks from round to round
 _COARSE, _MIDDLE = 30.0, 60.0  # [Hz] frame rates at which the root is solved for: many rounds, then one
-_ROUNDS, _FINE_ROUNDS = 7, 3  # rounds on the coarse frames, and on all frames before the last round
+_FIRST_ROUNDS, _ROUNDS, _FINE_ROUNDS = 3, 4, 3  # on every other coarse frame, on each, on all before the last rounds
 _ALONE_ROUNDS = 10  # rounds where the clip's own frame rate is no higher than the coarse one
 _FINE_FIRST = 40.0  # slip threshold in the first of the finer rounds, as a multiple of `EPS`
 STATIC, _LAST = 8.0, 3  # static over kinetic friction, and in how many final rounds
@@ -40,15 +40,19 @@ def solve(problem: Problem) -> Floats:
     The root's correction changes slowly: it is solved for on the coarse frames, together with the legs. On all frames
     it is fixed, and each leg is solved for by itself.
     """
-    x = np.zeros((problem.unknowns, problem.frames))
-    if problem.frames <= 8 * _every(problem, _COARSE) or _every(problem, _COARSE) == 1:
+    coarse, first = _every(problem, _COARSE), _FINE_FIRST * EPS
+    if problem.frames <= 8 * coarse or coarse == 1:
+        x = np.zeros((problem.unknowns, problem.frames))
         return descend(problem, x, _ALONE_ROUNDS + _LAST, first=_EPS_FIRST, last=_LAST)
-    which = np.arange(0, problem.frames, _every(problem, _COARSE))
-    x = descend(thinned(problem, which), x[:, which], _ROUNDS, first=_EPS_FIRST)
-    first = _FINE_FIRST * EPS
-    middle = np.arange(0, problem.frames, _every(problem, _MIDDLE))
-    x = descend(thinned(problem, middle), interpolated(x, which, middle), 1, first=first)
-    x = interpolated(x, middle, np.arange(problem.frames))
+    x, at = np.zeros((problem.unknowns, 2)), np.array([0, problem.frames - 1])
+    for every, rounds, eps in (
+        (2 * coarse, _FIRST_ROUNDS, _EPS_FIRST),
+        (coarse, _ROUNDS, _SHRINK**_FIRST_ROUNDS * _EPS_FIRST),
+        (_every(problem, _MIDDLE), 1, first),
+    ):
+        which = np.arange(0, problem.frames, every)
+        x, at = descend(thinned(problem, which), interpolated(x, at, which), rounds, first=eps), which
+    x = interpolated(x, at, np.arange(problem.frames))
     alone = partial(descend, problem, x, _FINE_ROUNDS + _LAST, first=_SHRINK * first, last=_LAST)
     legs = range(len(problem.legs))
     found = at_once([partial(alone, leg=k) for k in legs], problem.frames)
