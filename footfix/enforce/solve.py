@@ -110,7 +110,7 @@ def descend(
     for n in range(rounds):
         static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
-            problem = settled(problem, x)
+            problem = settled(problem, x, leg)
         x, at = _descended(problem, x, at, max(eps, EPS) * problem.frame_time, static, leg, fixed)
         eps *= _SHRINK
     return x
@@ -131,19 +131,21 @@ def _descended(
     return x + step, posture(problem, x + step, leg)
 
 
-def settled(problem: Problem, x: Floats) -> Problem:
-    """Release plants that slide in most of their frames, so that static friction holds only those that stand."""
+def settled(problem: Problem, x: Floats, leg: int | None = None) -> Problem:
+    """Release plants, of one leg or all, that slide in most of their frames: static friction holds those that stand."""
     most = _STANDS * problem.leg_length * problem.frame_time
-    pins = []
-    for k, (leg, own) in enumerate(zip(problem.legs, problem.pins, strict=True)):
-        places = places_of(leg, x[:ROOT], x[problem.columns(k)])
+    pins = list(problem.pins)
+    for k in range(len(problem.legs)) if leg is None else (leg,):
+        places = places_of(problem.legs[k], x[:ROOT], x[problem.columns(k)])
         left = []
-        for place, pin in zip(places, own, strict=True):
+        for place, pin in zip(places, problem.pins[k], strict=True):
             slip = np.diff(place, axis=1) - pin.slip
             still = np.hypot(slip[0], slip[2]) <= most
             left.append(pin.let_slide([s for s in pin.spans if still[s[0] : s[1] - 1].mean() < _SETTLED]))
-        pins.append(tuple(left))
-    return replace(problem, pins=tuple(pins))
+        pins[k] = tuple(left)
+    found = replace(problem, pins=tuple(pins))
+    found.__dict__.update(near_bands=problem.near_bands, farthest=problem.farthest)  # pins have no part in them
+    return found
 
 
 def _step(problem: Problem, system: System, fixed: Bools | None) -> Floats:
