@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 LONG = 2000  # from this length of arrays on most of the time goes into numpy, which lets other threads run
+_MOST = 4  # threads; more of them mostly wait for each other's Python
 
 Result = TypeVar("Result")
 _shared = ContextVar("_shared", default=False)  # whether this thread is one of those that share the work on a clip
@@ -27,7 +28,7 @@ def at_once(tasks: Sequence[Callable[[], Result]], size: int) -> list[Result]:
     Returns:
         What each returned; the same as if they were done one after the other.
     """
-    count = min(len(tasks), processors() if size >= LONG else 1)
+    count = min(len(tasks), _MOST, processors() if size >= LONG else 1)
     if count < 2:
         return [task() for task in tasks]
     done: dict[int, Result] = {}
