@@ -110,7 +110,8 @@ def resample(tracks: Tracks) -> Sampled:
 
     points = [tracks.pelvis, *(x for foot in tracks.feet for x in (foot.hip, foot.ankle, foot.heel, foot.toe))]
     pelvis, *rest = at_once([partial(sample, x) for x in points], len(tracks))
-    feet = tuple(FootTracks(foot.side, *rest[4 * k : 4 * k + 4]) for k, foot in enumerate(tracks.feet))
+    each = zip(tracks.feet, rest[0::4], rest[1::4], rest[2::4], rest[3::4], strict=True)
+    feet = tuple(FootTracks(foot.side, hip, ankle, heel, toe) for foot, hip, ankle, heel, toe in each)
     sampled = Tracks(pelvis, feet, 1.0, STEP)
     pairs = mates(feet)
     axes = tuple(_axes(feet[k], feet[mate]) for k, mate in enumerate(pairs))

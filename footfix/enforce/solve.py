@@ -106,7 +106,7 @@ def descend(
         leg: the only leg that is an unknown, if it is; else all are, and the root.
         fixed: (F,) frames whose state is fixed, such as a stream's past.
     """
-    eps, at = first, posture(problem, x, leg)
+    eps, at = first, tuple(posture(problem, x, leg))
     for n in range(rounds):
         static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
@@ -119,16 +119,16 @@ def descend(
 def _descended(
     problem: Problem, x: Floats, at: Sequence[LegState], eps: float, static: float, leg: int | None,
     fixed: Bools | None,
-) -> tuple[Floats, Sequence[LegState]]:  # fmt: skip
+) -> tuple[Floats, tuple[LegState, ...]]:  # fmt: skip
     """Take one round from a state, in which the legs are `at`; return the new state, and the legs in it."""
     system = linearised(problem, x, eps, static=static, leg=leg, at=at)
     step = _step(problem, system, fixed)
     for _ in range(_HALVINGS):  # one-sided terms may become active along the step
         then = posture(problem, x + step, leg)
         if objective(problem, x + step, eps, static=static, leg=leg, at=then) <= system.cost:
-            return x + step, then
+            return x + step, tuple(then)
         step = 0.5 * step
-    return x + step, posture(problem, x + step, leg)
+    return x + step, tuple(posture(problem, x + step, leg))
 
 
 def settled(problem: Problem, x: Floats, leg: int | None = None) -> Problem:
