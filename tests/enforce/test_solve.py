@@ -284,7 +284,7 @@ def test_what_is_to_come_costs_as_much_as_if_its_frames_were_solved() -> None:
 def test_what_slides_is_let_go_once_before_the_rounds_with_static_friction(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Floats] = []
 
-    def let_go(of: Problem, x: Floats) -> Problem:
+    def let_go(of: Problem, x: Floats, leg: int | None) -> Problem:
         asked.append(x)
         return of
 
