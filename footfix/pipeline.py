@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from footfix.detect.run import detect_over
@@ -28,6 +29,7 @@ from footfix.motion.contacts import Contacts, joined
 from footfix.motion.duplicate_frames import DuplicateFrames, doubled
 from footfix.motion.lead_in import motion_range
 from footfix.motion.smoothing import smooth_clip
+from footfix.motion.threads import at_once
 from footfix.notes import Note
 from footfix.rig.find import find_rigs
 from footfix.rig.motion_crop import Crop, crop
@@ -262,8 +264,10 @@ def measure_figures(before: Clip, after: Clip, figures: Sequence[Figure]) -> tup
     for each in figures:
         thin = each.thin
         planted, ground = thin.contacts(each.planted), thin.track(each.ground)
-        was = measure(thin.clip(before), each.rig, planted, belt=ground)
-        now = was if after is before else measure(thin.clip(after), each.rig, planted, belt=ground)
+        clips = (before,) if after is before else (before, after)
+        ways = [partial(measure, thin.clip(clip), each.rig, planted, belt=ground) for clip in clips]
+        found = at_once(ways, len(before))
+        was, now = found[0], found[-1]
         results.append(Result(
             clip=after, rig=each.rig, contacts=each.contacts, plants=each.plants, correction=each.correction,
             before=was[0], after=now[0], plants_before=was[1], plants_after=now[1], notes=each.notes,

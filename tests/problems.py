@@ -18,7 +18,7 @@ from footfix.enforce.assembly import System
 from footfix.enforce.costs import CostParams
 from footfix.enforce.leg import ANKLE, LEG, ROOT, B, K, LegTracks, W
 from footfix.enforce.leg_state import places_of
-from footfix.enforce.objective import systems
+from footfix.enforce.objective import linearised
 from footfix.enforce.pins import Pins
 from footfix.enforce.problem import Problem
 from footfix.motion.clip import Floats
@@ -216,7 +216,7 @@ def differences(function: object, x: Floats, frames: Sequence[int], h: float = 1
 
 def system(of: Problem, x: Floats, eps: float, static: float = 1.0) -> System:
     """The objective linearised in all unknowns."""
-    (found,) = systems(of, x, eps, static=static)
+    found = linearised(of, x, eps, static=static)
     assert np.array_equal(found.rows, np.arange(of.unknowns))
     return found
 

@@ -24,7 +24,7 @@ from footfix.jobs.clean import clean_file
 from footfix.jobs.measure import measure_file
 from footfix.jobs.source import read
 from footfix.measure.plants import PlantMeasure
-from footfix.motion import rotation
+from footfix.motion import rotation, threads
 from footfix.motion.clip import Clip, Floats
 from footfix.motion.contacts import Contact
 from footfix.motion.lead_in import motion_range
@@ -81,6 +81,18 @@ def test_a_clip_cleaned_again_in_one_process_gives_the_same_bytes() -> None:
     assert one.status == "cleaned"
     assert (one.motion, one.contacts) == (again.motion, again.contacts)
     assert {**one.report, "seconds": 0} == {**again.report, "seconds": 0}
+
+
+def test_a_clip_comes_out_the_same_on_one_processor_and_on_two(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(threads, "LONG", 1)  # so that a short clip, too, is worked on by several threads
+    found = []
+    for count in (1, 2):
+        monkeypatch.setattr(threads.os, "sched_getaffinity", lambda of, n=count: set(range(n)), raising=False)
+        assert threads.processors() == count
+        found.append(clean_file(skating(), "a.bvh", Settings()))
+    one, two = found
+    assert one.status == "cleaned"
+    assert (one.motion, one.contacts, one.pages, one.report) == (two.motion, two.contacts, two.pages, two.report)
 
 
 def test_contacts_are_detected_on_the_motion_that_is_enforced() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import chain, pairwise
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from footfix.detect.tracks import Finding, FootTracks, Tracks
 from footfix.detect.uncertainty import DoubtParams, frame_rate, unsure
 from footfix.detect.viterbi import landed, masks, resting, stretches
 from footfix.motion.clip import Bools, Floats
+from footfix.motion.threads import at_once
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,19 +77,20 @@ def auto(
     alone, answers = log_probabilities(sampled, params, weights.network() if network is None else network)
     when = weights.timing() if timing is None else timing
     per_frame = tracks.frame_time / STEP
-    columns: list[Bools] = []
-    sure: list[Floats] = []
 
     def parts(answer: Floats, k: int) -> tuple[Bools, Bools]:
         found = timed(stretches(answer, params.switch, params.roll), sampled, k, when)
         return masks(found, len(tracks), per_frame)
 
-    for k, (foot, answer) in enumerate(zip(tracks.feet, answers, strict=True)):
-        down = _finished(parts(answer, k), parts(alone[k], k), foot, tracks, params)
-        columns += [
+    def decided(k: int) -> list[Bools]:
+        foot = tracks.feet[k]
+        down = _finished(parts(answers[k], k), parts(alone[k], k), foot, tracks, params)
+        return [
             carrying(part, tracks, foot, point, params.kneeling) for part, point in zip(down, foot.soles, strict=True)
         ]
-        sure += _parts(answer, len(tracks), per_frame)
+
+    columns = list(chain.from_iterable(at_once([partial(decided, k) for k in range(len(answers))], len(tracks))))
+    sure = [each for answer in answers for each in _parts(answer, len(tracks), per_frame)]
     notes = frame_rate(tracks, params.doubts)
     for foot, answer in zip(tracks.feet, answers, strict=True):
         planted = np.interp(np.arange(len(tracks)) * per_frame, np.arange(len(answer)), _planted(answer))
@@ -125,17 +129,20 @@ def log_probabilities(
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
     """Compute each foot's log probabilities (n, 4), without and with regard to the other foot and the pelvis."""
     steps = len(sampled.tracks)
-    answers: list[list[Floats]] = [[] for _ in 2 * sampled.tracks.feet]
-    for first in range(0, steps, chunk):
-        low, high = max(first - _MARGIN, 0), min(first + chunk + _MARGIN, steps)
+    count = max(-(-steps // chunk), 1)
+    edges = [steps * k // count for k in range(count + 1)]  # of chunks of nearly the same length
+
+    def answered_between(first: int, last: int) -> list[Floats]:
+        low, high = max(first - _MARGIN, 0), min(last + _MARGIN, steps)
         part = slice(low, high)
         alone = tuple(grounded(network.logits(curves), curves, params) for curves in evidence(sampled, part))
         pelvis, feet = velocities_of(sampled.tracks, part)
         answered = stepping(alone, sampled.mates, pelvis, feet, params.stepping)
         answered = overtaking(answered, sampled.tracks.pelvis[part, ::2], pelvis, feet, params.overtaking)
-        for k, answer in enumerate((*alone, *answered)):
-            answers[k].append(answer[first - low : first - low + chunk])
-    whole = tuple(np.concatenate(answer) for answer in answers)
+        return [answer[first - low : last - low] for answer in (*alone, *answered)]
+
+    found = at_once([partial(answered_between, *span) for span in pairwise(edges)], steps)
+    whole = tuple(np.concatenate(answer) for answer in zip(*found, strict=True))
     return whole[: len(whole) // 2], whole[len(whole) // 2 :]
 
 

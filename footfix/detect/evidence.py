@@ -8,12 +8,14 @@ floor matter; and it is sampled at one rate, so that the rate of the clip does n
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from footfix.detect.tracks import FootTracks, Tracks
 from footfix.motion.clip import Floats
 from footfix.motion.smoothing import savgol
+from footfix.motion.threads import at_once
 
 STEP = 0.01  # [s] of the grid
 
@@ -106,11 +108,11 @@ def resample(tracks: Tracks) -> Sampled:
             x = savgol(x, tracks.frame_time, seconds=SMOOTH, degree=2)
         return catmull_rom(x, STEP / tracks.frame_time) / tracks.leg_length
 
-    feet = tuple(
-        FootTracks(foot.side, sample(foot.hip), sample(foot.ankle), sample(foot.heel), sample(foot.toe))
-        for foot in tracks.feet
-    )
-    sampled = Tracks(sample(tracks.pelvis), feet, 1.0, STEP)
+    points = [tracks.pelvis, *(x for foot in tracks.feet for x in (foot.hip, foot.ankle, foot.heel, foot.toe))]
+    pelvis, *rest = at_once([partial(sample, x) for x in points], len(tracks))
+    each = zip(tracks.feet, rest[0::4], rest[1::4], rest[2::4], rest[3::4], strict=True)
+    feet = tuple(FootTracks(foot.side, hip, ankle, heel, toe) for foot, hip, ankle, heel, toe in each)
+    sampled = Tracks(pelvis, feet, 1.0, STEP)
     pairs = mates(feet)
     axes = tuple(_axes(feet[k], feet[mate]) for k, mate in enumerate(pairs))
     return Sampled(sampled, pairs, axes, _jitter(tracks))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from footfix.enforce.leg import LEG, TIP, B, K, Q, W
 from footfix.enforce.leg_state import LegState
 from footfix.motion.clip import Floats, Ints
+from footfix.motion.threads import at_once, halves
 
 _CACHE = 2048  # frames times unknowns whose arrays fit the cache
 
@@ -21,16 +23,21 @@ class System:
     Args:
         rows: (n,) which unknowns.
         gradient: (n, F).
-        blocks: (F, n, 2 n) second derivatives by each frame's unknowns (rows), and by its own and its successor's.
+        bands: (F, n (2 n + 1)) the blocks, in the memory in which the solver completes them (`blocks_of`).
         near: (3, n, F) the main diagonal, and the first and second one below it, in frames, of NEAR.
         cost: the objective there.
     """
 
     rows: Ints
     gradient: Floats
-    blocks: Floats
+    bands: Floats
     near: Floats
     cost: float
+
+    @property
+    def blocks(self) -> Floats:
+        """Get the second derivatives (F, n, 2 n) by each frame's unknowns (rows), and its own and its successor's."""
+        return blocks_of(self.bands, len(self.rows))
 
     @property
     def main(self) -> Floats:
@@ -41,6 +48,15 @@ class System:
     def next(self) -> Floats:
         """Get the blocks (F - 1, n, n) of each frame (rows) with its successor (columns)."""
         return self.blocks[:-1, :, len(self.rows) :]
+
+
+def blocks_of(bands: Floats, n: int) -> Floats:
+    """Get the blocks (F, n, 2 n) that begin in the memory of bands (F, n (2 n + 1)).
+
+    LAPACK takes a symmetric banded matrix by columns, 2 n + 1 numbers of each from its diagonal down. So the columns of
+    a frame, one after the other, are the rows of its blocks as they are, but for what is left of the diagonal.
+    """
+    return bands[:, : 2 * n * n].reshape(len(bands), n, 2 * n)
 
 
 def product(bands: Floats, x: Floats) -> Floats:
@@ -84,7 +100,7 @@ class Pulled:
     columns: slice
 
 
-def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
+def assembled(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
     """Convert derivatives by points of some legs to derivatives by n unknowns: J' f and J' W J.
 
     Args:
@@ -92,20 +108,36 @@ def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
         n: how many unknowns it has: those of the root, if they are there, come first.
 
     Returns:
-        Gradient (n, F) and blocks (F, n, 2 n), as of `System`.
+        Gradient (n, F) and bands (F, n (2 n + 1)), as of `System`.
     """
     force, stiff, step = (
         np.concatenate([getattr(pull, name) for leg in legs for pull in leg.pulls])
         for name in ("force", "stiff", "step")
     )  # (3 P, F), the last one frame shorter
     step = -np.pad(step, ((0, 0), (0, 1)))
-    F, some = force.shape[1], max(1, _CACHE // n)
-    gradient, blocks = np.empty((n, F)), np.empty((F, n, 2 * n))
+    F = force.shape[1]
+    gradient, bands = np.empty((n, F)), np.empty((F, n * (2 * n + 1)))
+    blocks = blocks_of(bands, n)
+
+    def some(part: slice) -> None:
+        _assemble(legs, force, stiff, step, part, gradient, blocks)
+
+    at_once([partial(some, part) for part in halves(F)], F)
+    return gradient, bands
+
+
+def _assemble(
+    legs: Sequence[Pulled], force: Floats, stiff: Floats, step: Floats, part: slice, gradient: Floats, blocks: Floats
+) -> None:
+    """Assemble gradient and blocks of some frames into those of all."""
+    n, F = gradient.shape
+    some = max(1, _CACHE // n)
     J, right = _constant(legs, n, some + 1), np.zeros((some, len(force), 2, n))
     by_leg = [np.zeros((LEG, len(leg.pulls), 3, some + 1)) for leg in legs]
-    for start in range(0, F, some):  # some frames at a time, in the same memory, so that it stays in the cache
-        frames, after = slice(start, min(start + some, F)), slice(start, min(start + some + 1, F))
-        count, row = frames.stop - start, 0
+    for start in range(part.start, part.stop, some):  # in the same memory, so that it stays in the cache
+        end = min(start + some, part.stop)
+        frames, after = slice(start, end), slice(start, min(end + 1, F))
+        count, row = end - start, 0
         for leg, own in zip(legs, by_leg, strict=True):
             moved = _of_leg(leg.at, after, own[..., : after.stop - start])  # (8, 3 P, f)
             J[: after.stop - start, row : row + len(moved[0]), leg.columns] = moved.transpose(2, 1, 0)
@@ -115,7 +147,6 @@ def linearised(legs: Sequence[Pulled], n: int) -> tuple[Floats, Floats]:
         np.multiply(stiff[:, frames].T[..., None], now, out=right[:count, :, 0])
         np.multiply(step[:, frames].T[..., None], then, out=right[:count, :, 1])
         np.matmul(now.swapaxes(1, 2), right[:count].reshape(count, -1, 2 * n), out=blocks[frames])
-    return gradient, blocks
 
 
 def _constant(legs: Sequence[Pulled], n: int, frames: int) -> Floats:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from footfix.motion import rotation
 from footfix.motion.clip import Clip, Floats, Ints, Skeleton
 from footfix.motion.kinematics import Pose
+from footfix.motion.threads import at_once
 from footfix.motion.vectors import cross as cross_rows
 from footfix.motion.vectors import dot, norm, unit
 from footfix.rig.rig import Leg, Rig
@@ -117,8 +118,9 @@ def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
         pose: of the clip, from `task.pose_of`.
         clip: F frames, metres, y up.
     """
-    found = []
-    for k, leg in enumerate(rig.legs):
+
+    def of_leg(k: int) -> LegCalibration:
+        leg = rig.legs[k]
         hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
         thigh, shank, hip_turn = knee - hip, ankle - knee, pose.rotation(leg.hip)
         in_thigh = rotation.rotate(rotation.inverse(hip_turn), cross_rows(unit(thigh), unit(shank)))
@@ -135,8 +137,9 @@ def calibrate(rig: Rig, pose: Pose, clip: Clip) -> tuple[LegCalibration, ...]:
         hinge = rotation.rotate(rotation.inverse(pose.rotation(leg.ankle)), cross_rows(ahead, up[None])).sum(axis=0)
         length = np.median(norm(ankle - hip))
         noise = noise_of((ankle - hip) / length), noise_of(flexion[:, None]), noise_of(unit(toe - ankle))
-        found.append(LegCalibration(unit(usual), straightest, unit(hinge), noise))
-    return tuple(found)
+        return LegCalibration(unit(usual), straightest, unit(hinge), noise)
+
+    return tuple(at_once([partial(of_leg, k) for k in range(len(rig.legs))], len(clip)))
 
 
 def _lying(track: Floats) -> Floats:
@@ -183,21 +186,23 @@ def tracks(clip: Clip, rig: Rig, pose: Pose, calibration: Sequence[LegCalibratio
         pose: of the clip, from `task.pose_of`.
         calibration: one a leg.
     """
-    found = []
-    for k, (leg, known) in enumerate(zip(rig.legs, calibration, strict=True)):
+
+    def of_leg(k: int, leg: Leg, known: LegCalibration) -> LegTracks:
         hip, knee, ankle = (pose.position(joint) for joint in (leg.hip, leg.knee, leg.ankle))
         thigh, shank = knee - hip, ankle - knee
         axis, flexion, reach = knee_of(thigh, shank, rotation.rotate(pose.rotation(leg.hip), known.knee_axis))
         least = np.minimum(flexion, known.least)
         points, bends = _points(clip, rig, pose, k)
-        found.append(LegTracks(
+        return LegTracks(
             leg=leg, hip=_lying(hip), ankle=_lying(ankle), line=_lying(unit(ankle - hip)), thigh=_lying(thigh),
             shank=_lying(shank), axis=_lying(axis), flexion=flexion, least=least, reach=reach,
             points=tuple(_lying(each) for each in points),
             toe_hinge=_lying(rotation.rotate(pose.rotation(leg.ankle), known.toe_hinge)), bends=bends,
             turns=bool(np.all(clip.skeleton.rotates[[leg.hip, leg.knee, leg.ankle]])),
-        ))  # fmt: skip
-    return tuple(found)
+        )  # fmt: skip
+
+    each = zip(range(len(rig.legs)), rig.legs, calibration, strict=True)
+    return tuple(at_once([partial(of_leg, *args) for args in each], len(clip)))
 
 
 def knee_of(thigh: Floats, shank: Floats, usual: Floats) -> tuple[Floats, Floats, Floats]:

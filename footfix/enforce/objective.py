@@ -1,90 +1,81 @@
-"""The objective of a clip, linearised at a state: the sum of the terms of all points, joints and unknowns."""
+"""The objective of a clip, linearised at a state: the sum of the terms of all points, joints and unknowns.
+
+The unknowns are those of the root and of all legs; or, with the root fixed, those of one leg alone: then no leg depends
+on another.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
-import numpy as np
-
-from footfix.enforce.assembly import Pulled, System, linearised, product
+from footfix.enforce.assembly import Pull, Pulled, System, assembled, product
 from footfix.enforce.leg import ANKLE, LEG, ROOT
-from footfix.enforce.leg_state import LegState, places_of, state_of
+from footfix.enforce.leg_state import LegState, state_of
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import joint_terms, near, point_cost, point_terms, root_term
 from footfix.enforce.vertices import add_floor, floor_cost, floor_weight
 from footfix.motion.clip import Floats
+from footfix.motion.threads import at_once
 
 
-def posture(problem: Problem, x: Floats) -> tuple[LegState, ...]:
-    """Compute all legs in a state (U, F)."""
-    return tuple(state_of(leg, x[:ROOT], x[problem.columns(k)]) for k, leg in enumerate(problem.legs))
-
-
-def systems(
-    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
-    at: Sequence[LegState] | None = None,
-) -> tuple[System, ...]:  # fmt: skip
-    """Linearise the objective.
-
-    Args:
-        problem: the clip's.
-        x: (U, F) a state.
-        eps: [m] of slip below which SLIP is a parabola.
-        static: static over kinetic friction.
-        root: whether the root is an unknown. Where it is not, the legs are independent of each other.
-        at: the legs in that state, from `posture`, where they are known.
-
-    Returns:
-        One system of all unknowns; or one a leg.
-    """
-    legs, at = range(len(problem.legs)), at or posture(problem, x)
-    return tuple(_system(problem, own, x, at, eps, static, root) for own in ([legs] if root else [[k] for k in legs]))
+def posture(problem: Problem, x: Floats, leg: int | None = None) -> list[LegState]:
+    """Compute all legs, or one alone, in a state (U, F)."""
+    legs = _legs(problem, leg)
+    return at_once([partial(state_of, problem.legs[k], x[:ROOT], x[problem.columns(k)]) for k in legs], x.shape[1])
 
 
 def objective(
-    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, root: bool = True,
+    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, leg: int | None = None,
     at: Sequence[LegState] | None = None,
 ) -> float:  # fmt: skip
-    """Evaluate the objective at a state (U, F), with SLIP a parabola below `eps` [m].
+    """Evaluate the objective at a state.
 
     Args:
         problem: the clip's.
-        x: (U, F) a state.
+        x: (U, F) the state.
         eps: [m] of slip below which SLIP is a parabola.
         static: static over kinetic friction.
-        root: whether to include the root's own cost.
+        leg: the only leg whose unknowns they are; by default they are those of all legs and of the root.
         at: the legs in that state, from `posture`, where they are known.
     """
-    rows = np.arange(0 if root else ROOT, len(x))
-    cost = near(problem, x, rows)[1]
-    if root:
-        cost += root_term(problem, x[:ROOT], None)
-    for k, leg in enumerate(problem.legs):
+    legs, at = _legs(problem, leg), at or posture(problem, x, leg)
+
+    def of_leg(k: int, places: Sequence[Floats]) -> float:
         own = x[problem.columns(k)]
-        places = places_of(leg, x[:ROOT], own) if at is None else at[k].places
-        cost += sum(point_cost(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
+        cost = sum(point_cost(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
         cost += joint_terms(problem, k, own, 0, None)
         if k in problem.skins:
             weight = floor_weight(problem.frame_time, problem.leg_length)
-            cost += floor_cost(problem.skins[k], leg, places[ANKLE], own, weight)
-    return cost
+            cost += floor_cost(problem.skins[k], problem.legs[k], places[ANKLE], own, weight)
+        return cost
+
+    cost = near(problem, x, problem.rows(leg))[1] + (root_term(problem, x[:ROOT], None) if leg is None else 0.0)
+    return cost + sum(at_once([partial(of_leg, k, a.places) for k, a in zip(legs, at, strict=True)], x.shape[1]))
 
 
-def _system(
-    problem: Problem, legs: Sequence[int], x: Floats, at: Sequence[LegState], eps: float, static: float, root: bool
-) -> System:
-    """Assemble the system of some legs, with the root's unknowns or without."""
-    rows = np.concatenate([np.arange(ROOT if root else 0), *(np.arange(len(x))[problem.columns(k)] for k in legs)])
-    first, pulled = len(rows) - LEG * len(legs), []
-    for n, k in enumerate(legs):
-        points = zip(at[k].places, problem.pins[k], strict=True)
-        pulls = [point_terms(problem, pin, place, eps, static) for place, pin in points]
-        pulled.append(Pulled(at[k], pulls, slice(first + LEG * n, first + LEG * (n + 1))))
-    gradient, blocks = linearised(pulled, len(rows))
-    bands, cost = near(problem, x, rows)
-    out = System(rows, gradient + product(bands, x[rows]), blocks, bands, 0.0)
-    if root:
+def linearised(
+    problem: Problem, x: Floats, eps: float, *, static: float = 1.0, leg: int | None = None,
+    at: Sequence[LegState] | None = None,
+) -> System:  # fmt: skip
+    """Linearise the objective at a state; arguments as of `objective`."""
+    legs, at = _legs(problem, leg), at or posture(problem, x, leg)
+    rows = problem.rows(leg)
+    first = len(rows) - LEG * len(legs)  # the root's unknowns, if they are there, come before
+
+    def pulls(k: int, places: Sequence[Floats]) -> list[Pull]:
+        return [point_terms(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True)]
+
+    found = at_once([partial(pulls, k, each.places) for k, each in zip(legs, at, strict=True)], x.shape[1])
+    pulled = [
+        Pulled(each, pull, slice(first + LEG * n, first + LEG * (n + 1)))
+        for n, (each, pull) in enumerate(zip(at, found, strict=True))
+    ]
+    gradient, bands = assembled(pulled, len(rows))
+    diagonals, cost = near(problem, x, rows)
+    out = System(rows, gradient + product(diagonals, x[rows]), bands, diagonals, 0.0)
+    if leg is None:
         cost += root_term(problem, x[:ROOT], out)
     for k, each in zip(legs, pulled, strict=True):
         own, base = x[problem.columns(k)], each.columns.start
@@ -93,3 +84,7 @@ def _system(
             weight = floor_weight(problem.frame_time, problem.leg_length)
             cost += add_floor(problem.skins[k], problem.legs[k], each.at, own, weight, out, base)
     return replace(out, cost=cost)
+
+
+def _legs(problem: Problem, leg: int | None) -> Sequence[int]:
+    return range(len(problem.legs)) if leg is None else (leg,)

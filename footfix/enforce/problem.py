@@ -15,7 +15,7 @@ from footfix.enforce.costs import CUT, CUT_ROOT, FAR_TURN, FIRM_TURN, GROWN, NOI
 from footfix.enforce.leg import LEG, ROOT, B, LegTracks
 from footfix.enforce.pins import Pins
 from footfix.enforce.vertices import Vertices
-from footfix.motion.clip import Bools, Floats, frozen
+from footfix.motion.clip import Bools, Floats, Ints, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +61,10 @@ class Problem:
     def columns(self, leg: int) -> slice:
         """Get the slice of a leg's eight unknowns in a state."""
         return slice(ROOT + LEG * leg, ROOT + LEG * (leg + 1))
+
+    def rows(self, leg: int | None) -> Ints:
+        """Get the places of a leg's unknowns in a state, one after the other; without a leg those of all unknowns."""
+        return np.arange(self.unknowns)[slice(None) if leg is None else self.columns(leg)]
 
     def free(self) -> Bools:
         """Mark the unknowns that may differ from zero, (U,)."""

@@ -4,24 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from footfix.enforce.assembly import System
+from footfix.enforce.assembly import System, blocks_of
 from footfix.enforce.costs import RATE
 from footfix.enforce.leg import ROOT
 from footfix.enforce.leg_state import LegState, places_of
-from footfix.enforce.objective import objective, posture, systems
+from footfix.enforce.objective import linearised, objective, posture
 from footfix.enforce.pins import Pins
 from footfix.enforce.problem import Problem
+from footfix.motion.banded import solve_banded
 from footfix.motion.clip import Bools, Floats, Ints
 from footfix.motion.spline import spline
+from footfix.motion.threads import at_once
 
 EPS = 2e-4  # [m/s] of slip at which a pinned point counts as standing
 _EPS_FIRST = 0.06  # [m/s] the same in the first round
 _SHRINK = 0.35  # factor by which it shrinks from round to round
 _COARSE, _MIDDLE = 30.0, 60.0  # [Hz] frame rates at which the root is solved for: many rounds, then one
-_ROUNDS, _FINE_ROUNDS = 7, 3  # rounds on the coarse frames, and on all frames before the last round
+_FIRST_ROUNDS, _ROUNDS, _FINE_ROUNDS = 4, 3, 3  # on every other coarse frame, on each, on all before the last rounds
 _ALONE_ROUNDS = 10  # rounds where the clip's own frame rate is no higher than the coarse one
 _FINE_FIRST = 40.0  # slip threshold in the first of the finer rounds, as a multiple of `EPS`
 STATIC, _LAST = 8.0, 3  # static over kinetic friction, and in how many final rounds
@@ -37,16 +40,23 @@ def solve(problem: Problem) -> Floats:
     The root's correction changes slowly: it is solved for on the coarse frames, together with the legs. On all frames
     it is fixed, and each leg is solved for by itself.
     """
-    x = np.zeros((problem.unknowns, problem.frames))
-    if problem.frames <= 8 * _every(problem, _COARSE) or _every(problem, _COARSE) == 1:
+    coarse, first = _every(problem, _COARSE), _FINE_FIRST * EPS
+    if problem.frames <= 8 * coarse or coarse == 1:
+        x = np.zeros((problem.unknowns, problem.frames))
         return descend(problem, x, _ALONE_ROUNDS + _LAST, first=_EPS_FIRST, last=_LAST)
-    which = np.arange(0, problem.frames, _every(problem, _COARSE))
-    x = descend(thinned(problem, which), x[:, which], _ROUNDS, first=_EPS_FIRST)
-    first = _FINE_FIRST * EPS
-    middle = np.arange(0, problem.frames, _every(problem, _MIDDLE))
-    x = descend(thinned(problem, middle), interpolated(x, which, middle), 1, first=first)
-    x = interpolated(x, middle, np.arange(problem.frames))
-    return descend(problem, x, _FINE_ROUNDS + _LAST, first=_SHRINK * first, last=_LAST, root=False)
+    x, at = np.zeros((problem.unknowns, 2)), np.array([0, problem.frames - 1])
+    for every, rounds, eps in (
+        (2 * coarse, _FIRST_ROUNDS, _EPS_FIRST),
+        (coarse, _ROUNDS, _SHRINK**_FIRST_ROUNDS * _EPS_FIRST),
+        (_every(problem, _MIDDLE), 1, first),
+    ):
+        which = np.arange(0, problem.frames, every)
+        x, at = descend(thinned(problem, which), interpolated(x, at, which), rounds, first=eps), which
+    x = interpolated(x, at, np.arange(problem.frames))
+    alone = partial(descend, problem, x, _FINE_ROUNDS + _LAST, first=_SHRINK * first, last=_LAST)
+    legs = range(len(problem.legs))
+    found = at_once([partial(alone, leg=k) for k in legs], problem.frames)
+    return np.concatenate([x[:ROOT], *(each[problem.columns(k)] for k, each in zip(legs, found, strict=True))])
 
 
 def _every(problem: Problem, rate: float) -> int:
@@ -82,7 +92,7 @@ def thinned(problem: Problem, which: Ints) -> Problem:
 
 
 def descend(
-    problem: Problem, x: Floats, rounds: int, *, first: float, last: int = 0, root: bool = True,
+    problem: Problem, x: Floats, rounds: int, *, first: float, last: int = 0, leg: int | None = None,
     fixed: Bools | None = None,
 ) -> Floats:  # fmt: skip
     """Take some rounds of Gauss-Newton from a state.
@@ -93,88 +103,83 @@ def descend(
         rounds: how many.
         first: [m/s] slip below which SLIP is a parabola in the first round; it shrinks to `EPS`.
         last: how many of the rounds are with static friction, which is more than that of a sliding foot.
-        root: whether the root is an unknown.
+        leg: the only leg that is an unknown, if it is; else all are, and the root.
         fixed: (F,) frames whose state is fixed, such as a stream's past.
     """
-    eps, free = first, problem.free()
-    at: Sequence[LegState] = ()
+    eps, at = first, tuple(posture(problem, x, leg))
     for n in range(rounds):
-        here = max(eps, EPS) * problem.frame_time
         static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
-            problem = settled(problem, x)
-        found = systems(problem, x, here, static=static, root=root, at=at)
-        step = _step(problem, found, free, fixed)
-        cost = sum(each.cost for each in found)
-        for _ in range(_HALVINGS):  # one-sided terms may become active along the step
-            then = posture(problem, x + step)
-            if objective(problem, x + step, here, static=static, root=root, at=then) <= cost:
-                break
-            step, then = 0.5 * step, ()
-        x, at = x + step, then
+            problem = settled(problem, x, leg)
+        x, at = _descended(problem, x, at, max(eps, EPS) * problem.frame_time, static, leg, fixed)
         eps *= _SHRINK
     return x
 
 
-def settled(problem: Problem, x: Floats) -> Problem:
-    """Release plants that slide in most of their frames, so that static friction holds only those that stand."""
+def _descended(
+    problem: Problem, x: Floats, at: Sequence[LegState], eps: float, static: float, leg: int | None,
+    fixed: Bools | None,
+) -> tuple[Floats, tuple[LegState, ...]]:  # fmt: skip
+    """Take one round from a state, in which the legs are `at`; return the new state, and the legs in it."""
+    system = linearised(problem, x, eps, static=static, leg=leg, at=at)
+    step = _step(problem, system, fixed)
+    for _ in range(_HALVINGS):  # one-sided terms may become active along the step
+        then = posture(problem, x + step, leg)
+        if objective(problem, x + step, eps, static=static, leg=leg, at=then) <= system.cost:
+            return x + step, tuple(then)
+        step = 0.5 * step
+    return x + step, tuple(posture(problem, x + step, leg))
+
+
+def settled(problem: Problem, x: Floats, leg: int | None = None) -> Problem:
+    """Release plants, of one leg or all, that slide in most of their frames: static friction holds those that stand."""
     most = _STANDS * problem.leg_length * problem.frame_time
-    pins = []
-    for k, (leg, own) in enumerate(zip(problem.legs, problem.pins, strict=True)):
-        places = places_of(leg, x[:ROOT], x[problem.columns(k)])
+    pins = list(problem.pins)
+    for k in range(len(problem.legs)) if leg is None else (leg,):
+        places = places_of(problem.legs[k], x[:ROOT], x[problem.columns(k)])
         left = []
-        for place, pin in zip(places, own, strict=True):
+        for place, pin in zip(places, problem.pins[k], strict=True):
             slip = np.diff(place, axis=1) - pin.slip
             still = np.hypot(slip[0], slip[2]) <= most
             left.append(pin.let_slide([s for s in pin.spans if still[s[0] : s[1] - 1].mean() < _SETTLED]))
-        pins.append(tuple(left))
-    return replace(problem, pins=tuple(pins))
+        pins[k] = tuple(left)
+    found = replace(problem, pins=tuple(pins))
+    found.__dict__.update(near_bands=problem.near_bands, farthest=problem.farthest)  # pins have no part in them
+    return found
 
 
-def _step(problem: Problem, found: Sequence[System], free: Bools, fixed: Bools | None) -> Floats:
-    """Compute the Gauss-Newton step (U, F) by banded Cholesky decompositions."""
+def _step(problem: Problem, system: System, fixed: Bools | None) -> Floats:
+    """Compute the step (U, F) to where a system has its minimum, damped; it uses up the system."""
+    own = np.flatnonzero(problem.free()[system.rows])
     step = np.zeros((problem.unknowns, problem.frames))
-    s0, _ = problem.near()
-    for each in found:
-        own = np.flatnonzero(free[each.rows])
-        if len(own):
-            damping = DAMPING * RATE * problem.frame_time / s0[each.rows[own]] ** 2
-            step[each.rows[own]] = solved(each, own, damping, fixed)
+    if len(own):
+        rows = system.rows[own]
+        columns = _columns(system, own, DAMPING * RATE * problem.frame_time / problem.near()[0][rows] ** 2)
+        right = -system.gradient[own].T
+        if fixed is not None:
+            _hold(columns, right, fixed)
+        found = solve_banded(columns.reshape(-1, columns.shape[-1]), right.ravel())
+        step[rows] = found.reshape(right.shape).T
     return step
 
 
-def solved(system: System, own: Ints, damping: Floats, fixed: Bools | None) -> Floats:
-    """Compute the step (n, F) of the free unknowns of a system."""
-    from scipy.linalg import solveh_banded  # slow to load, and not every command solves anything
+def _columns(system: System, own: Ints, damping: Floats) -> Floats:
+    """Complete the lower triangle of the matrix of a system's free unknowns, column by column, (F, n, 2 n + 1).
 
-    U, F = len(own), system.gradient.shape[1]
-    bands = _bands(system, own, damping)
-    right = -system.gradient[own].T
-    if fixed is not None:
-        _hold(bands, right, fixed)
-    lower = bands.reshape(F * U, 2 * U + 1).T
-    step = solveh_banded(lower, right.ravel(), lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
-    return np.asarray(step.reshape(F, U).T)
-
-
-def _bands(system: System, own: Ints, damping: Floats) -> Floats:
-    """Lay out the lower triangle of the matrix of a system's free unknowns by columns, (F, n, 2 n + 1).
-
-    A column has 2 n + 1 numbers from its diagonal down. So those of a frame, one after the other, are its blocks with
-    itself and its successor as they are, row by row, but for what is left of the diagonal: there is NEAR's last band.
+    Below the diagonal of a frame's own block there is the block with its successor, and then NEAR's last diagonal.
     """
     U, F = len(own), system.gradient.shape[1]
-    blocks, near = system.blocks, system.near
+    bands, blocks, near = system.bands, system.blocks, system.near
     if len(system.rows) > U:
-        blocks, near = blocks[:, own][:, :, np.concatenate([own, len(system.rows) + own])], near[:, own]
-    bands = np.empty((F, U * (2 * U + 1)))
-    square = bands[:, : 2 * U * U].reshape(F, U, 2 * U)  # the same memory
+        bands, near = np.empty((F, U * (2 * U + 1))), near[:, own]
+        blocks_of(bands, U)[...] = blocks[:, own][:, :, np.concatenate([own, len(system.rows) + own])]
+        blocks = blocks_of(bands, U)
     columns = bands.reshape(F, U, 2 * U + 1)
     for start in range(0, F, _BLOCK):  # some frames at a time, so that they stay in the cache
         some = slice(start, start + _BLOCK)
-        square[some], bands[some, 2 * U * U :] = blocks[some], 0.0
+        bands[some, 2 * U * U :] = 0.0
         for row in range(1, U):
-            square[some, row, :row] = 0.0
+            blocks[some, row, :row] = 0.0  # left of the diagonal
         columns[some, :, 0] += near[0, :, some].T + damping
         columns[some, :, U] += near[1, :, some].T
         columns[some, :, 2 * U] = near[2, :, some].T

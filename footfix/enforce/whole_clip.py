@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from footfix.enforce.task import Task
 from footfix.enforce.vertices import Vertices
 from footfix.motion.clip import Bools, Clip, Floats
 from footfix.motion.kinematics import Pose
+from footfix.motion.threads import at_once
 from footfix.rig.rig import Rig
 
 _FADE = (1e-5, 4e-5)  # [rad, leg lengths] corrections below the first are dropped; above the second they are full
@@ -63,10 +65,10 @@ def correct_whole_clip(
 def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tuple[bool, bool]) -> Problem:
     """Lay out the objective of a clip."""
     costs, heights = costs_of(params), params.heights == "floor"
-    pins = tuple(
-        pins_of(task.footing, leg, k, rig, clip.frame_time, heights=heights, params=params.pins)
+    pins = tuple(at_once([
+        partial(pins_of, task.footing, leg, k, rig, clip.frame_time, heights=heights, params=params.pins)
         for k, leg in enumerate(task.legs)
-    )
+    ], len(clip)))  # fmt: skip
     skins: dict[int, Vertices] = {}
     if rig.meshes and heights:
         steps = meshes.steps_of(rig, [_step(task, k, rig, params.pins) for k in range(len(pins))])

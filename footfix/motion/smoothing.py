@@ -46,13 +46,19 @@ def can_smooth(seconds: float, frame_time: float, degree: int) -> bool:
 @lru_cache(maxsize=512)
 def _weights(window: int, degree: int, at: float, derivative: int) -> Floats:
     """Compute weights (window,) that evaluate the least-squares polynomial, or a derivative [1/frame^d], at a place."""
-    places = np.arange(window) - window // 2
-    powers = np.vander(places, degree + 1, increasing=True).astype(np.float64)  # (window, degree + 1)
     k = np.arange(derivative, degree + 1)
     falling = np.array([factorial(n) / factorial(n - derivative) for n in k])
     row = np.zeros(degree + 1)
     row[derivative:] = falling * at ** (k - derivative)
-    return frozen(row @ np.linalg.pinv(powers))
+    return frozen(row @ _fit(window, degree))
+
+
+@lru_cache(maxsize=64)
+def _fit(window: int, degree: int) -> Floats:
+    """Compute the matrix (degree + 1, window) that gives the coefficients of the least-squares polynomial."""
+    places = np.arange(window) - window // 2
+    powers = np.vander(places, degree + 1, increasing=True).astype(np.float64)  # (window, degree + 1)
+    return frozen(np.linalg.pinv(powers))
 
 
 def savgol(

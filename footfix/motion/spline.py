@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from footfix.motion.banded import solve_tridiagonal
 from footfix.motion.clip import Floats, Ints
 
 _AROUND = 24  # knots by which a closed curve is repeated at both ends, so that end effects vanish
@@ -84,10 +85,7 @@ def _slopes(at: Floats, values: Floats) -> Floats:
     if len(at) == 3:
         bend[1] = 6.0 * (rise[1] - rise[0]) / (2.0 * (at[2] - at[0]))
     elif len(at) > 3:
-        from scipy.linalg import solveh_banded
-
-        bands = np.stack([2.0 * (width[:-1] + width[1:]), np.append(width[1:-1], 0.0)])
-        bend[1:-1] = solveh_banded(bands, 6.0 * np.diff(rise, axis=0), lower=True, check_finite=False)
+        bend[1:-1] = solve_tridiagonal(2.0 * (width[:-1] + width[1:]), width[1:-1], 6.0 * np.diff(rise, axis=0))
     left = rise - width[:, None] * (2.0 * bend[:-1] + bend[1:]) / 6.0
     last = rise[-1] + width[-1] * (bend[-2] + 2.0 * bend[-1]) / 6.0
     return np.concatenate([left, last[None]])

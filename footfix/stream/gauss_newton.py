@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
-from scipy.linalg.lapack import dpbsv
 
 from footfix.enforce.costs import RATE
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import DAMPING, EPS, STATIC
 from footfix.enforce.terms import near
+from footfix.motion.banded import solve_banded
 from footfix.motion.clip import Floats, Ints, frozen
 from footfix.stream.legs import Legs, LegStates
 from footfix.stream.objective import Normal, normal
@@ -80,5 +80,7 @@ def _step(found: Normal, fixed: Fixed, past: int) -> Floats:
     matrix[..., 0] += bands[0].T + fixed.damping
     matrix[..., U] += bands[1].T
     matrix[..., 2 * U] += bands[2].T
-    _, step, wrong = dpbsv(matrix.reshape(F * U, 2 * U + 1).T, -gradient.reshape(-1), lower=1, overwrite_ab=1)
-    return np.asarray(step.reshape(F, U).T if wrong == 0 else np.zeros((U, F)))
+    try:
+        return solve_banded(matrix.reshape(F * U, 2 * U + 1), -gradient.reshape(-1)).reshape(F, U).T
+    except np.linalg.LinAlgError:
+        return np.zeros((U, F))

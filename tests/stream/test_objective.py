@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from streams import legs_of, pins_stacked, sample
 
-from footfix.enforce.objective import objective, systems
+from footfix.enforce.objective import linearised, objective
 from footfix.enforce.params import EnforceParams
 from footfix.enforce.problem import Problem
 from footfix.enforce.solve import descend as descend_clip
@@ -42,7 +42,7 @@ def state(of: Problem, size: float) -> Floats:
 def test_gradient_and_matrix_are_those_of_a_whole_clip(static: float, size: float) -> None:
     of = problem()
     x = state(of, size)
-    (known,) = systems(of, x, 1e-5, static=static)
+    known = linearised(of, x, 1e-5, static=static)
     ours = normal(of, legs_of(of.legs), pins_stacked(of.pins), x, 1e-5, static)
     assert np.allclose(ours.gradient.T, known.gradient, rtol=1e-9, atol=1e-9 * np.abs(known.gradient).max())
     lower = np.tril(known.main)

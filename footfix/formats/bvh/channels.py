@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from footfix.formats.bvh.tree import Channel
 from footfix.motion import rotation
 from footfix.motion.clip import Bools, Clip, Floats, Ints, Skeleton, constant_track, per_frame, same_track
+from footfix.motion.threads import at_once
 
 _BLOCK = 1 << 14  # rotations worked on together: their arrays stay in the cache of a core
 
@@ -78,7 +80,8 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, bas
     for joint, columns in enumerate(turns):
         orders.setdefault(tuple(axis for _, axis in columns), []).append(joint)
     size = max(64, _BLOCK // joints)
-    for start in range(0, frames, size):
+
+    def convert(start: int) -> None:
         block = np.ascontiguousarray(values[start : start + size].T)  # (C, frames of the block)
         span = slice(start, start + block.shape[1])
         for column, joint, axis in moves:
@@ -89,6 +92,8 @@ def to_clip(skeleton: Skeleton, channels: Sequence[Channel], values: Floats, bas
             else:
                 which = np.array([[column for column, _ in turns[joint]] for joint in group])
                 write_quaternions(np.deg2rad(block[which.T]), order, rotations, group, span)
+
+    at_once([partial(convert, start) for start in range(0, frames, size)], frames)
     return Clip.from_tracks(skeleton, places, rotations.transpose(2, 0, 1), frame_time)
 
 

@@ -6,10 +6,13 @@ reader, which reads all other files; both give the same values to the last bit.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from footfix.motion.clip import Floats, Ints
+from footfix.motion.threads import at_once
 
 Words = NDArray[np.uint64]  # eight letters each, the first one lowest
 
@@ -30,20 +33,28 @@ def read_plain(text: bytes, start: int) -> Floats | None:
     if not 0 < decimals <= _MOST or start < _MOST:
         return None
     words = np.ndarray((len(text) - _MOST + 1,), "<u8", text, 0, (1,))
-    rows, columns = list[Floats](), 0
+    spans = list[tuple[int, int]]()
     while start < len(text):
         stop = start + _CHUNK
         stop = text.rfind(b"\n", start, stop) + 1 if stop < len(text) else len(text)
-        if not stop or (found := _tokens(text, start, stop)) is None:
+        if not stop:
             return None
-        starts, ends, lengths = found
-        columns = columns or int(lengths[0])
-        values = _values(text, words, starts, ends, decimals) if np.all(lengths == columns) else None
-        if values is None:
-            return None
-        rows.append(values.reshape(-1, columns))
+        spans.append((start, stop))
         start = stop
-    return np.concatenate(rows) if rows else None
+
+    def read(start: int, stop: int) -> Floats | None:
+        found = _tokens(text, start, stop)
+        if found is None or np.any(found[2] != found[2][0]):
+            return None
+        values = _values(text, words, *found[:2], decimals)
+        return None if values is None else values.reshape(-1, found[2][0])
+
+    top = read(*spans[0]) if spans else None
+    if top is None:  # most texts that are not so regular end here
+        return None
+    parts = [top, *at_once([partial(read, *span) for span in spans[1:]], len(text))]
+    rows = [part for part in parts if part is not None and part.shape[1] == top.shape[1]]
+    return np.concatenate(rows) if len(rows) == len(parts) else None
 
 
 def _tokens(text: bytes, start: int, stop: int) -> tuple[Ints, Ints, Ints] | None:

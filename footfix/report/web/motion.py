@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from footfix.measure.skinned_joints import FEWEST, counted
 from footfix.motion.clip import Bools, Clip, Floats, Ints, frozen
 from footfix.motion.contacts import Contacts
 from footfix.motion.kinematics import forward
+from footfix.motion.threads import at_once
 from footfix.report.web.bones import bones_of
 from footfix.report.web.feet import SolePart, sole_parts
 from footfix.report.web.pack import pack, quantize
@@ -115,8 +117,9 @@ def film(
     """
     shown = display_frames(len(before), most)
     skeleton = before.skeleton
-    first = _points(before.frames(shown), rig)
-    second = first if after is before else _points(after.frames(shown), rig)
+    clips = (before,) if after is before else (before, after)
+    points = at_once([partial(_points, clip.frames(shown), rig) for clip in clips], len(shown))
+    first, second = points[0], points[-1]
     ends = skeleton.end_parents.tolist()
     parents = (*skeleton.parents.tolist(), *ends)
     without = [k for k, sole in enumerate(rig.soles) if sole.held is not None]  # of feet without toe joint
