@@ -51,7 +51,7 @@ class AutoParams:
     landing: float = 0.05
     highest: float = 0.065
     steep: float = 0.005
-    rising: float = 1.0
+    rising: float = 2.0
     stepping: SteppingParams = field(default_factory=SteppingParams)
     overtaking: OvertakingParams = field(default_factory=OvertakingParams)
     settling: SettlingParams = field(default_factory=SettlingParams)
