@@ -29,7 +29,7 @@ class SettlingParams:
 
     farthest: float = 0.022
     share: float = 0.15
-    within: float = 0.1
+    within: float = 0.05
 
 
 def settled(part: Bools, looks: Bools, place: Floats, frame_time: float, params: SettlingParams) -> Bools:
