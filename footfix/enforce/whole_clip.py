@@ -19,6 +19,7 @@ from footfix.enforce.pins import PinParams
 from footfix.enforce.pins import pins as pins_of
 from footfix.enforce.plant_faults import faults
 from footfix.enforce.problem import Problem
+from footfix.enforce.slow_feet import slow_toes
 from footfix.enforce.solve import solve
 from footfix.enforce.standing_heights import floor_steps
 from footfix.enforce.task import Task
@@ -69,9 +70,14 @@ def problem_of(clip: Clip, rig: Rig, task: Task, params: EnforceParams, cut: tup
         partial(pins_of, task.footing, leg, k, rig, clip.frame_time, heights=heights, params=params.pins)
         for k, leg in enumerate(task.legs)
     ], len(clip)))  # fmt: skip
+    steps = [_step(task, k, rig, params.pins) for k in range(len(pins))]
+    pins = tuple(
+        slow_toes(own, leg, task.footing.ground, step, clip.frame_time, rig.leg_length)
+        for own, leg, step in zip(pins, task.legs, steps, strict=True)
+    )
     skins: dict[int, Vertices] = {}
     if rig.meshes and heights:
-        steps = meshes.steps_of(rig, [_step(task, k, rig, params.pins) for k in range(len(pins))])
+        steps = meshes.steps_of(rig, steps)
         pins = meshes.over_floor(pins, rig, task.pose, steps)
         skins = meshes.skins_of(rig, task.legs, task.pose, task.lift, steps, clip.skeleton)
     noise, white = noises(task, rig)
