@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from footfix.enforce import costs, vertices
 from footfix.enforce.assembly import System
 from footfix.enforce.costs import CostParams
-from footfix.enforce.leg import ANKLE, LEG, ROOT, B, K, LegTracks, W
+from footfix.enforce.leg import ANKLE, LEG, ROOT, TIP, TOE, B, K, LegTracks, W
 from footfix.enforce.leg_state import places_of
 from footfix.enforce.objective import linearised
 from footfix.enforce.pins import Pins
@@ -103,6 +103,11 @@ def residuals(
             out.append(per_frame * on * np.sqrt(costs.LIFTED * size / then) * off / (c.level * size))
             out.append(per_frame * np.maximum(0.0, pin.lowest - place[1]) / (costs.FLOOR * size))
             out.append(per_frame * np.sqrt(pin.placed) * (place - pin.place) / (costs.PLACE * size))
+        # RISE
+        rise = of.pins[k][-1].rise
+        if rise is not None:
+            above = points[TIP][1] - points[TOE][1]
+            out.append(per_frame * np.maximum(0.0, above - rise) / (costs.RISE * size))
         # KNEE
         flexion = leg.flexion + own[K]
         out.append(per_frame * np.maximum(0.0, leg.least - flexion) / (costs.KNEE * deg))

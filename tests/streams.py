@@ -99,4 +99,6 @@ def pins_stacked(pins: Sequence[Sequence[Pins]]) -> Stacked:
         for point, pin in enumerate(own):
             for name in ("hold", "slip", "stands", "level", "draw", "lowest", "place", "placed"):
                 getattr(out, name)[..., point, k, :] = getattr(pin, name)
+        if own[-1].rise is not None:
+            out.rise[k] = own[-1].rise
     return out

@@ -13,7 +13,7 @@ LIFTED = 0.01  # [leg lengths] over its floor, above which a planted point is dr
 GROWN = 0.9  # [m] leg length at which the acceleration defaults hold
 
 # Soft bounds, as standard deviations of the excess.
-FLOOR, PLACE, FAR_ROOT = 0.0022, 0.0011, 0.003  # [leg lengths]
+FLOOR, PLACE, FAR_ROOT, RISE = 0.0022, 0.0011, 0.003, 0.007  # [leg lengths]
 KNEE, SPEED, FAR_TURN = 0.3, 0.15, 0.5  # [degrees]
 UNNOTICED = 1.3  # faults up to this multiple of `noticed` are hardly noticed
 FIRM_TURN = 0.15  # [degrees] as `FAR_TURN`, for faults below `noticed`; it grows to that for hardly noticed ones

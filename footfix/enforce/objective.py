@@ -14,7 +14,7 @@ from footfix.enforce.assembly import Pull, Pulled, System, assembled, product
 from footfix.enforce.leg import ANKLE, LEG, ROOT
 from footfix.enforce.leg_state import LegState, state_of
 from footfix.enforce.problem import Problem
-from footfix.enforce.terms import joint_terms, near, point_cost, point_terms, root_term
+from footfix.enforce.terms import joint_terms, near, point_cost, point_terms, rise_term, root_term
 from footfix.enforce.vertices import add_floor, floor_cost, floor_weight
 from footfix.motion.clip import Floats
 from footfix.motion.threads import at_once
@@ -42,17 +42,18 @@ def objective(
     """
     legs, at = _legs(problem, leg), at or posture(problem, x, leg)
 
-    def of_leg(k: int, places: Sequence[Floats]) -> float:
+    def of_leg(k: int, now: LegState) -> float:
+        places = now.places
         own = x[problem.columns(k)]
         cost = sum(point_cost(problem, pin, p, eps, static) for p, pin in zip(places, problem.pins[k], strict=True))
-        cost += joint_terms(problem, k, own, 0, None)
+        cost += joint_terms(problem, k, own, 0, None) + rise_term(problem, k, now, slice(0, LEG), None)
         if k in problem.skins:
             weight = floor_weight(problem.frame_time, problem.leg_length)
             cost += floor_cost(problem.skins[k], problem.legs[k], places[ANKLE], own, weight)
         return cost
 
     cost = near(problem, x, problem.rows(leg))[1] + (root_term(problem, x[:ROOT], None) if leg is None else 0.0)
-    return cost + sum(at_once([partial(of_leg, k, a.places) for k, a in zip(legs, at, strict=True)], x.shape[1]))
+    return cost + sum(at_once([partial(of_leg, k, a) for k, a in zip(legs, at, strict=True)], x.shape[1]))
 
 
 def linearised(
@@ -80,6 +81,7 @@ def linearised(
     for k, each in zip(legs, pulled, strict=True):
         own, base = x[problem.columns(k)], each.columns.start
         cost += joint_terms(problem, k, own, base, out) + sum(pull.cost for pull in each.pulls)
+        cost += rise_term(problem, k, each.at, each.columns, out)
         if k in problem.skins:
             weight = floor_weight(problem.frame_time, problem.leg_length)
             cost += add_floor(problem.skins[k], problem.legs[k], each.at, own, weight, out, base)

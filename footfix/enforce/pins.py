@@ -50,7 +50,7 @@ class PinParams:
     edge_weight: float = 0.1
     ankle: float = 0.4
     bare_ankle: float = 1.4
-    tip: float = 0.3
+    tip: float = 0.4
     near: float = 0.067
     sink: float = 0.0033
     turning: float = 4.0
@@ -71,6 +71,7 @@ class Pins:
         spans: the frames `[start, end)` of each plant that is to be held.
         sliding: those of each plant let go, which no static friction holds.
         place, placed: (3, F) [m] target place from labels or a style, and (F,) its weight.
+        rise: (F,) [m] of a tip that the file can bend, how far above its toe joint it may be; none for other points.
     """
 
     hold: Floats
@@ -83,6 +84,7 @@ class Pins:
     placed: Floats
     spans: tuple[tuple[int, int], ...] = ()
     sliding: tuple[tuple[int, int], ...] = ()
+    rise: Floats | None = None
 
     def let_slide(self, spans: Sequence[tuple[int, int]]) -> Pins:
         """Let some plants go: nothing draws them to their floor, and only kinetic friction is left.
@@ -174,16 +176,21 @@ def _pin(
     own, frames = [plant for plant in footing.of_leg(k) if plant.part == part], len(leg.flexion)
     track = leg.place(point)  # (3, F) [m]
     hold, draw, stand = _weights(own, footing, frames, frame_time, params.tip if tip else 1.0, params)
+    rise = None
     slip = np.diff(footing.ground.T, axis=1)
+    effector = next(e for e, sole in enumerate(rig.soles) if (sole.leg, sole.part) == (k, part))
     for plant in own:
         if footing.keep[plant.id]:
             slip[:, plant.start : plant.end - 1] = np.diff(track[:, plant.frames], axis=1)
     if tip:
         level, place, placed = track[1].copy(), np.zeros((3, frames)), np.zeros(frames)
-        usual = footing.floors.tips[k]
+        usual = float(footing.floors.tips[k])
+        if leg.bends and leg.turns:
+            # Toes lie as captured, or as they usually do in a flat foot. To hold the tip alone would bend them up
+            # until they are level, where their length over the floor changes least as the foot rolls off.
+            rise = np.where(stand, np.maximum(leg.points[TIP - 1][1], usual - footing.floors.rest[effector]), np.inf)
     else:
         level, place, placed = _places(own, footing, track, step, rig.floor)
-        effector = next(e for e, sole in enumerate(rig.soles) if (sole.leg, sole.part) == (k, part))
         rest = float(footing.floors.rest[effector])
         usual = max(rest, nominal(rig, effector)) if own else rest
     if not heights or tip:
@@ -193,7 +200,8 @@ def _pin(
         hold[:] = draw[:] = placed[:] = 0.0
     lowest = np.minimum(track[1], usual + step - params.sink * rig.leg_length)
     unsure = [p for p in own if not (footing.keep[p.id] or p.force or footing.by_hand[p.id]) and p.end - p.start >= 2]
-    return Pins(hold, slip, stand, level, draw, lowest, place, placed, tuple((p.start, p.end) for p in unsure))
+    spans = tuple((p.start, p.end) for p in unsure)
+    return Pins(hold, slip, stand, level, draw, lowest, place, placed, spans, rise=rise)
 
 
 def _weights(

@@ -82,6 +82,7 @@ def thinned(problem: Problem, which: Ints) -> Problem:
         return Pins(
             hold.min(axis=0), np.diff(moved, axis=1), pin.stands[which], pin.level[which], pin.draw[which],
             pin.lowest[which], pin.place[:, which], pin.placed[which],
+            rise=None if pin.rise is None else pin.rise[which],
         )  # fmt: skip
 
     return replace(

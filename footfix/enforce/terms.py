@@ -9,6 +9,7 @@ Minimised:   1/2 sum_t r dt ( |x / s0|^2 + |x'' / s2|^2 )     NEAR    stay near 
            + c sum_t h |p(t + 1) - p(t) - slip|               SLIP    planted points do not move: friction, c a metre
            + 1/2 sum_t r dt a ((p_y - level) / sl)^2          LEVEL   planted points are at their floor's height (*)
            + 1/2 sum_t r dt (max(0, lowest - p_y) / sf)^2     FLOOR   nothing is below the floor (see `vertices`, too)
+           + 1/2 sum_t r dt (max(0, y - rise) / su)^2         RISE    no tip is high over its toe joint; y, how high
            + 1/2 sum_t r dt (max(0, least - flexion) / sk)^2  KNEE    no knee is straighter than the clip's own
            + 1/2 sum_t (max(0, |y(t + 1) - y(t)| - v dt) / sv)^2   SPEED   no joint turns much faster than captured
            + 1/2 sum_t r dt (max(0, |y| - far) / sd)^2        FAR     joints stay within bounds; y = d, q, k, w - q, b
@@ -35,11 +36,13 @@ from footfix.enforce.costs import (
     LIFTED,
     PLACE,
     RATE,
+    RISE,
     SPEED,
     STATIC,
     UPRIGHT,
 )
-from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
+from footfix.enforce.leg import LEG, ROOT, TIP, TOE, B, K, Q, W
+from footfix.enforce.leg_state import LegState
 from footfix.enforce.pins import Pins
 from footfix.enforce.problem import Problem
 from footfix.motion.clip import Floats, Ints
@@ -218,6 +221,34 @@ def _speed(
         main[over + 1] += np.einsum("if,jf->fij", after, after)
         next_[over] -= np.einsum("if,jf->fij", before, after)
     return 0.5 * float(np.sum(beyond**2))
+
+
+def rise_term(problem: Problem, k: int, at: LegState, own: slice, out: System | None) -> float:
+    """Evaluate RISE of a foot, and add its derivatives to a system.
+
+    Args:
+        problem: the clip's.
+        k: which leg.
+        at: that leg in a state.
+        own: the rows of its unknowns in the system.
+        out: the system, if the derivatives are wanted.
+    """
+    rise = problem.pins[k][-1].rise
+    if rise is None or at.hinge is None:
+        return 0.0
+    toes = at.places[TIP] - at.places[TOE]
+    over = np.flatnonzero(toes[1] > rise)
+    if not len(over):
+        return 0.0
+    weight, beyond = RATE * problem.frame_time / (RISE * problem.leg_length) ** 2, (toes[1] - rise)[over]
+    if out is not None:
+        row = np.zeros((LEG, len(over)))
+        row[W] = at.turn[2][:, over] * toes[0, over] - at.turn[0][:, over] * toes[2, over]  # (turn dw) x toes, along y
+        row[B] = at.hinge[1, over]
+        out.gradient[own, over] += weight * beyond * row
+        main = out.main[:, own, own]
+        main[over] += weight * np.einsum("if,jf->fij", row, row)
+    return float(0.5 * weight * np.sum(beyond**2))
 
 
 def root_term(problem: Problem, x: Floats, out: System | None) -> float:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from footfix.enforce.assembly import product
-from footfix.enforce.costs import FLOOR, KNEE, LIFTED, PLACE, RATE, SPEED, STATIC, UPRIGHT
-from footfix.enforce.leg import LEG, ROOT, B, K, Q, W
+from footfix.enforce.costs import FLOOR, KNEE, LIFTED, PLACE, RATE, RISE, SPEED, STATIC, UPRIGHT
+from footfix.enforce.leg import LEG, POINTS, ROOT, TIP, TOE, B, K, Q, W
 from footfix.enforce.problem import Problem
 from footfix.enforce.terms import near, root_bound, smooth, sticks
 from footfix.motion.clip import Floats
@@ -64,6 +64,7 @@ def normal(
     main = J.swapaxes(2, 3) @ (stiff.transpose(2, 3, 0, 1).reshape(L, F, -1, 1) * J)
     steps = step.transpose(2, 3, 0, 1).reshape(L, F - 1, -1, 1)
     next_ = -(J[:, 1:].swapaxes(2, 3) @ (steps * J[:, :-1]))
+    _rises(problem, pins, at, gradient, main)
     _knees(problem, legs, own, gradient, main)
     _fast(problem, legs, own, gradient, main, next_)
     _far(problem, own, gradient, main)
@@ -122,6 +123,19 @@ def _pull(problem: Problem, pin: Stacked, place: Floats, eps: float, static: flo
     force[1] += level * off - floor * low
     stiff[1] += level + floor * (low > 0.0)
     return force, stiff, step
+
+
+def _rises(problem: Problem, pins: Stacked, at: LegStates, gradient: Floats, main: Floats) -> None:
+    """RISE: no tip is high over its toe joint."""
+    over = at.places[1, TIP] - at.places[1, TOE] - pins.rise
+    if not np.any(over > 0.0):
+        return
+    weight = RATE * problem.frame_time / (RISE * problem.leg_length) ** 2
+    upwards = len(POINTS)  # the first row of heights
+    row = at.jacobian[..., upwards + TIP, :] - at.jacobian[..., upwards + TOE, :]  # (L, F, 11)
+    bent = weight * (over > 0.0)[..., None] * row
+    gradient += np.maximum(over, 0.0)[..., None] * bent
+    main += bent[..., :, None] * row[..., None, :]
 
 
 def _knees(problem: Problem, legs: Legs, x: Floats, gradient: Floats, main: Floats) -> None:

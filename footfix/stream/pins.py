@@ -33,6 +33,7 @@ class Stacked:
         stands: (P, L, F).
         level, draw, lowest, placed: (P, L, F).
         place: (3, P, L, F) [m].
+        rise: (L, F) [m] of the tips; infinite where they may be anywhere.
     """
 
     hold: Floats
@@ -43,6 +44,7 @@ class Stacked:
     lowest: Floats
     place: Floats
     placed: Floats
+    rise: Floats
 
     @classmethod
     def none(cls, captured: Floats, belt: Floats) -> Stacked:
@@ -53,7 +55,7 @@ class Stacked:
         slip[...] = belt[:, None, None, None]
         return cls(
             np.zeros(between), slip, np.zeros(one, dtype=np.bool_), captured[1].copy(), np.zeros(one),
-            np.full(one, -np.inf), np.zeros(captured.shape), np.zeros(one),
+            np.full(one, -np.inf), np.zeros(captured.shape), np.zeros(one), np.full(one[1:], np.inf),
         )  # fmt: skip
 
     def apart(self, tips: Sequence[bool]) -> tuple[tuple[Pins, ...], ...]:
@@ -63,6 +65,7 @@ class Stacked:
                 Pins(
                     self.hold[p, k], self.slip[:, p, k], self.stands[p, k], self.level[p, k], self.draw[p, k],
                     self.lowest[p, k], self.place[:, p, k], self.placed[p, k],
+                    rise=self.rise[k] if p == TIP else None,
                 )
                 for p in range(POINTS if tip else TIP)
             )
@@ -113,6 +116,8 @@ def pins_of(feet: Sequence[FootPlants], legs: Legs, on: Bools, asked: Asked) -> 
                 out.stands[point, k] = when[point][0]
                 for start, end in when[point][1]:
                     _hold(out, foot, k, point, start, end, asked)
+                    if point == TIP and legs.kinds.bends[k]:
+                        out.rise[k, start:end] = _rise(asked.captured[1, :, k, start:end], k, asked.ground)
     np.minimum(asked.captured[1], low[..., None], out=out.lowest)
     upright = slice(TIP, None) if asked.ground.heights else slice(None)
     out.slip[1, upright] = np.diff(asked.captured[1, upright], axis=-1)
@@ -181,6 +186,11 @@ def _ramp(since: Ints, ends: bool, ground: Ground, params: PinParams) -> Floats:
         left = np.arange(len(since))[::-1]
         weights = np.minimum(weights, ((left + 0.5) / soft) ** 2 + params.edge_weight)
     return weights
+
+
+def _rise(captured: Floats, k: int, ground: Ground) -> Floats:
+    """Compute how far (n,) [m] above its toe joint a tip may be, from the points' captured heights (P, n) [m]."""
+    return np.asarray(np.maximum(captured[TIP] - captured[TOE], float(ground.tips[k] - ground.rest[k, TOE])))
 
 
 def _lowest(k: int, point: int, stands: bool, step: float, ground: Ground) -> float:

@@ -268,6 +268,23 @@ def test_longer_contacts_are_drawn_to_their_floor_as_much_on_the_whole() -> None
     assert not found[TIP].draw.any() and not found[ANKLE].draw.any()
 
 
+@pytest.mark.parametrize("up", [-0.03, 0.0, 0.03])
+def test_toes_that_stand_may_rise_as_far_as_captured_or_as_in_a_flat_foot(up: float) -> None:
+    """Toes bent up or down in a plant of the toes alone, by `up` [m] at their tip, after one of the whole foot."""
+    made = still()
+    leg = made.legs[0]
+    usual, bent = leg.points[2], leg.points[2].copy()
+    bent[1, 60:90] += up
+    made = replace(made, legs=(replace(leg, points=(*leg.points[:2], bent)), *made.legs[1:]))
+    whole, toes = Contact(10, 50), Contact(60, 90)
+    rise = laid_out(made, contacts_of(made, left_heel=[whole], left_toe=[whole, toes]))[0][TIP].rise
+    assert rise is not None
+    assert np.allclose(rise[10:50], usual[1, 10:50]) and np.allclose(rise[60:90], usual[1, 60:90] + max(up, 0.0))
+    assert np.isinf(rise[50:60]).all() and np.isinf(rise[90:]).all()
+    stiff = replace(made, legs=tuple(replace(each, bends=False) for each in made.legs))
+    assert laid_out(stiff, contacts_of(stiff, left_toe=[toes]))[0][TIP].rise is None
+
+
 def test_a_place_that_is_asked_for_is_where_the_joint_goes() -> None:
     made = still()
     sole = np.array(made.legs[0].place(TOE)[:, 0]) + [0.03, 0.0, -0.02]

@@ -56,6 +56,12 @@ def floored(point: int = TIP) -> dict[tuple[int, int], object]:
     return {(0, point): replace(idle(7), lowest=np.linspace(-0.2, 0.6, 7))}
 
 
+def bent_up() -> dict[tuple[int, int], object]:
+    """The tip lies where it was captured, and may be up to 3 cm lower or higher over its toe joint than there."""
+    toe, tip = (places(problem(), np.zeros((ROOT + LEG, 7)))[0][point][1] for point in (TOE, TIP))
+    return {(0, TIP): replace(idle(7), rise=tip - toe + np.array([-0.03, 0.0, 0.03, -0.01, 0.0, np.inf, -0.02]))}
+
+
 def placed(point: int = HEEL) -> dict[tuple[int, int], object]:
     place = places(problem(), np.zeros((ROOT + LEG, 7)))[0][point] + [[0.02], [-0.01], [0.03]]
     return {(0, point): replace(idle(7), place=place, placed=np.array([0.0, 1.0, 1.0, 100.0, 0.0, 0.0, 1.0]))}
@@ -69,6 +75,7 @@ PROBLEMS = {
     "slip of the tip": lambda: problem(holding(point=TIP)),
     "level": lambda: problem(drawn()),
     "floor": lambda: problem(floored()),
+    "rise": lambda: problem(bent_up()),
     "knee": lambda: raised_knees(problem()),
     "speed": lambda: problem(costs=replace(FREE, speed=20.0)),
     "root far": lambda: problem(costs=replace(FREE, root_farthest=0.06)),
