@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -15,6 +14,7 @@ from footfix.batch.file_io import STDIN, remove_leftovers
 from footfix.batch.journal import Journal
 from footfix.batch.processes import Results, Stop, Work, here, on_processes
 from footfix.batch.task import FileResult, Task
+from footfix.motion.threads import available
 
 # With fewer clips than this a worker process takes longer to start than it saves.
 _WORTH_A_PROCESS = 4
@@ -104,7 +104,7 @@ def _done(work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: C
     if not chosen:
         return
     ended: Results
-    workers = crew.workers or (_processors() if len(chosen) >= _WORTH_A_PROCESS else 1)
+    workers = crew.workers or (available() if len(chosen) >= _WORTH_A_PROCESS else 1)
     if crew.dask:
         from footfix.batch.dask_cluster import on_cluster
 
@@ -116,13 +116,6 @@ def _done(work: Work, tasks: Sequence[Task], crew: Crew, stop: Stop, starting: C
     with closing(ended):
         for k, result in ended:
             yield others[k], result
-
-
-def _processors() -> int:
-    """Count the processors that this process may use: a job in a cluster's queue has fewer than the machine."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _clear_leftovers(tasks: Sequence[Task]) -> None:

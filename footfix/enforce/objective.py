@@ -22,7 +22,7 @@ from footfix.motion.threads import at_once
 
 def posture(problem: Problem, x: Floats, leg: int | None = None) -> list[LegState]:
     """Compute all legs, or one alone, in a state (U, F)."""
-    legs = _legs(problem, leg)
+    legs = problem.unknown_legs(leg)
     return at_once([partial(state_of, problem.legs[k], x[:ROOT], x[problem.columns(k)]) for k in legs], x.shape[1])
 
 
@@ -40,7 +40,7 @@ def objective(
         leg: the only leg whose unknowns they are; by default they are those of all legs and of the root.
         at: the legs in that state, from `posture`, where they are known.
     """
-    legs, at = _legs(problem, leg), at or posture(problem, x, leg)
+    legs, at = problem.unknown_legs(leg), at or posture(problem, x, leg)
 
     def of_leg(k: int, now: LegState) -> float:
         places = now.places
@@ -61,7 +61,7 @@ def linearised(
     at: Sequence[LegState] | None = None,
 ) -> System:  # fmt: skip
     """Linearise the objective at a state; arguments as of `objective`."""
-    legs, at = _legs(problem, leg), at or posture(problem, x, leg)
+    legs, at = problem.unknown_legs(leg), at or posture(problem, x, leg)
     rows = problem.rows(leg)
     first = len(rows) - LEG * len(legs)  # the root's unknowns, if they are there, come before
 
@@ -86,7 +86,3 @@ def linearised(
             weight = floor_weight(problem.frame_time, problem.leg_length)
             cost += add_floor(problem.skins[k], problem.legs[k], each.at, own, weight, out, base)
     return replace(out, cost=cost)
-
-
-def _legs(problem: Problem, leg: int | None) -> Sequence[int]:
-    return range(len(problem.legs)) if leg is None else (leg,)

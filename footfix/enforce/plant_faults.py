@@ -64,8 +64,9 @@ def kept(
         rested[:] = [_rests(plant, held[plant.leg][plant.point]) for plant in plants]
     frames = np.array([plant.end - plant.start for plant in plants])
     if not any(sure) and np.sum(frames[rested]) >= _CLEANED * max(np.sum(frames), 1):
-        most = max(params.keep_slide, noticed), max(params.keep_height, noticed)
-        params = replace(params, keep_slide=most[0], keep_height=most[1])
+        params = replace(
+            params, keep_slide=max(params.keep_slide, noticed), keep_height=max(params.keep_height, noticed)
+        )
     for e in {plant.effector for plant in plants}:
         own = [plant for plant in plants if plant.effector == e]
         leg, point = own[0].leg, own[0].point
@@ -73,8 +74,8 @@ def kept(
         cores, level = [core(p, frame_time, params.edge) for p in own], [floors.plants[p.id] for p in own]
         # where a toe joint is, the clip tells exactly; where a heel is, it does not
         exact = [sure[p.id] and point == TOE and legs[leg].leg.toe is not None for p in own]
-        most_slide = np.where(exact, _RESTED, params.keep_slide)
-        still = _still(cores, track, level, leg_length, heights, most_slide, params)
+        most = np.where(exact, _RESTED, params.keep_slide)
+        still = _still(cores, track, level, leg_length, heights, most, params)
         for plant, keep, strict in zip(own, still.tolist(), exact, strict=True):
             found[plant.id] |= keep or (bool(rested[plant.id]) and not strict)
     return _heels_with_toes(plants, found, sure, len(ground))

@@ -5,8 +5,8 @@ The terms are in `terms`, their sum in `objective`, its minimisation in `solve`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,9 +62,19 @@ class Problem:
         """Get the slice of a leg's eight unknowns in a state."""
         return slice(ROOT + LEG * leg, ROOT + LEG * (leg + 1))
 
+    def unknown_legs(self, leg: int | None) -> Sequence[int]:
+        """List the legs whose unknowns are solved for: one alone, or, without one, all."""
+        return range(len(self.legs)) if leg is None else (leg,)
+
     def rows(self, leg: int | None) -> Ints:
         """Get the places of a leg's unknowns in a state, one after the other; without a leg those of all unknowns."""
         return np.arange(self.unknowns)[slice(None) if leg is None else self.columns(leg)]
+
+    def with_pins(self, pins: Sequence[tuple[Pins, ...]]) -> Problem:
+        """Replace the pins, and keep what was computed without them."""
+        found = replace(self, pins=tuple(pins))
+        found.__dict__.update(near_bands=self.near_bands, farthest=self.farthest, beyond=self.beyond)
+        return found
 
     def free(self) -> Bools:
         """Mark the unknowns that may differ from zero, (U,)."""

@@ -107,7 +107,7 @@ def descend(
         leg: the only leg that is an unknown, if it is; else all are, and the root.
         fixed: (F,) frames whose state is fixed, such as a stream's past.
     """
-    eps, at = first, tuple(posture(problem, x, leg))
+    eps, at = first, posture(problem, x, leg)
     for n in range(rounds):
         static = STATIC if n >= rounds - last else 1.0
         if last and n == rounds - last:
@@ -120,23 +120,23 @@ def descend(
 def _descended(
     problem: Problem, x: Floats, at: Sequence[LegState], eps: float, static: float, leg: int | None,
     fixed: Bools | None,
-) -> tuple[Floats, tuple[LegState, ...]]:  # fmt: skip
+) -> tuple[Floats, list[LegState]]:  # fmt: skip
     """Take one round from a state, in which the legs are `at`; return the new state, and the legs in it."""
     system = linearised(problem, x, eps, static=static, leg=leg, at=at)
     step = _step(problem, system, fixed)
     for _ in range(_HALVINGS):  # one-sided terms may become active along the step
         then = posture(problem, x + step, leg)
         if objective(problem, x + step, eps, static=static, leg=leg, at=then) <= system.cost:
-            return x + step, tuple(then)
+            return x + step, then
         step = 0.5 * step
-    return x + step, tuple(posture(problem, x + step, leg))
+    return x + step, posture(problem, x + step, leg)
 
 
 def settled(problem: Problem, x: Floats, leg: int | None = None) -> Problem:
     """Release plants, of one leg or all, that slide in most of their frames: static friction holds those that stand."""
     most = _STANDS * problem.leg_length * problem.frame_time
     pins = list(problem.pins)
-    for k in range(len(problem.legs)) if leg is None else (leg,):
+    for k in problem.unknown_legs(leg):
         places = places_of(problem.legs[k], x[:ROOT], x[problem.columns(k)])
         left = []
         for place, pin in zip(places, problem.pins[k], strict=True):
@@ -144,9 +144,7 @@ def settled(problem: Problem, x: Floats, leg: int | None = None) -> Problem:
             still = np.hypot(slip[0], slip[2]) <= most
             left.append(pin.let_slide([s for s in pin.spans if still[s[0] : s[1] - 1].mean() < _SETTLED]))
         pins[k] = tuple(left)
-    found = replace(problem, pins=tuple(pins))
-    found.__dict__.update(near_bands=problem.near_bands, farthest=problem.farthest)  # pins have no part in them
-    return found
+    return problem.with_pins(pins)
 
 
 def _step(problem: Problem, system: System, fixed: Bools | None) -> Floats:

@@ -9,8 +9,6 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from typing import TypeVar
 
-import numpy as np
-
 LONG = 2000  # from this length of arrays on most of the time goes into numpy, which lets other threads run
 _MOST = 4  # threads; more of them mostly wait for each other's Python
 
@@ -31,6 +29,8 @@ def at_once(tasks: Sequence[Callable[[], Result]], size: int) -> list[Result]:
     count = min(len(tasks), _MOST, processors() if size >= LONG else 1)
     if count < 2:
         return [task() for task in tasks]
+    import numpy as np  # slow to load, and a batch only counts processors
+
     done: dict[int, Result] = {}
     faults: list[BaseException] = []
     errors = np.geterr()
@@ -46,6 +46,8 @@ def at_once(tasks: Sequence[Callable[[], Result]], size: int) -> list[Result]:
         finally:
             _shared.reset(token)
 
+    # The caller's thread takes a share, unlike with an executor of the standard library: one more thread would keep
+    # tens of megabytes of its own.
     threads = [threading.Thread(target=some, args=(k,)) for k in range(1, count)]
     for thread in threads:
         thread.start()
@@ -70,6 +72,9 @@ def processors() -> int:
     if _shared.get() or threading.current_thread() is not threading.main_thread():
         return 1
     processes = sys.modules.get("multiprocessing")  # where it is not loaded, this is nobody's worker
-    if processes and processes.parent_process():
-        return 1
+    return 1 if processes and processes.parent_process() else available()
+
+
+def available() -> int:
+    """Count the processors that this process may use: a job in a cluster's queue has fewer than the machine."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
